@@ -155,15 +155,17 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
 def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> Array:
     """(2,) ends of the nodes that stick through the last cycle, counted to half-way to the next node; NaN if none.
 
+    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all of it.
     With bulk stress or tilt the steady state is only approached: what still creeps, less and less from cycle to cycle, counts.
     """
     period = scene.load.path().period
+    if period is None:
+        return np.full(2, np.nan)
     times = np.array([state.time for state in run.states])
-    start = run.states[-1].time - period * (1 - 1e-9) if period is not None else -np.inf
     loaded = np.array([state.normal_load > 0 for state in run.states])
-    inside = (times > start) & loaded
+    inside = (times > run.states[-1].time - period * (1 - 1e-9)) & loaded
     always = np.all(seen[inside] == STICK, axis=0)
-    if scene.unsymmetric and period is not None:
+    if scene.unsymmetric:
         law, slip = (np.array([getattr(run.states[k], name) for k in np.flatnonzero(inside)]) for name in ("state", "slip"))
         moved = np.ptp(slip, axis=0)
         always |= np.all(law != OPEN, axis=0) & (moved <= _CREEP * moved.max())

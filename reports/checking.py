@@ -51,7 +51,7 @@ class PathCheck:
     Attributes
     ----------
     ratio : largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    time, normal_load, tangential_load, part : where that is, `part` being "initial loading" or "cycle"
+    time, normal_load, tangential_load, part : where that is, `part` being "initial loading", "cycle", or "path" if none repeats
     reason : "" for an admissible path, else "gross sliding" or "separation"
     first_time : when the path first leaves the admissible region; None if it never does
     """
@@ -93,7 +93,7 @@ def check_path(scene: Scene) -> PathCheck:
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
-    """The legs of the initial loading and of one cycle, and which of the two each is part of.
+    """The legs of the initial loading and of one cycle, or of a path that does not repeat, and which of them each is part of.
 
     Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
     admissible region, that with the worst ratio and that with the largest P, all of which are at rows.
@@ -101,7 +101,10 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        return [(leg, "initial loading") for leg in path.initial_loading] + [(leg, "cycle") for leg in path.cycle]
+        return [(leg, "initial loading" if path.cycle else "path") for leg in path.initial_loading] + [
+            (leg, "cycle") for leg in path.cycle
+        ]
+    first, later = ("initial loading", "cycle") if load.repeats else ("path", "path")
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
@@ -112,7 +115,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
         for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
             leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
-            legs.append((leg, "cycle" if load.repeats and begin + k > 0 else "initial loading"))
+            legs.append((leg, later if begin + k > 0 else first))
     return legs
 
 

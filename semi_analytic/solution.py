@@ -295,7 +295,7 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     apart = abs(found.loop / work - 1) if steady and work > 0 else 0.0
     errors = found.errors | {"dissipation": found.errors["dissipation"] + apart}
     skipped = {name: (len(time), "not asked for") for name in FIELDS if name not in wanted}
-    stays = found.permanent_stick_edges
+    stays = found.permanent_stick_edges if period is not None else np.full(2, math.nan)  # unloaded, nothing sticks
     answer = ContactSolution(
         engine="semi_analytic",
         scene=scene,

@@ -130,6 +130,7 @@ def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
     assert answer.tilt is not None
     assert answer.tilt[-1] == pytest.approx(-0.7, abs=2e-3)
     np.testing.assert_allclose(answer.contact_edges[-1], [0.7 - A0, 0.7 + A0], atol=1e-2)
+    assert np.isnan(answer.permanent_stick_half_width)  # a path that does not repeat starts unloaded
     answer = solved(scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5})))
     assert answer.moment is not None
     np.testing.assert_allclose(answer.moment, 0.5 * answer.tangential_load, atol=1e-12)

@@ -132,8 +132,8 @@ def test_gross_sliding_and_separation_are_found_where_they_start(
     assert check.reason == reason
     assert check.first_time == (start if start is None else pytest.approx(start, abs=1e-9))
     if abs(way[-1][1]) == 60:
-        assert (check.ratio, check.time, check.part) == (pytest.approx(1.2), 2.0, "initial loading")
-        words = r"my\.toml: load: gross sliding from time 1\.83333 on, worst in the initial loading at time 2 with P = 100, "
+        assert (check.ratio, check.time, check.part) == (pytest.approx(1.2), 2.0, "path")
+        words = r"my\.toml: load: gross sliding from time 1\.83333 on, worst in the path at time 2 with P = 100, "
         with pytest.raises(InputError, match=words):
             require_admissible(path, "my.toml")
 
@@ -173,7 +173,7 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(repeats: bool, block: i
         worst = int(np.argmax(ratio.max(axis=1)))
         assert found.ratio == ratio.max()
         assert legs[worst].start <= found.time <= legs[worst].end
-        assert found.part == ("cycle" if repeats and worst else "initial loading")
+        assert found.part == (("cycle" if worst else "initial loading") if repeats else "path")
         outside = np.flatnonzero(ratio.max(axis=1) > 1 + 1e-12)
         assert (found.first_time is None) == (len(outside) == 0)
         if len(outside):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -518,6 +519,14 @@ def test_scales_and_frictionless_shear() -> None:
     found = compare(smooth, with_fields(smooth, shear=0.01 * TRUTH.pressure))
     assert found.metric("shear").value == pytest.approx(0.01)
     assert any("Frictionless" in note for note in found.notes)
+
+
+def test_a_pickled_comparison_has_the_same_metrics() -> None:
+    """A sweep of somebody else sends it between processes; rows of the table hold functions without names of their own."""
+    comparison = compare(cattaneo_mindlin(), cattaneo_mindlin())
+    again = pickle.loads(pickle.dumps(comparison))
+    assert [(one.key, one.value) for one in again.metrics] == [(one.key, one.value) for one in comparison.metrics]
+    assert all(one.definition is METRICS[one.key] for one in again.metrics)
 
 
 def test_light_instants_are_shown_and_not_judged() -> None:

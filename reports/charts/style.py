@@ -61,8 +61,15 @@ def pieces(text: str) -> list[tuple[str, bool]]:
 
 
 def marked(text: object) -> Markup:
-    """Words with their subscripts, for a page."""
-    return Markup("").join(Markup("<sub>{}</sub>").format(part) if low else part for part, low in pieces(str(text)))
+    """Words with their subscripts, and as code what stands between backticks, for a page.
+
+    >>> print(marked("p_max; `--budget` gives it"))
+    p<sub>max</sub>; <code>--budget</code> gives it
+    """
+    tags = "{}", "<sub>{}</sub>", "<code>{}</code>"
+    words = ((part, 2 * (k % 2)) for k, part in enumerate(re.split("`([^`]+)`", str(text))))
+    parts = ((part, tag) for word, tag in words for part, tag in ([(word, 2)] if tag else pieces(word)))
+    return Markup("").join(Markup(tags[tag]).format(part) for part, tag in parts)
 
 
 @cache

@@ -18,7 +18,7 @@ from typing import Any
 from reports.comparison.metrics import Verdict, energy_scale, verdict_on
 from reports.staging import replace_text
 from scenes import ContactSolution, InputError, Scene
-from scenes.errors import present_names
+from scenes.errors import first_line, present_names
 from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
@@ -111,7 +111,7 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
-        raise InputError(f"{source}: this says it is a {stated}, but can't be read as one: {_first_line(reason)}") from reason
+        raise InputError(f"{source}: this says it is a {stated}, but can't be read as one: {first_line(reason)}") from reason
 
 
 def of_solution(solution: ContactSolution, source: str) -> Findings:
@@ -253,7 +253,7 @@ def _json(path: Path, source: str | Path) -> dict[str, Any]:
     except InputError:
         raise
     except ValueError as reason:
-        raise InputError(f"{source}: this can't be read as JSON: {_first_line(reason)}") from reason
+        raise InputError(f"{source}: this can't be read as JSON: {first_line(reason)}") from reason
     if not isinstance(content, dict):
         raise InputError(f"{source}: this is JSON, but neither a run nor a baseline of halfplane")
     return content
@@ -263,11 +263,7 @@ def _solution(path: Path, source: str | Path) -> ContactSolution:
     try:
         return ContactSolution.load(path)
     except (OSError, KeyError, ValueError, TypeError) as reason:
-        raise InputError(f"{source}: this can't be read as a solution of halfplane: {_first_line(reason)}") from reason
-
-
-def _first_line(reason: Exception) -> str:
-    return str(reason).splitlines()[0] if str(reason) else type(reason).__name__
+        raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
 
 
 # -------------------------------------------------------------------------------------------------------------- differences

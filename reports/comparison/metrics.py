@@ -303,6 +303,13 @@ class Definition:
         """Whether it stands in the first table."""
         return bool(self.quantity)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _row, (self.key,)  # its functions have no names of their own
+
+
+def _row(key: str) -> Definition:
+    return METRICS[key]
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Metric(Measured):

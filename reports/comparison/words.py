@@ -11,7 +11,20 @@ import numpy as np
 
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape, Wave, sampled
+from scenes import (
+    Block,
+    Cylinder,
+    EllipseLoad,
+    FlatRounded,
+    HalfPlane,
+    Hertz,
+    Pad,
+    PolygonLoad,
+    Scene,
+    Shape,
+    Wave,
+    sampled,
+)
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -51,13 +64,27 @@ def question(scene: Scene) -> str:
         for m in (scene.material.upper, scene.material.lower)
     )
     material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
-    load = scene.load
-    repeats = load.cycle if isinstance(load, PolygonLoad) else getattr(load, "repeats", True)
+    what = "the path" if scene.load.path().period is None else "a cycle"
     return (
         f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
         f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}{bulk_and_tilt(scene)}. "
-        f"What do they transmit, where do they slip, and what does {'a cycle' if repeats else 'the path'} dissipate?"
+        f"What do they transmit, where do they slip, and what does {what} dissipate?"
     )
+
+
+def without_cycle(text: str, scene: Scene) -> str:
+    """A page's words; where the path does not repeat, and so has no cycle, they speak of the path.
+
+    >>> from scenes import load_scene
+    >>> record = load_scene("cattaneo-mindlin").vary(load=PolygonLoad(initial_loading=[(90.0, 0.0), (90.0, 20.0)]))
+    >>> without_cycle("Last cycle. States through the whole last cycle, from the start of the cycle", record)
+    'Path. States through the whole path, from the start of the path'
+    """
+    if scene.load.path().period is not None:
+        return text
+    text = text.replace("Last cycle", "Path").replace("last cycle", "path").replace("hrough the cycle", "hrough the path")
+    found = r"\b((?:start of|Instant of|over|in) the|Dissipation of a) cycle\b"
+    return re.sub(found, lambda words: words[1].replace(" a", " the") + " path", text)
 
 
 def _loads(scene: Scene, unit: str) -> str:

@@ -35,6 +35,7 @@ from reports.comparison.words import (
     unit_of,
     value_of,
     verdict,
+    without_cycle,
 )
 from reports.measured import section
 from reports.page.live import as_script, carried
@@ -65,7 +66,7 @@ def render(
     scene = comparison.scene
     words = said(report)
     program, digest = script()
-    return template("report.html").render(
+    page = template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
         **words | {"bodies": [words["bodies"], words["unlike_materials"], *findings(scene)[0]]},
@@ -106,6 +107,7 @@ def render(
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
     )
+    return without_cycle(page, scene)
 
 
 def commit() -> str:

@@ -26,6 +26,7 @@ from reports.comparison.words import (
     tolerance_of,
     unit_of,
     verdict,
+    without_cycle,
 )
 from reports.page.content import commit
 from scenes import InputError
@@ -55,7 +56,7 @@ def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str)
                 (folder / f"{plate.name}.svg").write_text(plate.svg(), encoding="utf-8")
                 small = "55%" if plate.name in ("bodies", "load_path") else "100%"
                 figures.append({"file": f"{plate.name}.svg", "title": plate.title, "caption": plate.caption, "width": small})
-        content = json.dumps(_content(report, figures, command), ensure_ascii=False)
+        content = without_cycle(json.dumps(_content(report, figures, command), ensure_ascii=False), report.comparison.scene)
         (folder / "data.json").write_text(content, encoding="utf-8")
         (folder / "report.typ").write_text((_TEMPLATES / "report.typ").read_text("utf-8"), encoding="utf-8")
         typst.compile(str(folder / "report.typ"), output=str(path), root=str(folder))
