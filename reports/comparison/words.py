@@ -96,7 +96,7 @@ def _loads(scene: Scene, unit: str) -> str:
             f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
         )
     if not isinstance(load, PolygonLoad):
-        return load.in_words(unit)
+        return re.sub(r"(?<=\s)-(?=\d)", "−", load.in_words(unit))
     corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
     points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
