@@ -18,7 +18,8 @@ from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
+from operator import itemgetter
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -88,6 +89,8 @@ class Knot(NamedTuple):
 
 
 _knot = tuple.__new__  # half the time of the class, a million times
+_OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
+_ENDS = itemgetter(1, 2, 3, 4)  # top, force, length, rise
 Station = tuple[float, float, float]
 """P, Q and the share of the step that is over."""
 Rows = tuple[list["Knot | None"], Any]
@@ -278,19 +281,12 @@ def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
     lines, numbers = records
     counts, alive = [0], 0
     p, q = rows[0].tolist()
-    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        for normal, tangential in rows[1:].tolist():
-            curve = _step(curve, p, q, normal, tangential, friction, records)
-            p, q = normal, tangential
-            counts.append(len(lines))
-            if curve is not None and curve.depth > alive:
-                alive = curve.depth
-    finally:
-        if collects:
-            gc.enable()
+    for normal, tangential in rows[1:].tolist():
+        curve = _step(curve, p, q, normal, tangential, friction, records)
+        p, q = normal, tangential
+        counts.append(len(lines))
+        if curve is not None and curve.depth > alive:
+            alive = curve.depth
     table = [*np.frombuffer(numbers).reshape(-1, 7).T, np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
     return Block(rows, Records._make(table), tuple(lines), curve, alive)
 
@@ -510,11 +506,17 @@ def _followed(
 
 def blocks(part: Part, friction: float) -> Iterator[tuple[int, Block]]:
     """The steps of a part, a block at a time, and the number of the first."""
-    curve = part.curve
-    for first in range(0, len(part.rows) - 1, _BLOCK):
-        block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction)
-        yield first, block
-        curve = block.curve
+    curve, collects = part.curve, gc.isenabled()
+    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
+    gc.disable()
+    try:
+        for first in range(0, len(part.rows) - 1, _BLOCK):
+            block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction)
+            yield first, block
+            curve = block.curve
+    finally:
+        if collects:
+            gc.enable()
 
 
 class States:
@@ -536,13 +538,10 @@ class States:
         begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
         part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
         used, which = np.unique(number, return_inverse=True)
-        lines = [block.lines[k] for k in used.tolist()]
-        open_ = (None, 0.0, 0.0, 1.0, 0.0, 0)
-        ends = [
-            (top, held, length, rise, below[1] if below is not None else 0.0)
-            for below, top, held, length, rise, _ in (line or open_ for line in lines)
-        ]
-        top, held, length, rise, bottom = np.array(ends)[which].T
+        lines = [block.lines[k] or _OPEN for k in used.tolist()]
+        ends = np.fromiter(chain.from_iterable(map(_ENDS, lines)), float, 4 * len(lines)).reshape(-1, 4)
+        bottom = np.array([line[0][1] if line[0] is not None else 0.0 for line in lines])[which]
+        top, held, length, rise = ends[which].T
         slope = rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
         load, force = np.where(share[:, None] > 0.5, before + way - (1 - share)[:, None] * way, before + share[:, None] * way).T
@@ -553,7 +552,7 @@ class States:
         balance = held - slope * (top - (load - slipped)) + s * self.friction * slipped - force
         self._columns.append((load, force, slipped, s, which + len(self._lines), balance))
         if self.curves:
-            self._lines += lines
+            self._lines += [block.lines[k] for k in used.tolist()]
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
