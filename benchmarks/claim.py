@@ -61,7 +61,7 @@ def markdown(head: str, cells: Iterable[Sequence[object]]) -> list[str]:
 
 def table(rows: Iterable[Row]) -> str:
     """The rows as a Markdown table."""
-    return "\n".join(markdown("claim | measured | limit | kept | how", (row.cells for row in rows)))
+    return "\n".join(markdown("claim | measured | limit | met | how", (row.cells for row in rows)))
 
 
 def kept_json(file: Path) -> dict[str, Any]:

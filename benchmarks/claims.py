@@ -1,4 +1,4 @@
-"""Every number that the project claims, measured now: printed, kept in docs/numbers.json and docs/numbers.md.
+"""Every number that the project claims, measured now: printed, stored in docs/numbers.json and docs/numbers.md.
 
     make numbers                              (python benchmarks/claims.py, half an hour)
     make numbers SECTIONS='"Finite*" Time'    (those sections alone; the others stay as they were measured)
@@ -144,7 +144,7 @@ def page_of(kept: Kept) -> str:
         *("", f"## {more}" if missed else "Every claim that has a limit satisfies it."),
     ]
     if missed:
-        text += ["", *markdown("section | claim | measured | limit | kept | how", [(title, *row.cells) for title, row in shown])]
+        text += ["", *markdown("section | claim | measured | limit | met | how", [(title, *row.cells) for title, row in shown])]
     return "\n".join(text) + "\n"
 
 

@@ -39,7 +39,7 @@ def doors(files: int) -> Iterator[Row]:
                     print(f"{name} {number}: {type(fault).__name__}: {fault}", file=sys.stderr)
                     answer = "broken"
                 counts[answer if answer in {"read", "broken"} else "refused"] += 1
-    how = f"{files} spoilt files at each of {len(DOORS)} doors"
+    how = f"{files} spoilt files for each of {len(DOORS)} kinds of input file"
     yield Row("spoilt files that end in anything but a result or a sentence", counts["broken"], 0, how)
     yield Row("spoilt files refused in one sentence", counts["refused"], None, how)
     yield Row("spoilt files that still make sense, read", counts["read"], None, how)
