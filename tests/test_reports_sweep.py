@@ -600,6 +600,19 @@ def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypa
     assert state_of(store)["points"] == {"done": 3, "failed": 0, "running": 0, "waiting": 0, "total": 3}
 
 
+def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store.write_plan({"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(8)])
+    for number in range(3):
+        os.utime(store.path(f"{number:064x}"), (0, 1000 + 10 * number))
+    assert state_of(store)["seconds_left"] is None  # nobody is at work
+    monkeypatch.setattr(Store, "running", lambda _: {f"{5:064x}"})
+    found = state_of(store)
+    assert found["points"] == {"done": 3, "failed": 0, "running": 1, "waiting": 4, "total": 8}
+    assert found["seconds_left"] == pytest.approx(5 * 10)
+
+
 # -------------------------------------------------------------------------------------------------------- crews and Ctrl-C
 
 
