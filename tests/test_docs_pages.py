@@ -247,7 +247,7 @@ def test_the_third_solver_is_what_was_measured_and_published() -> None:
 def test_the_page_on_faults_states_how_many_file_kinds_were_counted_and_how_many_there_are() -> None:
     """A kind that is new in tests/fuzzing.py, and a new count of `make numbers`, change the sentence."""
     rows = json.loads((DOCS / "numbers.json").read_text(encoding="utf-8"))["Faults and bad input"]["rows"]
-    (counted,) = re.findall(r"at each of (\d+) doors", rows[0]["how"])
+    (counted,) = re.findall(r"for each of (\d+) kinds", rows[0]["how"])
     assert f"on {counted} of the {len(DOORS)} file kinds" in TEXTS["security.md"]
 
 
