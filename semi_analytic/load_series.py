@@ -281,12 +281,19 @@ def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
     lines, numbers = records
     counts, alive = [0], 0
     p, q = rows[0].tolist()
-    for normal, tangential in rows[1:].tolist():
-        curve = _step(curve, p, q, normal, tangential, friction, records)
-        p, q = normal, tangential
-        counts.append(len(lines))
-        if curve is not None and curve.depth > alive:
-            alive = curve.depth
+    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        for normal, tangential in rows[1:].tolist():
+            curve = _step(curve, p, q, normal, tangential, friction, records)
+            p, q = normal, tangential
+            counts.append(len(lines))
+            if curve is not None and curve.depth > alive:
+                alive = curve.depth
+    finally:
+        if collects:
+            gc.enable()
     table = [*np.frombuffer(numbers).reshape(-1, 7).T, np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
     return Block(rows, Records._make(table), tuple(lines), curve, alive)
 
@@ -506,17 +513,11 @@ def _followed(
 
 def blocks(part: Part, friction: float) -> Iterator[tuple[int, Block]]:
     """The steps of a part, a block at a time, and the number of the first."""
-    curve, collects = part.curve, gc.isenabled()
-    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
-    gc.disable()
-    try:
-        for first in range(0, len(part.rows) - 1, _BLOCK):
-            block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction)
-            yield first, block
-            curve = block.curve
-    finally:
-        if collects:
-            gc.enable()
+    curve = part.curve
+    for first in range(0, len(part.rows) - 1, _BLOCK):
+        block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction)
+        yield first, block
+        curve = block.curve
 
 
 class States:
@@ -538,9 +539,10 @@ class States:
         begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
         part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
         used, which = np.unique(number, return_inverse=True)
-        lines = [block.lines[k] or _OPEN for k in used.tolist()]
-        ends = np.fromiter(chain.from_iterable(map(_ENDS, lines)), float, 4 * len(lines)).reshape(-1, 4)
-        bottom = np.array([line[0][1] if line[0] is not None else 0.0 for line in lines])[which]
+        lines = [block.lines[k] for k in used.tolist()]
+        known = [line or _OPEN for line in lines]
+        ends = np.fromiter(chain.from_iterable(map(_ENDS, known)), float, 4 * len(known)).reshape(-1, 4)
+        bottom = np.array([line.bottom for line in known])[which]
         top, held, length, rise = ends[which].T
         slope = rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
@@ -552,7 +554,7 @@ class States:
         balance = held - slope * (top - (load - slipped)) + s * self.friction * slipped - force
         self._columns.append((load, force, slipped, s, which + len(self._lines), balance))
         if self.curves:
-            self._lines += [block.lines[k] for k in used.tolist()]
+            self._lines += lines
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
