@@ -66,10 +66,14 @@ def marked(text: object) -> Markup:
     >>> print(marked("p_max; `--budget` gives it"))
     p<sub>max</sub>; <code>--budget</code> gives it
     """
-    tags = "{}", "<sub>{}</sub>", "<code>{}</code>"
-    words = ((part, 2 * (k % 2)) for k, part in enumerate(re.split("`([^`]+)`", str(text))))
-    parts = ((part, tag) for word, tag in words for part, tag in ([(word, 2)] if tag else pieces(word)))
-    return Markup("").join(Markup(tags[tag]).format(part) for part, tag in parts)
+    found = Markup("")
+    for k, words in enumerate(re.split("`([^`]+)`", str(text))):
+        if k % 2:
+            found += Markup("<code>{}</code>").format(words)
+            continue
+        for part, low in pieces(words):
+            found += Markup("<sub>{}</sub>").format(part) if low else part
+    return found
 
 
 @cache

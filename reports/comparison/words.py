@@ -11,20 +11,7 @@ import numpy as np
 
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import (
-    Block,
-    Cylinder,
-    EllipseLoad,
-    FlatRounded,
-    HalfPlane,
-    Hertz,
-    Pad,
-    PolygonLoad,
-    Scene,
-    Shape,
-    Wave,
-    sampled,
-)
+from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -73,7 +60,7 @@ def question(scene: Scene) -> str:
 
 
 def without_cycle(text: str, scene: Scene) -> str:
-    """A page's words; where the path does not repeat, and so has no cycle, they speak of the path.
+    """Our own words; where the path does not repeat, and so has no cycle, they speak of the path. Not for what users wrote.
 
     >>> from scenes import load_scene
     >>> record = load_scene("cattaneo-mindlin").vary(load=PolygonLoad(initial_loading=[(90.0, 0.0), (90.0, 20.0)]))
@@ -84,7 +71,8 @@ def without_cycle(text: str, scene: Scene) -> str:
         return text
     text = text.replace("Last cycle", "Path").replace("last cycle", "path").replace("hrough the cycle", "hrough the path")
     found = r"\b((?:start of|Instant of|over|in) the|Dissipation of a) cycle\b"
-    return re.sub(found, lambda words: words[1].replace(" a", " the") + " path", text)
+    # Markup stays markup.
+    return type(text)(re.sub(found, lambda words: words[1].replace(" a", " the") + " path", text))
 
 
 def _loads(scene: Scene, unit: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ def render(
     scene = comparison.scene
     words = said(report)
     program, digest = script()
-    page = template("report.html").render(
+    return template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
         **words | {"bodies": [words["bodies"], words["unlike_materials"], *findings(scene)[0]]},
@@ -97,6 +98,7 @@ def render(
         command=command,
         commit=commit(),
         paper=THEORY,
+        own=partial(without_cycle, scene=scene),
         third=third,
         script=program,
         script_hash=digest,
@@ -107,7 +109,6 @@ def render(
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
     )
-    return without_cycle(page, scene)
 
 
 def commit() -> str:

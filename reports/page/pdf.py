@@ -55,8 +55,9 @@ def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str)
             if plate.name != "cycle":  # it is for who can move it
                 (folder / f"{plate.name}.svg").write_text(plate.svg(), encoding="utf-8")
                 small = "55%" if plate.name in ("bodies", "load_path") else "100%"
-                figures.append({"file": f"{plate.name}.svg", "title": plate.title, "caption": plate.caption, "width": small})
-        content = without_cycle(json.dumps(_content(report, figures, command), ensure_ascii=False), report.comparison.scene)
+                title, caption = (without_cycle(words, report.comparison.scene) for words in (plate.title, plate.caption))
+                figures.append({"file": f"{plate.name}.svg", "title": title, "caption": caption, "width": small})
+        content = json.dumps(_content(report, figures, command), ensure_ascii=False)
         (folder / "data.json").write_text(content, encoding="utf-8")
         (folder / "report.typ").write_text((_TEMPLATES / "report.typ").read_text("utf-8"), encoding="utf-8")
         typst.compile(str(folder / "report.typ"), output=str(path), root=str(folder))
