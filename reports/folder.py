@@ -21,7 +21,7 @@ MANIFEST = "manifest.json"
 _PAGE = "report.html"
 # Files are moved in milliseconds: who has not done so after so many seconds is stopped.
 _PATIENCE = 60.0
-_RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 # The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.

@@ -128,6 +128,7 @@ REFUSED = {
     "run hertz-paper --quiet --element-size 0.5": "element_size = 0.5 is refused",
     "run hertz-paper --order two": "--order",
     "run hertz-paper --method magic": "--method",
+    "run hertz-paper --pdf": "--pdf: print report.html from a browser",
     "run hertz-paper --vtu soon": "--vtu soon",
     "run hertz-paper --third-limit 10": "it goes with --third calculix",
     "run hertz-paper --plots gif": '"pdf", "svg", "png"',

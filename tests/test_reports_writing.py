@@ -1,7 +1,6 @@
-"""A report: strict JSON, a page that needs no network and runs no word from outside; PDF, notebook, charts."""
+"""A report: strict JSON, a page that needs no network and runs no word from outside; notebook, charts."""
 
 import csv
-import importlib.util
 import io
 import json
 import shutil
@@ -26,13 +25,12 @@ from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
 from reports.folder import MANIFEST
-from reports.page import pdf
 from reports.page.writing import draw
 from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
-from scenes import InputError, Scene, load_scene, scene_names
+from scenes import Scene, load_scene, scene_names
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
@@ -207,32 +205,6 @@ def test_page_has_every_figure_with_words_for_it(page: Page) -> None:
     assert all(attributes["aria-label"] for attributes in (*figures, *panels))
     identities = [attributes["id"] for _, attributes in page.found if "id" in attributes]
     assert len(identities) == len(set(identities))
-
-
-class TestPdf:
-    """Made where typst is, refused in a sentence where it is not, words from outside as data and never as typst's language."""
-
-    def test_without_typst_the_extra_is_named(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(pdf, "find_spec", lambda name: None)
-        with pytest.raises(InputError, match=r"--pdf: it needs typst.*halfplane\[pdf\]"):
-            pdf.require_typst()
-
-    @pytest.mark.skipif(importlib.util.find_spec("typst") is None, reason="typst is not installed: pip install -e .[pdf]")
-    def test_a_pdf_is_written_beside_the_page_whatever_the_words(self, folder: Path, tmp_path: Path) -> None:
-        nasty = '#panic("typst read this") $x$ *b* `code` <label> @ref \\ // </text>'
-        truth = replace(TRUTH, scene=TRUTH.scene.vary(name=nasty, title=nasty, purpose=nasty))
-        comparison = compare(truth, with_fields(truth, shear=0.99 * truth.shear, engine=nasty))
-        write(comparison, tmp_path / "out", command=nasty, pdf=True)
-        content = (tmp_path / "out" / "report.pdf").read_bytes()
-        assert content.startswith(b"%PDF-")
-        assert len(content) > 50_000
-        assert not (folder / "report.pdf").exists()
-        # Of real bodies without a tolerance nothing is judged: it was an internal error.
-        blocks = with_fields(TRUTH, scene=TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={}))
-        unjudged = compare(blocks, blocks)
-        assert unjudged.verdict is None
-        write(unjudged, tmp_path / "open", pdf=True)
-        assert (tmp_path / "open" / "report.pdf").is_file()
 
 
 class TestNotebook:
