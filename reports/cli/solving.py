@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, flag, several, tolerances_of
+from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 
