@@ -175,6 +175,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     InputError
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
+    from reports.folder import claim
     from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
     from reports.maps.pages import present, write
     from reports.staging import replace_text
@@ -185,6 +186,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
     folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
+    claim(folder, ("README.md", "laws.json", *(f"{one.name}.md" for one in wanted)))  # before the sweeps
     for study in [study for one in wanted for study in one.studies] if not options.pages else ():
         store = options.stores / study
         if options.remake and store.exists():
