@@ -53,14 +53,14 @@ def sweep(
 def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict[str, Any] | None]:
     """Run a study, or resume it: the exit code, and how far it is. Without `tell` nothing is printed on stdout."""
     from reports.folder import claim, default_folder
-    from reports.sweep.running import crew_of, prepare, work
+    from reports.sweep.running import prepare, work, workers_of
     from reports.sweep.store import StoreError
     from reports.sweep.study import described
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
     workers = {name: getattr(options, name) for name in ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")}
-    crew_of(**workers)
+    workers_of(**workers)
     with stages.stage("checking the study", "points") as report:
         prepared = prepare(source, folder, lambda count: report(count, None, f"{count} points checked"))
     if tell and not options.json:
