@@ -49,6 +49,7 @@ COARSE = {"mesh.element_size": 0.25, "mesh.edge_element_size": 0.125, "mesh.orde
 BLOCKS = {"scene": "blocks", "engines": ["fe", "exact"], "set": COARSE | {"solver.steps_per_cycle": 24}}
 BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
 STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
+SPAN = {"start": 1, "stop": 2, "count": 300}
 SEVEN = {"axes": [F | {"linear": {"start": 1, "stop": 2, "count": 7}}]}
 
 
@@ -230,7 +231,10 @@ def test_the_figures_are_those_of_the_engines() -> None:
     assert [note for note in answer["record"]["notes"] if note.startswith("half-plane theory: Dundurs' beta = -0.14")]
 
 
-def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone() -> None:
+def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HALFPLANE_CACHE", str(tmp_path))
     asked = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
     solving._scales_of.cache_clear()
     three, one = (asked(axes=[F | {"values": frictions}]) for frictions in ([0.9, 1.5, 3.0], [1.5]))
@@ -451,14 +455,14 @@ def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pyte
     assert len(done(table)) == 6
 
 
-def test_points_that_differ_in_friction_alone_share_their_bodies_and_tasks_hold_each_point_once(tmp_path: Path) -> None:
-    heights = {"name": "h", "keys": ["bodies.lower.height", "bodies.upper.height"], "values": [5.0, 10.0]}
-    prepared = prepare(study(**BLOCKS_FE | {"axes": [heights, F | {"values": [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]}]}), tmp_path)
-    assert [[p.coordinates["h"] for p in group] for group in prepared.groups] == [[5.0] * 7, [10.0] * 7]
-    handed = running.tasks_of(prepared, 2)
-    assert sorted(point.number for part in handed for point in part) == list(range(14))
-    assert all(len({point.coordinates["h"] for point in part}) == 1 for part in handed)
-    assert len(handed) >= 2 * 4
+def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tmp_path: Path) -> None:
+    for asked, most in ((blocks(**SEVEN | {"figures": ["fe.dissipation"]}), 4), (study(axes=[F | {"linear": SPAN}]), 50)):
+        for width in (1, 2, 100):
+            prepared = prepare(asked, tmp_path)
+            handed = running.tasks_of(prepared, width)
+            assert [point for part in handed for point in part] == list(prepared.points)
+            assert len(handed) >= min(len(prepared.points), 4 * width - 3)
+            assert max(map(len, handed)) <= most
 
 
 @pytest.mark.parametrize("how", ["digit", "cut", "empty", "binary", "swapped"])

@@ -98,12 +98,10 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict
 
 
 def _announce(prepared: Prepared) -> None:
-    study, points, stored = prepared.study, len(prepared.points), len(prepared.points) - prepared.waiting
+    study, points, waiting = prepared.study, len(prepared.points), len(prepared.waiting)
     say(f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}")
-    if "fe" in study.engines and study.share_condensations and prepared.groups:
-        say(f"{len(prepared.groups)} groups of points share their condensed bodies")
-    if stored:
-        say(f"{stored} points have results already, {prepared.waiting} are left")
+    if waiting < points:
+        say(f"{points - waiting} points have results already, {waiting} are left")
     if damaged := prepared.store.damaged():
         say(f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}")
 

@@ -213,16 +213,12 @@ def _begin() -> None:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A study that was checked, its store, and `groups` of points without a result that share their condensed bodies."""
+    """A study that was checked, its store, and the points without a result."""
 
     study: Study
     points: tuple[Point, ...]
     store: Store
-    groups: tuple[tuple[Point, ...], ...]
-
-    @property
-    def waiting(self) -> int:
-        return sum(map(len, self.groups))
+    waiting: tuple[Point, ...]
 
 
 def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int], None] = lambda _count: None) -> Prepared:
@@ -235,11 +231,7 @@ def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int
         points = expand(asked, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
-    groups: dict[str, list[Point]] = {}
-    for point in points:
-        if _final(store, point) is None:
-            groups.setdefault(point.shared_bodies if "fe" in asked.engines else "", []).append(point)
-    return Prepared(asked, points, store, tuple(map(tuple, groups.values())))
+    return Prepared(asked, points, store, tuple(point for point in points if _final(store, point) is None))
 
 
 def _final(store: Store, point: Point) -> dict[str, Any] | None:
@@ -257,7 +249,7 @@ def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: N
     pool = workers_of(**workers)
     store.prepare()
     store.write_plan(json.loads(prepared.study.model_dump_json()), points)
-    if prepared.groups:
+    if prepared.waiting:
         locks = Locks(store)
         try:
             # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round, and until the workers are gone.
@@ -292,8 +284,8 @@ def run(
 def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
     """Points in the portions in which they are handed out: small enough that all of `width` workers have some until the end."""
     most = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
-    size = max(1, min(most, -(-prepared.waiting // (4 * width))))
-    return deque([*group[k : k + size]] for group in prepared.groups for k in range(0, len(group), size))
+    size = max(1, min(most, -(-len(prepared.waiting) // (4 * width))))
+    return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
 
 
 class _Lost(Exception):
@@ -390,7 +382,9 @@ class _Sweep:
                     raise _Lost(SCHEDULER_GONE, [*flying.values()])
                 others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
                 out = sum(map(len, flying.values()))
-                self.report(self.solved + self.failed, self.prepared.waiting, f"{self.failed} failed, {out} handed out{others}")
+                self.report(
+                    self.solved + self.failed, len(self.prepared.waiting), f"{self.failed} failed, {out} handed out{others}"
+                )
         except (InputError, _Lost):
             raise
         except Exception as fault:  # also of a pool that broke, or a client that closed, between two tasks
