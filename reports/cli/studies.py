@@ -174,7 +174,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
     from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
-    from reports.maps.pages import present, write
+    from reports.maps.pages import require_free, write
     from reports.staging import replace_text
     from reports.sweep import read_index
     from scenes import InputError
@@ -183,6 +183,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
     folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
+    require_free(folder)
     for study in [study for one in wanted for study in one.studies] if not options.pages else ():
         store = options.stores / study
         if options.remake and store.exists():
@@ -194,7 +195,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         if code > NOT_CONVERGED or state is None:
             return code
         states[study] = state
-    write(folder, present(folder))
+    write(folder)
     page = folder / "README.md"
     if options.json:
         for state in states.values():
