@@ -6,7 +6,7 @@ import json
 import math
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels
 from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
-from reports.folder import filled
+from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
     Curvatures,
@@ -67,8 +67,14 @@ _MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2
 _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
 
 
-def write(folder: Path, there: list[Map]) -> None:
+def require_free(folder: Path) -> None:
+    """InputError where `folder` holds a page of somebody else's that `write` would replace: to be asked before hours of sweeps."""
+    claim(folder, (MANIFEST, "README.md", "laws.json", *(f"{name}.md" for name in MAPS)))
+
+
+def write(folder: Path) -> None:
     """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an error; InputError without tables."""
+    there = present(folder)
     if not there:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     with filled(folder, fresh=()) as made:
@@ -87,16 +93,8 @@ def write(folder: Path, there: list[Map]) -> None:
 
 
 def present(folder: Path) -> list[Map]:
-    """The maps with what has its table in `folder`; those without any chart are left out."""
-
-    def there(study: str) -> bool:
-        return (folder / f"{study}.csv").exists()
-
-    found = [
-        replace(one, charts=tuple(c for c in one.charts if there(c.study)), held_out=tuple(s for s in one.held_out if there(s)))
-        for one in MAPS.values()
-    ]
-    return [one for one in found if one.charts]
+    """The maps whose studies all have their tables in `folder`."""
+    return [one for one in MAPS.values() if all((folder / f"{study}.csv").exists() for study in one.studies)]
 
 
 def laws_text(folder: Path, there: list[Map]) -> str:
@@ -154,24 +152,17 @@ def drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]
 
 def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
-    whole = MAPS[asked.name]
-    made = [
-        f"# {asked.title}",
-        f"<!-- written by `halfplane map {asked.name}` -->",
-        f"**{asked.question}** {answer(asked, folder)}",
-    ]
-    if missing := sorted(set(whole.studies) - set(asked.studies)):
-        made.append(f"**Not run yet: {', '.join(missing)}.**")
+    made = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
+    made.append(f"**{asked.question}** {answer(asked, folder)}")
     for chart in asked.charts:
         table = read(folder, chart.study)
         found = list(lines(chart, table, _TABLED))
-        made += [f"## {chart.study}"] * (len(whole.charts) > 1)
+        made += [f"## {chart.study}"] * (len(asked.charts) > 1)
         made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in drawings(chart, table)]
         if chart.expected is not None:
             made += [*_within(chart, found), *_laws(chart, [line for line in found if line.figure in _DRAWN])]
-    for section, needs_held_out in _TRIALS.get(asked.name, {}).items():
-        if asked.held_out or not needs_held_out:
-            made += section(folder)
+    for section in _TRIALS.get(asked.name, ()):
+        made += section(folder)
     costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
     rows = [[f"[{study}]({study}.csv)", str(len(s)), f"{np.nanmedian(s):.1f}", f"{np.nansum(s) / 60:.1f}"] for study, s in costs]
     head = ["study", "points", "median seconds of a point", "minutes in all"]
@@ -506,7 +497,7 @@ def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: 
             continue
         cells += [*_percent(error), f"{100 * doubt:.2f}"]
         try:
-            predicted = predict(*(float(row[column]) if column != "base" else row[column] for column in columns))
+            predicted = predict(*(row[column] for column in columns))
         except InputError as refused:
             rows.append([*cells, "", "refused", str(refused)])
             continue
@@ -518,6 +509,33 @@ def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: 
     spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
     medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
     return _section(name, rows, **spans, **medians)
+
+
+def corrected_blocks(folder: Path) -> list[str]:
+    """Of two equal blocks."""
+
+    def predict(base: str, aspect: str, height: str) -> float:
+        return correction(blocks(load_scene("blocks"), base, float(height), float(aspect))).dissipation
+
+    return tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), predict)
+
+
+def corrected_pads(folder: Path) -> list[str]:
+    """Of flat pads."""
+
+    def predict(flat: str, curvature: str, ratio: str) -> float:
+        return work_constant(float(flat), float(ratio)) * float(curvature)
+
+    return tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), predict)
+
+
+def corrected_loops(folder: Path) -> list[str]:
+    """Of two equal blocks under other loops, by the correction that was fitted under the paper's loop alone."""
+
+    def predict(*numbers: str) -> float:
+        return correction(loop_scene(*map(float, numbers))).dissipation
+
+    return tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), predict)
 
 
 def growth(folder: Path) -> list[str]:
@@ -545,30 +563,11 @@ def other_sign(folder: Path) -> list[str]:
     return _section("other_sign", rows)
 
 
-def _of_blocks(base: str, aspect: float, height: float) -> float:
-    return correction(blocks(load_scene("blocks"), base, height, aspect)).dissipation
-
-
-def _of_pads(flat: float, curvature: float, ratio: float) -> float:
-    return work_constant(flat, ratio) * curvature
-
-
-def _of_loops(amplitude: float, margin: float, phase: float) -> float:
-    """By the correction that was fitted under the paper's loop alone."""
-    return correction(loop_scene(amplitude, margin, phase)).dissipation
-
-
-# Map -> its tables after the laws, and whether they need the study of held-out points.
-_TRIALS: dict[str, dict[Callable[[Path], list[str]], bool]] = {
-    "block": {
-        derived_blocks: True,
-        lambda folder: tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), _of_blocks): True,
-    },
-    "curvature": {
-        derived_pads: True,
-        lambda folder: tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), _of_pads): True,
-    },
-    "one-block": {odd_part: False},
-    "loop": {lambda folder: tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), _of_loops): False},
-    "unlike": {growth: False, other_sign: True},
+# Map -> its tables after the laws.
+_TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
+    "block": (derived_blocks, corrected_blocks),
+    "curvature": (derived_pads, corrected_pads),
+    "one-block": (odd_part,),
+    "loop": (corrected_loops,),
+    "unlike": (growth, other_sign),
 }

@@ -23,7 +23,7 @@ from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.charts.templating import script, template
 from reports.sweep.solving import axis_label, is_error, unit_of
-from reports.sweep.store import STATUS, Store, done
+from reports.sweep.store import STATUS, Locks, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
@@ -51,8 +51,9 @@ def state_of(store: Store) -> Mapping[str, Any]:
     study, points = store.read_plan()
     table = store.table(points)
     failures = [{"point": row.number, "reason": row.reason} for row in table.itertuples() if row.status != "done"]
-    addresses, waiting = set(table["address"]), len(points) - len(table)
-    running = len(store.running() & {point.address for point in points} - addresses)
+    addresses, locks = set(table["address"]), Locks(store)
+    running, waiting = len(locks.others({point.address for point in points} - addresses)), len(points) - len(table)
+    locks.close()
     times = []
     for address in addresses:
         with suppress(FileNotFoundError):  # set aside meanwhile

@@ -14,11 +14,10 @@ import json
 import math
 import os
 import platform
-import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
@@ -277,26 +276,9 @@ def solve_task(text: str) -> str:
         scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
         mesh, solver = MeshSettings(**asked.pop("mesh")), SolverSettings(**asked.pop("solver"))
         points.append(Question(scene, mesh, solver, **asked))
-    with threadpool_limits(limits=1), _shared_store(len(points) > 1 and points[0].share_condensations):
+    with threadpool_limits(limits=1):
         answers = [_answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
-
-
-@contextmanager
-def _shared_store(wanted: bool) -> Generator[None, None, None]:
-    """A store of condensed bodies for the time of a task, where the user keeps none."""
-    from halfplane_fe.store import cache_folder
-
-    if not wanted or cache_folder() is not None:
-        yield
-        return
-    before = os.environ.get("HALFPLANE_CACHE")
-    with tempfile.TemporaryDirectory(prefix="halfplane-") as folder:
-        os.environ["HALFPLANE_CACHE"] = folder
-        try:
-            yield
-        finally:
-            os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
 def _answer(point: Question) -> dict[str, Any]:
@@ -499,7 +481,7 @@ def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
     from reports.comparison.budget import climb, error_budget
 
     assert found.comparison is not None
-    refined = climb(found.comparison, point.mesh, point.solver, _silent)
+    refined = climb(found.comparison, point.mesh, point.solver, lambda _name: nullcontext(lambda *_: None))
     budgets = {budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets}
     more: Values = {}
     for name in found.values:
@@ -510,8 +492,3 @@ def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
             why = "; ".join(f"{term.name}: {term.how}" for term in (budget.terms if budget else ()) if not term.measured)
             notes[f"{name}.uncertainty"] = why or "the budget has no such metric"
     return more
-
-
-@contextmanager
-def _silent(_name: str) -> Generator[Callable[[int, int | None, str], None], None, None]:
-    yield lambda _done, _total, _text: None
