@@ -35,7 +35,7 @@ from reports.maps.corrections import (
 )
 from reports.maps.laws import MAPS, PUBLISHED, STUDIES, Line, bound, errors, figures, lines, read
 from reports.sweep import load_study
-from scenes import Block, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
+from scenes import Block, Bodies, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -175,7 +175,8 @@ def test_kernel_is_that_of_the_profile() -> None:
 # ------------------------------------------------------------------------------------------------------------ corrections
 def blocks(base: str, height: float, aspect: float) -> Scene:
     """The scene `blocks` at another size."""
-    return pages.blocks(load_scene("blocks"), base, height, aspect)
+    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
+    return load_scene("blocks").vary(bodies=Bodies(lower=block, upper=block))
 
 
 def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:

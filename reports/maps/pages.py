@@ -24,7 +24,7 @@ from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total,
 from reports.maps.corrections import (
     Curvatures,
     added_curvatures,
-    correction,
+    corrected_dissipation,
     curvature_sum,
     dissipation_error,
     ellipse_path,
@@ -41,6 +41,7 @@ from reports.maps.laws import (
     along,
     bound,
     bound_in_words,
+    cell_text,
     errors,
     figures,
     leading_constant,
@@ -48,6 +49,7 @@ from reports.maps.laws import (
     numbers,
     parts,
     place,
+    points_of,
     read,
 )
 from reports.sweep.page import bars, cell_borders, heat_map
@@ -466,38 +468,19 @@ def odd_part(folder: Path) -> list[str]:
     return _section("odd_part", rows)
 
 
-def blocks(scene: Scene, base: str, height: float, aspect: float) -> Scene:
-    """A scene on two equal blocks of another size."""
-    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
-    return scene.vary(bodies=Bodies(lower=block, upper=block))
-
-
-def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
-    """A loop of the study `loop`, on its blocks."""
-    base = load_scene("blocks")
-    p0 = base.load.mean_normal_load  # type: ignore[union-attr]
-    lean = amplitude * abs(np.cos(np.radians(phase)))
-    load = base.load.vary(
-        normal_amplitude=amplitude * p0,
-        mean_tangential_load=0.0,
-        tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
-        phase_degrees=phase,
-        initial_loading="straight",
-    )
-    return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
-
-
-def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: Callable[..., float]) -> list[str]:
+def tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
-    table, rows, sizes = read(folder, study), [], []
+    table, points, rows, sizes = read(folder, study), points_of(study), [], []
+    scenes = {tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points}
     for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
         cells = [row[column] for column in columns]
+        scene = scenes[tuple(row[column] for column in points[0].coordinates)]
         if np.isnan(error):
             rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
         cells += [*_percent(error), f"{100 * doubt:.2f}"]
         try:
-            predicted = predict(*(row[column] for column in columns))
+            predicted = corrected_dissipation(scene, 1.0) - 1
         except InputError as refused:
             rows.append([*cells, "", "refused", str(refused)])
             continue
@@ -509,33 +492,6 @@ def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: 
     spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
     medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
     return _section(name, rows, **spans, **medians)
-
-
-def corrected_blocks(folder: Path) -> list[str]:
-    """Of two equal blocks."""
-
-    def predict(base: str, aspect: str, height: str) -> float:
-        return correction(blocks(load_scene("blocks"), base, float(height), float(aspect))).dissipation
-
-    return tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), predict)
-
-
-def corrected_pads(folder: Path) -> list[str]:
-    """Of flat pads."""
-
-    def predict(flat: str, curvature: str, ratio: str) -> float:
-        return work_constant(float(flat), float(ratio)) * float(curvature)
-
-    return tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), predict)
-
-
-def corrected_loops(folder: Path) -> list[str]:
-    """Of two equal blocks under other loops, by the correction that was fitted under the paper's loop alone."""
-
-    def predict(*numbers: str) -> float:
-        return correction(loop_scene(*map(float, numbers))).dissipation
-
-    return tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), predict)
 
 
 def growth(folder: Path) -> list[str]:
@@ -565,9 +521,12 @@ def other_sign(folder: Path) -> list[str]:
 
 # Map -> its tables after the laws.
 _TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
-    "block": (derived_blocks, corrected_blocks),
-    "curvature": (derived_pads, corrected_pads),
+    "block": (
+        derived_blocks,
+        lambda folder: tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
+    ),
+    "curvature": (derived_pads, lambda folder: tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
     "one-block": (odd_part,),
-    "loop": (corrected_loops,),
+    "loop": (lambda folder: tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
     "unlike": (growth, other_sign),
 }
