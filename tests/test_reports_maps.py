@@ -389,7 +389,7 @@ FINE = MeshSettings(element_size=0.025, edge_element_size=0.005, growth=0.1)
 # Measured: W -8.8 % (advised -8.1 +- 0.9), p0 +1.73 (+1.8 +- 0.2) of the designer's scene: block, arc and unlike materials at once,
 # in no map. Pads: W -1.472 and -2.519 (-1.473 and -2.525 +- 0.01), p0 +0.246 and +0.440 (+0.23 and +0.40 +- 0.04).
 ADVISED = {
-    "the designer's scene": (pages.designers_scene(), MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.3)),
+    "the designer's scene": (load_scene(pages.DESIGNER), MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.3)),
     "a stiff pad": (without_beta(True, 0.04), FINE),
     "a soft pad": (without_beta(False, 0.04), FINE),
 }

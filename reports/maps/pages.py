@@ -18,7 +18,6 @@ from reports.charts.marks import Axis, Curve, Dot, Mark, Note
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels
 from reports.charts.table import markdown_table
-from reports.comparison.metrics import compliance
 from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
@@ -53,9 +52,10 @@ from reports.maps.laws import (
     read,
 )
 from reports.sweep.page import bars, cell_borders, heat_map
-from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
+from scenes import InputError, load_scene
 
 Array = NDArray[np.float64]
+DESIGNER = Path(__file__).with_name("designer.toml")
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 _LEVELS = (0.01, 0.05, 0.1)
@@ -174,7 +174,7 @@ def page(asked: Map, folder: Path) -> str:
 
 def index(folder: Path, there: list[Map]) -> str:
     """Markdown of reports/published/maps/README.md: the designer's question answered from the tables, and what is where."""
-    _, found = parts_of(designers_scene(), folder)
+    _, found = parts_of(load_scene(DESIGNER), folder)
     known = [part for part in found if part.values is not None]
     error, doubt = total(known, "error.dissipation")
     missing = "" if len(known) == len(found) else f" (without {len(found) - len(known)} departures that no map here has)"
@@ -188,20 +188,6 @@ def index(folder: Path, there: list[Map]) -> str:
         points = sum(len(read(folder, study)) for study in asked.studies)
         made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
     return "\n\n".join(made) + "\n"
-
-
-def designers_scene() -> Scene:
-    """A block 4 a high and 8 a wide, steel, under a titanium cylinder of radius 8 a; f = 0.5, P constant, Q between +-0.6 f P."""
-    steel, titanium = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=115e3, poisson_ratio=0.33)
-    materials = Materials(lower=steel, upper=titanium)
-    load = math.pi / (2 * 8.0 * compliance(materials))
-    changes = {
-        "material": materials,
-        "profile": Hertz(radius=8.0),
-        "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
-        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
-    }
-    return load_scene("two-cylinders").vary(**changes, name="designer")
 
 
 def answer(asked: Map, folder: Path) -> str:
