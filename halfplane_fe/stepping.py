@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
-from halfplane_fe.energy import IncrementEnergy, increment_energy
-from halfplane_fe.path import Stretch, enclosed, scaled_loads
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
+from halfplane_fe.energy import step_errors
+from halfplane_fe.path import Stretch, scaled_loads
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 
 Array = NDArray[np.float64]
@@ -42,18 +42,21 @@ _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
 @dataclass(frozen=True, eq=False)
 class Increment:
-    """One accepted increment: the state that was solved, the state it leaves behind as history, and how it was found.
-
-    The two states differ at events only: there a node that touches or lets go has changed sides at the very end.
+    """One accepted increment: the state that it leaves behind as history, and how it was found.
 
     Attributes
     ----------
-    event : what the increment ends with, "regular", "touch" or "release"
+    state : at its end
+    solved : (n,) states of the nodes that were solved for. They differ from those of `state` at events only: there a node that
+        touches or lets go has changed sides at the very end
+    step_error : see `energy.step_errors`
+    iterations : of the active set
+    event : what the increment ends with
     """
 
-    solved: InterfaceState
     state: InterfaceState
-    energy: IncrementEnergy
+    solved: NDArray[np.int8]
+    step_error: float
     iterations: int
     event: Event
 
@@ -83,8 +86,7 @@ def follow(
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
-            duration = attempt.solved.time - history.time
-            error = attempt.energy.step_error
+            duration, error = attempt.state.time - history.time, attempt.step_error
             if error > allowed(duration):
                 if refused[0] == history.time and error > _JUMP * refused[1]:
                     jumps = True
@@ -117,36 +119,33 @@ def _attempt(
     def loads_at(time: float) -> tuple[float, ...]:
         return scaled_loads(stretch.leg, time, units)
 
-    regular = stretch.ends[0] - stretch.start
     event, time = next_event(problem, history, loads_at, end)
     try:
         solved, iterations = problem.equilibrium(history, time, loads_at(time))
     except ConvergenceError:
-        if time - history.time < _SHORTEST * regular:
+        if time - history.time < _SHORTEST * (stretch.ends[0] - stretch.start):
             raise
         problem.work["increments halved, not converged"] += 1
         return time
-    solved = up_to_event(history, solved)
-    area = enclosed(stretch.leg, history.time, time)
-    if area is not None:
-        area /= np.multiply.outer(units[: len(area)], units[: len(area)])
-    energy = increment_energy(problem, history, solved, area)
-    return Increment(solved, landed(solved, event), energy, iterations, event)
+    states = up_to_event(history, solved)
+    changes = nodal(solved.values - history.values)
+    error = float(step_errors(problem.friction, changes[1], changes[0], history.state, states))
+    return Increment(landed(replace(solved, state=states), event), states, error, iterations, event)
 
 
 def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
     held = problem.holding(history, end, loads_at(end))
-    fractions: dict[Event, tuple[float, int]] = {
-        "touch": _first_crossing(history.gap, held.gap, ~history.closed),
-        "release": _first_crossing(history.pressure, held.pressure, history.closed),
-    }
-    event = min(fractions, key=lambda name: fractions[name][0])
-    share, node = fractions[event]
+    (touch, touching), (release, releasing) = (
+        _first_crossing(history.gap, held.gap, ~history.closed),
+        _first_crossing(history.pressure, held.pressure, history.closed),
+    )
+    event: Event = "touch" if touch <= release else "release"
+    share, node = min((touch, touching), (release, releasing), key=lambda found: found[0])
     if share >= 1.0:
         return "regular", end
     if len(history.loads) == 2:
-        start_load, end_load = loads_at(history.time)[0], loads_at(end)[0]
+        start_load, end_load = history.loads[0], held.loads[0]
         wanted = start_load + share * (end_load - start_load)
 
         def left(time: float) -> float:
@@ -156,8 +155,9 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
             return "regular", end
     else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
         name, moving = ("gap" if event == "touch" else "pressure"), np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
-        before, rates = float(getattr(history, name)[node]), problem.rates(history.state, len(history.loads), moving)
-        by_load = [float(getattr(rates[number], name)[node]) for number in moving]
+        rates = problem.rates(history.state, len(history.loads), moving)
+        by_load = [float(nodal(rates[number])[3 if event == "touch" else 1, node]) for number in moving]
+        before = float(getattr(history, name)[node])
 
         def left(time: float) -> float:
             return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
@@ -178,17 +178,18 @@ def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tu
     return float(shares[first]), int(falling[first])
 
 
-def up_to_event(history: InterfaceState, solved: InterfaceState) -> InterfaceState:
-    """`solved` with nodes that are at their event on the side where they have been: there, within rounding, the law takes either.
+def up_to_event(history: InterfaceState, solved: InterfaceState) -> NDArray[np.int8]:
+    """(n,) solved states, nodes that are at their event on the side where they have been: within rounding the law takes either.
 
     A node that let go in its increment has slid for all of it, and one labelled open would lose the friction work.
     """
+    changed = _marginal(solved) & (solved.closed != history.closed)
+    if not changed.any():
+        return solved.state
     slip = solved.slip - history.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
-    changed = _marginal(solved) & (solved.closed != history.closed)
-    states = np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state)
-    return replace(solved, state=freeze(states, np.int8))
+    return freeze(np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state), np.int8)
 
 
 def _marginal(state: InterfaceState) -> NDArray[np.bool_]:

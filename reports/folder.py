@@ -21,7 +21,7 @@ MANIFEST = "manifest.json"
 _PAGE = "report.html"
 # Files are moved in milliseconds: who has not done so after so many seconds is stopped.
 _PATIENCE = 60.0
-_RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 # The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
@@ -43,6 +43,8 @@ def default_folder(name: str) -> Path:
 
 def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
     """`out` as a path that results can be written to; it is not made yet. What killed runs left in it and beside it is removed.
+
+    `names` are files that will be written there.
 
     Raises
     ------

@@ -377,7 +377,7 @@ def test_an_argument_that_is_no_text_is_refused_before_any_work(words: tuple[str
 # ------------------------------------------------------------------------------------------------------------------- full disks
 # An old run lies in x; each of these writes there, or beside it, every kind of file that the command writes.
 DISK_JOBS = {
-    "run with a PDF": ("run", "cattaneo-mindlin", *COARSE, "--pdf", "--out", "x", "--quiet"),
+    "run": ("run", "cattaneo-mindlin", *COARSE, "--plots", "svg", "--out", "x", "--quiet"),
     "exact": ("exact", "cattaneo-mindlin", "--out", "x", "--quiet"),
     "fe": ("fe", "cattaneo-mindlin", *COARSE, "--out", "x", "--quiet"),
     "fields": ("fields", "blocks", *COARSE, "--at", "2.0", "--out", "x", "--quiet"),

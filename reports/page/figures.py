@@ -749,7 +749,7 @@ def bars(budget: ErrorBudget) -> Plate | None:
         low, ends = float(len(shown) - row - 1), {True: 0.0, False: 0.0}
         # Zero and the limits are drawn beside the bars alone: on a phone labels reach across them.
         for place, css in ((0.0, "zero"), *(((-1.0, "limit"), (1.0, "limit")) if judged else ())):
-            marks.append(Segments(np.array([[[place, low + 0.04], [place, low + 0.6]]]), css))
+            marks.append(Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css))
         for k, (share, name) in enumerate(zip(shares, names, strict=True)):
             start = ends[share > 0]
             ends[share > 0] = start + share
@@ -758,8 +758,7 @@ def bars(budget: ErrorBudget) -> Plate | None:
                 marks.append(Block((start, start + share), (low + 0.14, low + 0.5), f"term-{k} edge", label))
         marks += _total(low, over(one, one.total), over(one, one.uncertainty), wide)
         beyond = ", cut off" if reaches[row] > wide else ""
-        known = "" if one.metric.absolute or one.uncertainty is None else minus(f" ± {float(f'{100 * one.uncertainty:.2g}'):g} %")
-        words = f"{one.metric.label}: {value_of(one.metric)}{known}{beyond}"
+        words = f"{one.metric.label}: {value_of(one.metric)}{beyond}"
         marks.append(Note(-wide, low + 0.7, words, "tick over", shift=(6.0, 0.0)))
 
     def numbers(values: Sequence[float | None]) -> list[float]:

@@ -34,7 +34,6 @@ def write(
     command: str = "",
     seconds: Mapping[str, float] | None = None,
     stress_instants: Sequence[Instant] = (),
-    pdf: bool = False,
     plots: Sequence[str] = (),
     log: Sequence[str] = (),
 ) -> Path:
@@ -48,14 +47,13 @@ def write(
     command : what reproduces the report
     seconds : stage -> wall time, for the page
     stress_instants : where the page shows von Mises' stress; nowhere by default
-    pdf : whether report.pdf is written too, which needs typst
     plots : formats of which every figure is written too, in plots/: "pdf", "svg", "png"
     log : lines of run.log; without any there is none
 
     Raises
     ------
     InputError
-        If the folder can't be written to, VTU or stress is asked of a result without bodies, or a PDF where typst is missing.
+        If the folder can't be written to, or VTU or stress is asked of a result without bodies.
     """
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
@@ -91,10 +89,6 @@ def write(
             from reports.charts.publication import write_plots
 
             write_plots(drawings, folder / "plots", plots)
-        if pdf:
-            from reports.page.pdf import write_pdf
-
-            write_pdf(report, drawings, folder / "report.pdf", command)
     return Path(out) / "report.html"
 
 
