@@ -24,7 +24,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from meshes import MeshSettings
-from scenes import ConvergenceError, InputError, SurfaceState, freeze, load_scene
+from scenes import ConvergenceError, InputError, SurfaceState, load_scene
 
 SOLVE = import_module("halfplane_fe.solve")
 EQUILIBRIUM = ContactProblem.equilibrium
@@ -109,27 +109,27 @@ def equilibrium(planted: Callable[..., Step]) -> Planted:
 def forgetting(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> Step:
     """Each increment starts from faces that have never slipped."""
     state = np.where(history.closed, SurfaceState.STICK, SurfaceState.OPEN)
-    rest = freeze(np.zeros_like(history.slip))
-    return EQUILIBRIUM(self, replace(history, slip=rest, shear=rest, state=freeze(state, np.int8)), time, loads)
+    rest = np.zeros_like(history.slip)
+    return EQUILIBRIUM(self, history.changed(slip=rest, shear=rest, state=state), time, loads)
 
 
 def turned_round(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> Step:
     """Q has the wrong sign, in the law's eyes alone."""
     state, iterations = EQUILIBRIUM(self, history, time, (loads[0], -loads[1]))
-    return replace(state, tangential_load=loads[1]), iterations
+    return replace(state, loads=loads), iterations
 
 
 def short_slip(self: ContactProblem, history: InterfaceState, *given: Any) -> Step:
     """The slip of each increment is recorded one per cent short."""
     state, iterations = EQUILIBRIUM(self, history, *given)
-    return replace(state, slip=freeze(history.slip + 0.99 * (state.slip - history.slip))), iterations
+    return state.changed(slip=history.slip + 0.99 * (state.slip - history.slip)), iterations
 
 
 def sticky(self: ContactProblem, *given: Any) -> Step:
     """Sliding nodes are left with one per cent too little pressure for their shear."""
     state, iterations = EQUILIBRIUM(self, *given)
     sliding = np.isin(state.state, [SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE])
-    return replace(state, pressure=freeze(np.where(sliding, 0.99 * state.pressure, state.pressure))), iterations
+    return state.changed(pressure=np.where(sliding, 0.99 * state.pressure, state.pressure)), iterations
 
 
 @contextlib.contextmanager

@@ -47,7 +47,7 @@ def statements(text: str) -> int:
 
 
 def unexplained(now: Sizes, before: Sizes, changelog: str) -> dict[str, float]:
-    """Installed packages whose lines or statements grew by more than 2 % and whose growth the changelog does not explain: by how much.
+    """How much installed packages grew in lines or statements, where it is more than 2 % and the changelog does not explain it.
 
     >>> small, large = ({"scenes": {"lines": n, "statements": n}} for n in (100, 103))
     >>> unexplained(large, small, "## 0.2.0"), unexplained(large, small, "## 0.2.0\\n### Growth\\n- **scenes**: reads units")
@@ -63,9 +63,7 @@ def table(now: Sizes, before: Sizes, release: str) -> Iterable[str]:
     """Lines of the table, the sum last."""
     yield f"{'':<15}" + "".join(f"{head:>12}{release:>9}" for head in HEADS)
     for name in (*PARTS, "all"):
-        one, other = (
-            sizes[name] if name != "all" else {h: sum(v[h] for v in sizes.values()) for h in HEADS} for sizes in (now, before)
-        )
+        one, other = (found.get(name) or {h: sum(v[h] for v in found.values()) for h in HEADS} for found in (now, before))
         yield f"{name:<15}" + "".join(f"{one[head]:>12,}{other[head]:>9,}" for head in HEADS)
 
 
@@ -79,10 +77,8 @@ def main(words: list[str]) -> int:
     print("\n".join(table(now, last["sizes"], last["release"])))
     missing = unexplained(now, last["sizes"], (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
     for name, share in missing.items():
-        print(
-            f"{name} grew by {share:.1%}: CHANGELOG.md must say under '### Growth' what a user can now do, in a line that begins with"
-        )
-        print(f"'- **{name}**: '")
+        print(f"{name} grew by {share:.1%}: CHANGELOG.md must say under '### Growth' what a user can now do, in a line")
+        print(f"that begins with '- **{name}**: '")
     return 1 if missing else 0
 
 

@@ -370,7 +370,7 @@ def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def said(report: Report) -> dict[str, Any]:
-    """What the page, the PDF and comparison.json say alike, by its name there."""
+    """What the page and comparison.json say alike, by its name there."""
     scene = report.comparison.scene
     return {
         "headline": headline(report),

@@ -22,8 +22,8 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.charts.templating import script, template
-from reports.sweep.solving import axis_label, is_error, unit_of
-from reports.sweep.store import STATUS, Store, done
+from reports.sweep.solving import is_error, label_of
+from reports.sweep.store import STATUS, Locks, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
@@ -51,8 +51,9 @@ def state_of(store: Store) -> Mapping[str, Any]:
     study, points = store.read_plan()
     table = store.table(points)
     failures = [{"point": row.number, "reason": row.reason} for row in table.itertuples() if row.status != "done"]
-    addresses, waiting = set(table["address"]), len(points) - len(table)
-    running = len(store.running() & {point.address for point in points} - addresses)
+    addresses, locks = set(table["address"]), Locks(store)
+    running, waiting = len(locks.others({point.address for point in points} - addresses)), len(points) - len(table)
+    locks.close()
     times = []
     for address in addresses:
         with suppress(FileNotFoundError):  # set aside meanwhile
@@ -87,7 +88,7 @@ def write_page(store: Store) -> Path:
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
         uncertainty=_UNCERTAINTY[study.uncertainty] if "fe" in study.engines else exact,
         state=state,
-        words=[(plain(figure), unit_of(figure)) for figure in plain_figures(table, study.axes)],
+        words=[(plain(figure), "{} [{}]".format(*label_of(figure, study.scene))) for figure in plain_figures(table, study.axes)],
         pictures=draw(table, study.axes, study.scene),
         script=program,
         script_hash=digest,
@@ -124,7 +125,9 @@ def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]
         value, uncertainty = (found.get(key, found[name] * np.nan).to_numpy(float) for key in (shown, f"{name}.uncertainty"))
         if np.isfinite(value).any():
             named = {column: axis for axis in axes for column in axis.columns}
-            plates.append(_plate(Sheet(name, value, uncertainty, found, named, plain(axis_label(name, scene))), shown))
+            plates.append(
+                _plate(Sheet(name, value, uncertainty, found, named, f"{plain(name)}  [{label_of(name, scene)[1]}]"), shown)
+            )
     return plates
 
 
