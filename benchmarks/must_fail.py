@@ -24,7 +24,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from meshes import MeshSettings
-from scenes import ConvergenceError, InputError, SurfaceState, freeze, load_scene
+from scenes import ConvergenceError, InputError, SurfaceState, load_scene
 
 SOLVE = import_module("halfplane_fe.solve")
 EQUILIBRIUM = ContactProblem.equilibrium
@@ -108,8 +108,8 @@ def forgetting(
 ) -> tuple[InterfaceState, int]:
     """Each increment starts from faces that have never slipped."""
     state = np.where(history.closed, SurfaceState.STICK, SurfaceState.OPEN)
-    rest = freeze(np.zeros_like(history.slip))
-    return EQUILIBRIUM(self, replace(history, slip=rest, shear=rest, state=freeze(state, np.int8)), time, loads)
+    rest = np.zeros_like(history.slip)
+    return EQUILIBRIUM(self, history.changed(slip=rest, shear=rest, state=state), time, loads)
 
 
 def turned_round(
@@ -117,7 +117,7 @@ def turned_round(
 ) -> tuple[InterfaceState, int]:
     """Q has the wrong sign, in the law's eyes alone."""
     state, iterations = EQUILIBRIUM(self, history, time, (loads[0], -loads[1]))
-    return replace(state, tangential_load=loads[1]), iterations
+    return replace(state, loads=loads), iterations
 
 
 def short_slip(
@@ -125,14 +125,14 @@ def short_slip(
 ) -> tuple[InterfaceState, int]:
     """The slip of each increment is recorded one per cent short."""
     state, iterations = EQUILIBRIUM(self, history, time, loads)
-    return replace(state, slip=freeze(history.slip + 0.99 * (state.slip - history.slip))), iterations
+    return state.changed(slip=history.slip + 0.99 * (state.slip - history.slip)), iterations
 
 
 def sticky(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> tuple[InterfaceState, int]:
     """Sliding nodes are left with one per cent too little pressure for their shear."""
     state, iterations = EQUILIBRIUM(self, history, time, loads)
     sliding = np.isin(state.state, [SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE])
-    return replace(state, pressure=freeze(np.where(sliding, 0.99 * state.pressure, state.pressure))), iterations
+    return state.changed(pressure=np.where(sliding, 0.99 * state.pressure, state.pressure)), iterations
 
 
 @contextlib.contextmanager

@@ -45,9 +45,8 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
-from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.elasticity import condense
-from halfplane_fe.systems import Systems
+from halfplane_fe.systems import NestedFactor, Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from reports.charts.publication import STYLE
 from scenes import (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -154,7 +153,7 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
         if text.startswith("revolution"):
             run.density = np.array([float(series(np.float64(text.split()[1])))])
         moved = run.states[-1].pressure + 1e-6  # nodal forces that all but repeat
-        run.states.append(replace(run.states[-1], pressure=np.where(moved > 1e-5, moved, 1.0)))
+        run.states.append(run.states[-1].changed(pressure=np.where(moved > 1e-5, moved, 1.0)))
 
     monkeypatch.setattr("halfplane_fe.run._follow_legs", revolve)
     problem, load = walking(0.7, 0.9)
@@ -181,7 +180,7 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
     assert run.ratchets == (drift > 0)
     work = run.cycle_density[-1].sum()
-    assert work == pytest.approx(sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :]), abs=1e-9)
+    assert work == pytest.approx(run.column("loop")[run.cycle_starts[-1] :].sum(), abs=1e-9)
     assert (work > 0) == (drift > 0)
 
 
