@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.charts.table import markdown_table
+from reports.charts.templating import template
 from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.comparison.words import (
@@ -210,6 +211,8 @@ _QUANTITIES = {
     "moment": "moment of the pressure about x = 0",
     "lower_face_displacement": "displacement of the lower face's middle along y",
 }
+# What is kept of a roller's case -> our figure.
+_ROLLER = {"displacement": "lower_face_displacement", "stress": "largest_pressure", "pressure per undeformed length": ""}
 _HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")
 _ENGINES = ("semi_analytic", "halfplane_fe")
 
@@ -235,7 +238,7 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
         "</details>",
         "## Against others: closed forms and published values",
         markdown_table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
-        *_causes(scene, stored["frozen"]),
+        _causes(scene, stored["frozen"]),
         "## Our own frozen values",
         "They say that nothing moved, not that it is right.",
         markdown_table(("figure", *map(name_of, _ENGINES)), _frozen_rows(scene, stored["frozen"])),
@@ -313,64 +316,35 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
         )
 
 
-def _causes(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[str]:
+def _causes(scene: Scene, figures: Mapping[str, float | None]) -> str:
     """Why the published values of the roller differ from ours, as benchmarks/third.py measured it with CalculiX; else nothing."""
     kept = json.loads(ROLLER.read_text(encoding="utf-8"))
     cases = {name.partition(": ")[2]: case for name, case in kept.items() if name.partition(": ")[0] == scene.name}
     if not cases:
-        return
-    base, large, coarse = (cases[name] for name in ("as exported", "large displacements", "elements of 1.5 mm"))
-    keys = {"displacement": "lower_face_displacement", "stress": "largest_pressure"}
-
-    def change(case: Mapping[str, float], key: str, of: Mapping[str, float] = base) -> float:
-        return case[key] / of[key] - 1
-
-    yield "### Why they differ"
-    yield (
-        "The published values are the references of Code_Aster's test SSNP154. Its manual V6.03.154 names Konter's benchmark 1 as "
-        "their source and finds the quadratic ones in agreement with MSC.Marc; Konter's own tables we have not seen. Their model: "
-        "the whole cylinder, a point force at its top, the base of the block fixed, elements of 1.5 mm on its face, large "
-        "displacements, two increments. They give the displacement of the block's face under the roller, and the Cauchy stress "
-        "σ_yy there, extrapolated from the elements. Our model: half a cylinder, bonded to a rigid plane at its middle, small "
-        "displacements, the pressure of the contact itself."
-    )
-    yield f"{base['code']} on the exported deck (linear elements of a/40), one change at a time, at the same point:"
-    heads = ("change", "displacement [mm]", "by", "σ_yy [MPa]", "by")
-    rows = [
-        (
-            name,
-            f"{case['displacement']:.4f}".replace("-", "−"),
-            "" if case is base else _per_cent(change(case, "displacement")),
-            f"{-case['stress']:.0f}".replace("-", "−"),
-            "" if case is base else _per_cent(change(case, "stress")),
+        return ""
+    base = cases["as exported"]
+    changes = {name: {key: case[key] / base[key] - 1 for key in _ROLLER} for name, case in cases.items()}
+    rows = []
+    for name, case in cases.items():
+        by = ["" if case is base else _per_cent(changes[name][key]) for key in ("displacement", "stress")]
+        rows.append((name, minus(f"{case['displacement']:.4f}"), by[0], minus(f"{-case['stress']:.0f}"), by[1]))
+    found: dict[str, Any] = {"mended": {}, "left": {}}
+    for key, quantity in list(_ROLLER.items())[:2]:
+        published = {one.source: one.value for one in scene.expected if one.quantity == quantity}
+        linear, quadratic = (
+            next(value for source, value in published.items() if f"{kind} elements" in source) for kind in ("linear", "quadratic")
         )
-        for name, case in cases.items()
-    ]
-    yield markdown_table(heads, rows)
-    ours = {key: figures[f"halfplane_fe.{quantity}"] or math.nan for key, quantity in keys.items()}
-    mended = {key: value * (1 + change(large, key)) for key, value in ours.items()}
-    published = {
-        (key, kind): next(one.value for one in scene.expected if one.quantity == quantity and f"{kind} elements" in one.source)
-        for key, quantity in keys.items()
-        for kind in ("quadratic", "linear")
-    }
-    left = {key: _per_cent(value / published[key, "quadratic"] - 1) for key, value in mended.items()}
-    apart = published["stress", "linear"] / published["stress", "quadratic"] - 1
-    yield (
-        f"Large displacements change the displacement by {_per_cent(change(large, 'displacement'))} and the stress by "
-        f"{_per_cent(change(large, 'stress'))}. With these changes ours are {mended['displacement']:.4f} mm and "
-        f"{mended['stress']:.0f} MPa, {left['displacement']} and {left['stress']} from the published quadratic elements. ".replace(
-            "-", "−"
-        )
-        + f"Linear elements of 1.5 mm change the stress by {_per_cent(change(coarse, 'stress'))}; the published linear elements "
-        f"differ from the quadratic ones by {_per_cent(apart)}. The contact pressure that CalculiX prints changes by "
-        f"{_per_cent(change(large, 'pressure per undeformed length'))} with large displacements: it is per undeformed length, and "
-        "the face is shortened."
-    )
+        ours = (figures[f"halfplane_fe.{quantity}"] or math.nan) * (1 + changes["large displacements"][key])
+        found["mended"][key], found["left"][key] = ours, _per_cent(ours / quadratic - 1)
+        found["apart"] = _per_cent(linear / quadratic - 1)  # in the end that of the stress
+    for words, name in (("large", "large displacements"), ("coarse", "elements of 1.5 mm")):
+        found[words] = {key: _per_cent(change) for key, change in changes[name].items()}
+    table = markdown_table(("change", "displacement [mm]", "by", "σ_yy [MPa]", "by"), rows)
+    return template("roller.md").render(code=base["code"], table=table, **found).strip()
 
 
 def _per_cent(share: float) -> str:
-    return f"{round(share, 4) + 0.0:+.2%}".replace("%", " %").replace("-", "−")
+    return minus(f"{round(share, 4) + 0.0:+.2%}".replace("%", " %"))
 
 
 def _off(scene: Scene, stored: Mapping[str, Any], external: External) -> str:
