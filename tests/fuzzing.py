@@ -1,4 +1,4 @@
-"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz tests and benchmarks/faults.py."""
+"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz tests and benchmarks/jobs.py."""
 
 from __future__ import annotations
 
