@@ -25,10 +25,10 @@ from reports.comparison.words import (
     how_judged,
     lead,
     narrow,
-    percent,
     rows,
     said,
     sentence,
+    shown,
     standing,
     tolerance_of,
     uncertain_work,
@@ -246,7 +246,7 @@ def _step_errors(comparison: Comparison) -> Iterator[str]:
             excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
             yield (
                 f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
-                f"the interface work of the cycle would differ by {percent(excess)} of W."
+                f"the interface work of the cycle would differ by {shown(excess)} of W."
             )
 
 
