@@ -36,8 +36,8 @@ Complex = NDArray[np.complex128]
 # costs 1.5e-3 of the tension of flat-rounded-paper there, 2.9e-3 over 0.25. Nodes that it is fitted to: fewest of all, of a fine
 # mesh, and most.
 _RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 14, 48
-# Least uncertainty of the tension over f p0 spacing/half-width, spacing being that of the nodes: what is left of the error of single
-# ones, which is 4e-3 of the largest tension of flat-rounded-paper on elements of a/40 and 5e-4 on those of a/160.
+# Least uncertainty of the tension over f p0 spacing/half-width, spacing being that of the nodes: what is left of the error of
+# single ones, which is 4e-3 of the largest tension of flat-rounded-paper on elements of a/40 and 5e-4 on those of a/160.
 _LEAST = 0.5
 # Other rims, and shares of the nodes behind them, whose answers say how uncertain the tension is.
 _OTHER_RIMS = ((2, 0.7), (4, 1.0))
