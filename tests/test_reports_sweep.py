@@ -439,14 +439,14 @@ def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep
 
 
 def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
-    original = solving.exact_alone
+    original = solving.evaluate
 
-    def solve(point: Any) -> Any:
+    def evaluate(point: Any, fe: Any) -> Any:
         if point.scene.friction.coefficient == 1.5:
             raise ArithmeticError("no root")
-        return original(point)
+        return original(point, fe)
 
-    monkeypatch.setattr(solving, "exact_alone", solve)
+    monkeypatch.setattr(solving, "evaluate", evaluate)
     table = sweep()
     assert table["reason"][table["status"] == "failed"].tolist() == ["ArithmeticError: no root"]
     assert len(done(table)) == 6

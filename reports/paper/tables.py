@@ -70,7 +70,8 @@ def filled_in(text: str, values: Mapping[str, Any]) -> str:
 def row(kind: type[Row], words: Mapping[str, str], found: Found) -> Row:
     """A row of either table."""
     numbers = {name: value for name, value in found[1].items() if not isinstance(value, str)}
-    return kind(*(words[one.name] for one in fields(kind)[:-3]), filled_in(words["text"], found[1]), found[0], numbers)
+    cells: list[Any] = [*(words[one.name] for one in fields(kind)[:-3]), filled_in(words["text"], found[1]), found[0], numbers]
+    return kind(*cells)
 
 
 def judge(holds: bool, nearly: bool = False) -> Verdict:

@@ -18,7 +18,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
@@ -162,11 +162,6 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         raise ValueError("uncertainty: an error budget needs both engines")
 
 
-def fields_needed(figures: Sequence[str]) -> tuple[str, ...]:
-    """The fields of the half-plane engine that the quantities among `figures` need."""
-    return tuple(sorted({field for name in figures if name not in METRICS for field in QUANTITIES[name.partition(".")[2]].fields}))
-
-
 def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
     """A quantity of either engine or its error: the value, or None and why there is none."""
     prefix, _, quantity = name.partition(".")
@@ -282,20 +277,16 @@ def _answer(point: Question) -> dict[str, Any]:
 
 def _solve(point: Question) -> dict[str, Any]:
     """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
-    if "fe" in point.engines:
-        fe, notes = finite_elements(point)
-        found = evaluate(point, fe)
-        values, notes, record = dict(found.values), notes | found.notes, _record(fe)
-        record["notes"] += found.of_theory
+    fe, notes = finite_elements(point) if "fe" in point.engines else (None, {})
+    found = evaluate(point, fe)
+    values, record = dict(found.values), _record(found.exact if fe is None else fe)
+    notes |= found.notes
+    if fe is not None:
+        record["notes"] += [f"half-plane theory: {note}" for note in (found.exact.record.notes if found.exact else ())]
         if point.uncertainty == "cheap":
             values |= _cheap_uncertainty(point, fe, found, notes)
         if point.uncertainty == "budget":
             values |= _budget(point, found, notes)
-    else:
-        exact = exact_alone(point)
-        taken = {name: take(name, None, exact) for name in point.figures}
-        values, record = {name: value for name, (value, _) in taken.items()}, _record(exact)
-        notes = {name: why for name, (_, why) in taken.items() if why}
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -320,13 +311,6 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
         "worst": {name: value if math.isfinite(value) else None for name, value in worst.items()},
     }
-
-
-def exact_alone(point: Question) -> ContactSolution:
-    """Half-plane theory on its own points and instants of the steady cycle, no field more than the figures need."""
-    import semi_analytic
-
-    return semi_analytic.solve(point.scene, cycles="steady", fields=fields_needed(point.figures))
 
 
 def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
@@ -364,60 +348,62 @@ def _scales_of(scene: str) -> Scales:
     return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0, dissipation=float("nan"))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Evaluated:
-    """Figures by name, why some have no value, how uncertain the solution itself states some to be; the notes of theory."""
+    """Figures by name, why some have no value, how uncertain the solution itself states some to be; theory and comparison."""
 
-    values: Values
-    notes: dict[str, str]
-    stated: dict[str, float]
-    of_theory: tuple[str, ...]
-    comparison: Comparison | None
+    exact: ContactSolution | None = None
+    comparison: Comparison | None = None
+    values: Values = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    stated: dict[str, float] = field(default_factory=dict)
 
 
-def evaluate(point: Question, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
-    """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
+def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
+    """Every figure that is asked for; against theory on the points and instants of `fe`, on the polygon of its steps if wanted.
+
+    Theory alone is evaluated on its own points and instants of the steady cycle.
+    """
     import semi_analytic
 
-    metrics = [name for name in point.figures if name in METRICS]
-    exact = comparison = None
+    found, metrics = Evaluated(), set(point.figures) & METRICS.keys()
     if "exact" in point.engines:
-        fields = semi_analytic.FIELDS if metrics else fields_needed(point.figures)
-        exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
-    if metrics and exact is not None:
+        quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures if name not in METRICS]
+        fields = semi_analytic.FIELDS if metrics else sorted({field for one in quantities for field in one.fields})
+        if fe is None:
+            found.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
+        else:
+            found.exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+    if metrics and found.exact is not None and fe is not None:
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
         straight = None
-        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & set(metrics)):
+        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics):
             straight = theory_on_steps(fe)
-        comparison = compare(exact, fe, polygon_reference=straight)
-    values: Values = {}
-    notes: dict[str, str] = {}
-    stated: dict[str, float] = {}
+        found.comparison = compare(found.exact, fe, polygon_reference=straight)
     for name in point.figures:
-        if name in METRICS and comparison is not None:
-            metric = {one.key: one for one in comparison.metrics}.get(name)
-            if metric is None:
-                values[name], notes[name], stated[name] = None, "this scene has no such metric", 0.0
-                continue
-            values[name], why = metric.value, metric.note or "there is nothing to compare"
-            stated[name] = _stated(metric, fe, comparison.scales.half_width)
+        found.stated[name] = 0.0
+        if found.comparison is None or name not in METRICS:
+            found.values[name], why = take(name, fe, found.exact)
+            if fe is not None:
+                found.stated[name] = stated_by_edges(name, fe, found.exact)
+        elif (metric := next((one for one in found.comparison.metrics if one.key == name), None)) is None:
+            found.values[name], why = None, "this scene has no such metric"
         else:
-            values[name], why = take(name, fe, exact)
-            stated[name] = stated_by_edges(name, fe, exact)
-        if values[name] is None:
-            notes[name] = why
-    of_theory = tuple(f"half-plane theory: {note}" for note in exact.record.notes) if exact is not None else ()
-    return Evaluated(values, notes, stated, of_theory, comparison)
+            found.values[name], why = metric.value, metric.note or "there is nothing to compare"
+            found.stated[name] = _stated(metric, found.comparison)
+        if found.values[name] is None:
+            found.notes[name] = why
+    return found
 
 
-def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:
+def _stated(metric: Metric, compared: Comparison) -> float:
     """What the result states for a metric's uncertainty: the metric's own, or that of the edges at its instant over a_ref; or 0."""
-    found = [0.0, metric.uncertainty or 0.0]
+    found, fe = [0.0, metric.uncertainty or 0.0], compared.result
     edges = getattr(fe, f"{metric.key}_uncertainty", None)
     if edges is not None and metric.time is not None:
-        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / half_width)
+        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / compared.scales.half_width)
     return max(value for value in found if math.isfinite(value))
 
 
