@@ -96,11 +96,18 @@ def changes(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.expr | str]]:
                 yield from (found for found in changes(child) if found[1] not in skipped) if child not in skipped else ()
 
 
-def replaced(source: str, node: ast.expr, text: str) -> str:
-    """The source with the text of one expression replaced; ast counts columns in bytes."""
+def cut(source: str, span: list[int]) -> tuple[str, str, str]:
+    """What stands before an expression, itself, and after; ast counts columns in bytes."""
     lines = [line.encode() for line in source.splitlines(keepends=True)]
-    before, after = lines[node.lineno - 1][: node.col_offset], lines[(node.end_lineno or 0) - 1][node.end_col_offset :]
-    return b"".join([*lines[: node.lineno - 1], before, text.encode(), after, *lines[node.end_lineno :]]).decode()
+    begin, end = (sum(map(len, lines[: line - 1])) + column for line, column in (span[:2], span[2:]))
+    text = b"".join(lines)
+    return text[:begin].decode(), text[begin:end].decode(), text[end:].decode()
+
+
+def mutated(source: str, row: Mutant) -> str:
+    """The source with the change made."""
+    before, _, after = cut(source, row["span"])
+    return f"{before}{row['after']}{after}"
 
 
 def sources(tree: Path) -> dict[str, str]:
@@ -119,20 +126,21 @@ def places(tree: Path) -> tuple[dict[tuple[str, int], list[Mutant]], int]:
         for operator, node, new in changes(ast.parse(source)):
             if node.lineno in lines:
                 text = new if isinstance(new, str) else f"({ast.unparse(new)})"
-                row = {"file": file, "line": node.lineno, "column": node.col_offset, "operator": operator}
-                row |= {"before": ast.get_source_segment(source, node), "after": text, "source": replaced(source, node, text)}
-                found.setdefault((file, node.lineno), []).append(row)
+                span = [node.lineno, node.col_offset, node.end_lineno, node.end_col_offset]
+                found.setdefault((file, node.lineno), []).append({"file": file, "operator": operator, "after": text, "span": span})
     return found, executable
 
 
-def draw(found: dict[tuple[str, int], list[Mutant]], count: int, seed: int) -> list[Mutant]:
+def draw(found: dict[tuple[str, int], list[Mutant]], count: int, seed: int, tree: Path) -> list[Mutant]:
     """Mutants on different lines: the line uniformly, then the operator, then the place on the line."""
-    generator = random.Random(seed)
+    generator, texts = random.Random(seed), sources(tree)
     drawn, order = [], sorted(found)
     generator.shuffle(order)  # the first 20 of 60 are the 20 of a draw of 20
-    for place in order[:count]:
-        operator = generator.choice(sorted({row["operator"] for row in found[place]}))
-        drawn.append(generator.choice([row for row in found[place] if row["operator"] == operator]))
+    for file, line in order[:count]:
+        rows = found[file, line]
+        operator = generator.choice(sorted({row["operator"] for row in rows}))
+        row = generator.choice([row for row in rows if row["operator"] == operator])
+        drawn.append(row | {"line": line, "before": cut(texts[file], row["span"])[1]})
     return drawn
 
 
@@ -179,7 +187,7 @@ def judge(row: Mutant, stages: list[str], tree: Path, processes: int, limits: di
                     raise SystemExit(f"the unchanged tree fails the stage {stage!r} of {engine} (exit code {code}): {test}")
                 print(f"unchanged: {stage} of {engine} in {time.monotonic() - begun:.0f} s", flush=True)
                 limits[stage, engine] = max(AT_LEAST, TIMES_THE_UNCHANGED * (time.monotonic() - begun))
-            path.write_text(row["source"], encoding="utf-8")
+            path.write_text(mutated(original, row), encoding="utf-8")
             code, test = run_tests(stage, engine, tree, processes, limits[stage, engine])
             path.write_text(original, encoding="utf-8")
             if code != 0:
@@ -187,8 +195,7 @@ def judge(row: Mutant, stages: list[str], tree: Path, processes: int, limits: di
                 break
     finally:
         path.write_text(original, encoding="utf-8")
-    kept = {key: value for key, value in row.items() if key != "source"}
-    return kept | verdict | {"seconds": round(time.monotonic() - started, 1)}
+    return row | verdict | {"seconds": round(time.monotonic() - started, 1)}
 
 
 def equivalents() -> dict[tuple[str, str, str], str]:
@@ -223,7 +230,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / ".cache" / "mutants", help="folder of results and of the scratch copy")
     options = parser.parse_args()
     found, executable = places(ROOT)
-    mutants = draw(found, options.drawn, options.seed)
+    mutants = draw(found, options.drawn, options.seed, ROOT)
     digest = hashlib.sha256("".join(sources(ROOT).values()).encode()).hexdigest()[:12]
     print(f"seed {options.seed}, sources {digest}: {len(mutants)} drawn of {len(found)} lines that an operator fits")
     print(f"(of {executable} executable lines)", flush=True)
@@ -233,7 +240,7 @@ def main() -> None:
         return
 
     def key(row: Mutant) -> tuple:
-        return tuple(row[name] for name in ("file", "line", "column", "operator", "after"))
+        return row["file"], *row["span"], row["operator"], row["after"]
 
     options.out.mkdir(parents=True, exist_ok=True)
     results, scratch = options.out / f"{options.seed}-{digest}.jsonl", options.out / f"tree-{os.getpid()}"
