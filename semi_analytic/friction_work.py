@@ -80,11 +80,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    parts = [
-        (span, np.array([span.begin.time]), np.array([span.end.time]))
-        for span in spans
-        if span.direction and span.active is not None
-    ]
+    parts = [_whole(span) for span in spans if span.direction and span.active is not None]
 
     def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
         return _work_of_span(contact, span, low, high, rule)
@@ -99,13 +95,17 @@ Part = tuple[Span, Array, Array]
 """A span, and when the integrals along it begin and end, (k,) each; nothing where the end is not after the begin."""
 
 
+def _whole(span: Span) -> Part:
+    return span, np.array([span.begin.time]), np.array([span.end.time])
+
+
 def _over_spans(
     contact: Contact,
     modulus: float,
     parts: Sequence[Part],
     count: int,
     integral: Callable[[Span, Indices, Array, Array, Rule], Array],
-    rounding: Callable[[Span, Indices], float] = lambda span, which: 0.0,
+    rounding: Callable[[Span, Indices], float] | None = None,
 ) -> Split:
     """A/pi times the sums of `count` integrals along spans: by one rule, or by halving where edges run unevenly or pass corners.
 
@@ -136,7 +136,7 @@ def _over_spans(
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
-        allowed = max(share * max(size, float(np.max(np.abs(values[number])))), rounding(span, some))
+        allowed = max(share * max(size, float(np.max(np.abs(values[number])))), rounding(span, some) if rounding else 0.0)
         values[number, some], errors[number, some] = by_halving(part, begin[some], end[some], allowed, marks[number])
     forward, factor = np.array([span.direction > 0 for span, *_ in parts], dtype=bool), 2 / (math.pi * modulus)
     return Split(*(factor * np.sum(each, axis=0) for each in (values[forward], values[~forward], errors)))
@@ -263,8 +263,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         shift = integrals.over(take([(span, times.ravel())]))[:, 0].reshape(times.shape)
         return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
 
-    parts = [(span, np.array([span.begin.time]), np.array([span.end.time])) for span in spans]
-    total = _over_spans(contact, modulus, parts, 1, work).total[0]
+    total = _over_spans(contact, modulus, [_whole(span) for span in spans], 1, work).total[0]
     return float(total), 2 / (math.pi * modulus) * doubt
 
 
