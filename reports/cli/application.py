@@ -29,9 +29,9 @@ from cyclopts import (
 from reports.cli.process import BAD_INPUT, INTERNAL, INTERRUPTED, NOT_CONVERGED, WITHIN, settled
 
 # The list of commands by use, and within a group in the order of the table below.
-SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
+_SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
 _COMMANDS = {
-    SOLVE: (
+    _SOLVE: (
         ("run", "solving:run", "Both engines on one scene: verdict, page and data."),
         ("exact", "solving:exact", "Half-plane theory alone: summary, NetCDF and CSV, no page."),
         ("fe", "solving:fe", "Finite elements alone: summary, NetCDF and CSV, no page."),
@@ -253,18 +253,18 @@ def _misspelt(fault: CycloptsError) -> str:
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
         option = words[0].startswith("-")
-        hint = nearest(words[0], [name for name in app if name.startswith("-") is option])
+        hint = _nearest(words[0], [name for name in app if name.startswith("-") is option])
         return f"there is no {'option' if option else 'command'} {words[0]!r}; {hint}`halfplane --help` lists them"
     chain = list(fault.command_chain or ())
     command, shown = " ".join(chain) or "halfplane", f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
         word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
         options = {name for argument in fault.argument_collection for name in argument.names if name.startswith("--")}
-        return f"{command} has no option {word}; {nearest(word, options)}{shown} lists them"
+        return f"{command} has no option {word}; {_nearest(word, options)}{shown} lists them"
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first = (fault.root_input_tokens or [])[len(chain) :][:1]
-        hint = nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
+        hint = _nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
         return f"{command}: unexpected argument {' '.join(fault.unused_tokens or [])!r}; {hint}{shown} shows what it takes"
     if isinstance(fault, MissingArgumentError) and fault.argument is not None and not fault.argument.tokens:
         # A word of its own in capitals, as in the help; an option as it is written.
@@ -274,10 +274,10 @@ def _misspelt(fault: CycloptsError) -> str:
     return f"{' '.join(str(fault).split()).rstrip('.')}; {shown} shows what it takes"
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
+def _nearest(word: str, known: Iterable[str]) -> str:
     """A question after the known word that is most like `word`; empty where none is.
 
-    >>> nearest("rnu", ["run", "exact"]), nearest("zzz", ["run", "exact"])
+    >>> _nearest("rnu", ["run", "exact"]), _nearest("zzz", ["run", "exact"])
     ('did you mean run? ', '')
     """
     near = difflib.get_close_matches(word.lower(), sorted(known), n=1)

@@ -111,7 +111,7 @@ def _score_field(source: str, mapping: Mapping, scene: Scene, stages: Stages, op
         from reports.comparison.content import whole_content
 
         return answer("score", code, whole_content(report, command, stages.seconds) | {"page": str(page)}, scene.name)
-    show_score(report)
+    _show_score(report)
     say(str(page))
     return code
 
@@ -150,7 +150,7 @@ def _score_loop(source: str, mapping: Mapping, scene: Scene, stages: Stages, opt
     return code
 
 
-def show_score(report: Report) -> None:
+def _show_score(report: Report) -> None:
     """Guesses, verdict, diagnoses, and the mesh study where it is one."""
     for sentence in report.guesses:
         say(f"Taken for granted: {sentence}.")

@@ -121,7 +121,7 @@ def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages)
         return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report)
 
 
-def solve_half_plane(scene: Scene, stages: Stages, **where: Any) -> ContactSolution:
+def _solve_half_plane(scene: Scene, stages: Stages, **where: Any) -> ContactSolution:
     """The half-plane answer, at the x and time of `where` if it has them."""
     import semi_analytic
 
@@ -282,7 +282,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             complain(f"halfplane: {scene.name}: no comparison. {alone}")
             if taken.half_plane:
                 return _answer_alone("fe", folder, stages, options, solve_finite_elements(scene, options, stages), alone)
-            return _answer_alone("exact", folder, stages, options, solve_half_plane(scene, stages), alone)
+            return _answer_alone("exact", folder, stages, options, _solve_half_plane(scene, stages), alone)
         if options.third:
             from reports.third.calculix import find_calculix
 
@@ -309,9 +309,9 @@ def _compared(
     begun = time.process_time()
     result = solve_finite_elements(scene, options, stages)
     with _kept_if_interrupted(result):
-        reference = solve_half_plane(scene, stages, x=result.x, time=result.time)
+        reference = _solve_half_plane(scene, stages, x=result.x, time=result.time)
         # Of a thinned answer the steps are those of the path itself.
-        polygon = reference
+        polygon: ContactSolution | None = reference
         if not result.thinned:
             with stages.stage("half-plane theory, on the polygon of the steps"):
                 polygon = theory_on_steps(result)
@@ -469,7 +469,7 @@ _OUTPUT, _FE = Output(), FiniteElements()
 
 def exact(scene: SceneName, *, options: Output = _OUTPUT) -> int:
     """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone("exact", scene, options, solve_half_plane)
+    return _alone("exact", scene, options, _solve_half_plane)
 
 
 def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
