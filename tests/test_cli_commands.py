@@ -547,7 +547,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (tmp_path / page["page"]).exists()
 
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.pages.write", lambda folder, there: written.append(folder))
+    monkeypatch.setattr("reports.maps.pages.write", written.append)
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     assert (code, found["studies"], [Path(found["page"]).parent]) == (0, {}, written)  # pages alone run none
 

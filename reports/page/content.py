@@ -134,7 +134,7 @@ def _step_errors(comparison: Comparison) -> Iterator[str]:
             excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
             yield (
                 f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
-                f"the interface work of the cycle would differ by {words.percent(excess)} of W."
+                f"the interface work of the cycle would differ by {words.shown(excess)} of W."
             )
 
 
