@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import shlex
 import sys
@@ -250,21 +249,26 @@ def _one_line(text: str) -> str:
 
 def _misspelt(fault: CycloptsError) -> str:
     """What a command line that can't be read has wrong: one sentence, with the nearest known word and what to do."""
+    from scenes.frozen import did_you_mean
+
+    def nearest(word: str, known: Iterable[str]) -> str:
+        return f"{did_you_mean(word.lower(), known).strip()} ".lstrip()
+
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
         option = words[0].startswith("-")
-        hint = _nearest(words[0], [name for name in app if name.startswith("-") is option])
+        hint = nearest(words[0], [name for name in app if name.startswith("-") is option])
         return f"there is no {'option' if option else 'command'} {words[0]!r}; {hint}`halfplane --help` lists them"
     chain = list(fault.command_chain or ())
     command, shown = " ".join(chain) or "halfplane", f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
         word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
         options = {name for argument in fault.argument_collection for name in argument.names if name.startswith("--")}
-        return f"{command} has no option {word}; {_nearest(word, options)}{shown} lists them"
+        return f"{command} has no option {word}; {nearest(word, options)}{shown} lists them"
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first = (fault.root_input_tokens or [])[len(chain) :][:1]
-        hint = _nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
+        hint = nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
         return f"{command}: unexpected argument {' '.join(fault.unused_tokens or [])!r}; {hint}{shown} shows what it takes"
     if isinstance(fault, MissingArgumentError) and fault.argument is not None and not fault.argument.tokens:
         # A word of its own in capitals, as in the help; an option as it is written.
@@ -272,13 +276,3 @@ def _misspelt(fault: CycloptsError) -> str:
         wanted = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
         return f"{command}: {wanted} is missing; {shown} shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; {shown} shows what it takes"
-
-
-def _nearest(word: str, known: Iterable[str]) -> str:
-    """A question after the known word that is most like `word`; empty where none is.
-
-    >>> _nearest("rnu", ["run", "exact"]), _nearest("zzz", ["run", "exact"])
-    ('did you mean run? ', '')
-    """
-    near = difflib.get_close_matches(word.lower(), sorted(known), n=1)
-    return f"did you mean {near[0]}? " if near else ""
