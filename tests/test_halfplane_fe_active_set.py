@@ -8,13 +8,13 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from halfplane_fe.active_subsets import CoupledFactor, Kept, NestedFactor, SingularSet
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, active_subsets
-from halfplane_fe.active_subsets import CoupledFactor, Kept, NestedFactor, SingularSet
 from halfplane_fe.contact import ContactProblem, untouched
 from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energy
