@@ -104,7 +104,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
 def _imposed(problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales) -> dict[str, Array]:
     """Bulk stresses, tilt and the moments of pressure and shear about x = 0, each (n_steps,), by the solution's names."""
     stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
-    imposed, (_, pressure, shear, _) = np.array([state.imposed for state in states]), nodal(np.stack([state.values for state in states]))
+    imposed = np.array([state.imposed for state in states])
+    _, pressure, shear, _ = nodal(np.stack([state.values for state in states]))
     found = {
         "bulk_stress_lower": imposed[:, 0] * stress,
         "bulk_stress_upper": imposed[:, 1] * stress,
@@ -265,7 +266,7 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
     note = audit.note()
     firsts = run.kept[:-1]  # of the increments from each kept instant to the next
 
-    def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> Array:
+    def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
         steps = np.asarray(values)
         return freeze(np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype)
 
@@ -284,7 +285,17 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
     )
 
 
-_ENERGIES = "external external_end_of_step curve elastic interface end_of_step step_error layer dissipation".split()
+_ENERGIES = [
+    "external",
+    "external_end_of_step",
+    "curve",
+    "elastic",
+    "interface",
+    "end_of_step",
+    "step_error",
+    "layer",
+    "dissipation",
+]
 
 
 def _termination(run: PathRun) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,7 +38,8 @@ _RIGID, _NODAL = ("approach", "shift", "tilt"), ("slip", "pressure", "shear", "g
 
 def nodal(values: Array) -> Array:
     """(4, ..., n) slip, pressure, shear and gap of the nodes, from (..., 3 + 4 n) values of interface states: a view."""
-    return np.moveaxis(values[..., 3:].reshape(*values.shape[:-1], 4, -1), -2, 0)
+    parts = values[..., 3:].reshape(*values.shape[:-1], 4, -1)
+    return parts if values.ndim == 1 else np.moveaxis(parts, -2, 0)
 
 
 def _rigid(number: int) -> property:
@@ -58,9 +58,9 @@ class InterfaceState:
     ----------
     time : of the instant
     loads : P and Q, or the five of `path` where it has bulk stress or tilt
-    values : (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and gap of the nodes. Gap and slip are
-        those of the law (inner faces of the layer), pressure and shear nodal forces, the tilt is given or found from the moment. A
-        state that a long run has dropped (`run.PathRun`) ends after the slip
+    values : (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and gap of the nodes. Gap and slip
+        are those of the law (inner faces of the layer), pressure and shear nodal forces, the tilt is given or found from the
+        moment. A state that a long run has dropped (`run.PathRun`) ends after the slip
     state : (n,) SurfaceState of each node
     """
 

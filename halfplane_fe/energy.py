@@ -103,6 +103,11 @@ def increment_energies(
     approach, shift = changes[:, 0], changes[:, 1]
     imposed, faces = np.diff([state.imposed for state in states], axis=0), problem.interface
     before, after = np.stack([state.state for state in states[:-1]]), np.stack(solved)
+
+    def work(loads: Array, p: Array, q: Array) -> Array:
+        of_imposed = (faces.work_of_imposed(p, q) * imposed).sum(axis=1)
+        return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
+
     sign = slip_sign(after)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
@@ -114,7 +119,9 @@ def increment_energies(
         rows = np.flatnonzero(factor.any(axis=1))
         for i, j in np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist():
             area = enclosed[i, j, rows]
-            one, other = (np.stack([problem.rates(states[row].state, len(enclosed), (i, j))[k] for row in rows]) for k in (i, j))
+            one, other = (
+                np.stack([problem.rates(states[row].state, len(enclosed), (i, j))[k] for row in rows.tolist()]) for k in (i, j)
+            )
             (s_i, p_i, *_), (s_j, p_j, *_) = nodal(one), nodal(other)
             curve[rows] += factor[rows] * (p_i * s_j - p_j * s_i) * area[:, None]
             loop[rows] -= (_normal_work(problem, i, j, one, other) - _normal_work(problem, j, i, other, one)) * area
@@ -124,10 +131,8 @@ def increment_energies(
     return Energies(
         dissipation=dissipation + curve,
         loop=loop,
-        external=mean_load[:, 0] * approach + mean_load[:, 1] * shift + (faces.work_of_imposed(mean_p, mean_q) * imposed).sum(axis=1),
-        external_end_of_step=loads[1:, 0] * approach
-        + loads[1:, 1] * shift
-        + (faces.work_of_imposed(p[1:], q[1:]) * imposed).sum(axis=1),
+        external=work(mean_load, mean_p, mean_q),
+        external_end_of_step=work(loads[1:], p[1:], q[1:]),
         curve=curve.sum(axis=1),
         elastic=np.diff(elastic),
         layer=np.diff(layer),
@@ -138,7 +143,7 @@ def increment_energies(
 
 
 def _normal_work(problem: ContactProblem, i: int, j: int, one: Array, other: Array) -> Array:
-    """(m,) work per unit of load i times change of load j, but for that of shear: of P in the approach, of p in bulk stress and tilt.
+    """(m,) work per unit of load i times change of load j, without that of shear: P in the approach, p in bulk stress and tilt.
 
     `one` and `other` (m, 3 + 4 n) are the derivatives of the values by the two loads.
     """

@@ -93,7 +93,7 @@ class Interface:
         return normal, 0 * tangential if self.guided else tangential
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of stress in a half-plane below, -M of tilt."""
+        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of half-planes below, -M of tilt."""
         if self.imposed is None:
             return np.zeros(3)
         return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])

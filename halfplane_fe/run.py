@@ -327,8 +327,7 @@ def _follow_legs(
         progress(done, len(pieces), said())
         found: list[Increment] = []
         try:
-            for increment in follow(problem, run.states[-1], piece, units, allowed):
-                found.append(increment)
+            found += follow(problem, run.states[-1], piece, units, allowed)
         finally:
             run.take(problem, found, piece.leg, units)
     progress(len(pieces), len(pieces), said())

@@ -36,6 +36,8 @@ _JUMPY = (
     "contact: the interface jumped from one solution to another in {count} increments, the last at time {time:.6g}, however short "
     "they are; mesh the softer body as finely as the other one (upper_ratio)"
 )
+# Secants before an event is bracketed instead.
+_MOST_SECANTS = 8
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
 _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
@@ -128,44 +130,60 @@ def _attempt(
         problem.work["increments halved, not converged"] += 1
         return time
     states = up_to_event(history, solved)
-    changes = nodal(solved.values - history.values)
-    error = float(step_errors(problem.friction, changes[1], changes[0], history.state, states))
+    error = 0.0
+    if not np.array_equal(states, history.state):
+        slip, pressure, _, _ = nodal(solved.values - history.values)
+        error = float(step_errors(problem.friction, pressure, slip, history.state, states))
     return Increment(landed(replace(solved, state=states), event), states, error, iterations, event)
 
 
 def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
     held = problem.holding(history, end, loads_at(end))
-    (touch, touching), (release, releasing) = (
-        _first_crossing(history.gap, held.gap, ~history.closed),
-        _first_crossing(history.pressure, held.pressure, history.closed),
-    )
+    touch = _first_crossing(history.gap, held.gap, ~history.closed)
+    release = _first_crossing(history.pressure, held.pressure, history.closed)
     event: Event = "touch" if touch <= release else "release"
-    share, node = min((touch, touching), (release, releasing), key=lambda found: found[0])
+    share, node = min(touch, release)
     if share >= 1.0:
         return "regular", end
     if len(history.loads) == 2:
-        start_load, end_load = history.loads[0], held.loads[0]
-        wanted = start_load + share * (end_load - start_load)
+        wanted = history.loads[0] + share * (held.loads[0] - history.loads[0])
+        if not min(history.loads[0], held.loads[0]) < wanted < max(history.loads[0], held.loads[0]):
+            return "regular", end
 
         def left(time: float) -> float:
             return loads_at(time)[0] - wanted
 
-        if not min(start_load, end_load) < wanted < max(start_load, end_load):
-            return "regular", end
     else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
-        name, moving = ("gap" if event == "touch" else "pressure"), np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
-        rates = problem.rates(history.state, len(history.loads), moving)
-        by_load = [float(nodal(rates[number])[3 if event == "touch" else 1, node]) for number in moving]
-        before = float(getattr(history, name)[node])
+        moving = np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
+        rates, part = problem.rates(history.state, len(history.loads), moving), 3 if event == "touch" else 1
+        by_load = [float(nodal(rates[number])[part, node]) for number in moving]
+        before = float(nodal(history.values)[part, node])
 
         def left(time: float) -> float:
             return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
 
-    time = float(brentq(left, history.time, end, xtol=1e-15, rtol=8.9e-16))
-    if not history.time < time < end:
-        return "regular", end
-    return event, time
+    time = _zero(left, history.time, end, share)
+    return (event, time) if history.time < time < end else ("regular", end)
+
+
+def _zero(function: Callable[[float], float], low: float, high: float, share: float) -> float:
+    """Where a function that is next to linear is zero, near that share of the way; by secants, and bracketed where they miss."""
+    before, time = low, low + share * (high - low)
+    value_before, value = function(low), function(time)
+    for _ in range(_MOST_SECANTS):
+        if value in (0.0, value_before):
+            return time
+        step = -value * (time - before) / (value - value_before)
+        if abs(step) <= 4e-16 * abs(time):
+            return time
+        before, value_before, time = time, value, time + step
+        if not low <= time <= high:
+            break
+        value = function(time)
+    if not function(low) * function(high) < 0:
+        return high
+    return float(brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 
 
 def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tuple[float, int]:

@@ -138,19 +138,27 @@ class NestedFactor:
 
         The initial gap comes again with every load on a set of closed nodes.
         """
-        correction = self._correction(active)
+        return self._known(self._correction(active), active, known)
+
+    def bordered(self, active: Mask, known: Array, total: float) -> tuple[Array, float]:
+        """f (n_active,) and d with M_AA f - b d = known and b f = total, b the border."""
+        correction, border = self._correction(active), self._border[active]
+        if correction.by_border is None:
+            correction.by_border = self._solve(correction, np.where(active, self._border, 0.0))[active]
+        by_border = correction.by_border
+        if not known.any():
+            displacement = total / float(border @ by_border)
+            return displacement * by_border, displacement
+        by_known = self._known(correction, active, known)
+        displacement = (total - float(border @ by_known)) / float(border @ by_border)
+        return by_known + displacement * by_border, displacement
+
+    def _known(self, correction: _Correction, active: Mask, known: Array) -> Array:
         if correction.latest is None or not np.array_equal(correction.latest[0], known):
             right = np.zeros(len(active))
             right[active] = known
             correction.latest = known, self._solve(correction, right)[active]
         return correction.latest[1]
-
-    def by_border(self, active: Mask) -> Array:
-        """f (n_active,) with M_AA f = border; kept, since every load on a set needs it."""
-        correction = self._correction(active)
-        if correction.by_border is None:
-            correction.by_border = self._solve(correction, np.where(active, self._border, 0.0))[active]
-        return correction.by_border
 
     def _solve(self, correction: _Correction, right: Array) -> Array:
         """The solution (n,) of a right-hand side (n,) that is zero off the set, as it is itself."""
@@ -260,7 +268,7 @@ class CoupledFactor:
             If the states leave the bodies free to move.
         """
         self.work["linear solves"] += 1
-        rows = Rows(states != OPEN, states == STICK, slip_sign(states) * self.friction)
+        rows = Rows(states != OPEN, states == STICK, np.asarray(slip_sign(states) * self.friction))
         base, change = self._reached(states, rows)
         right = np.concatenate([np.where(rows.closed, gap, 0.0), np.where(rows.stick, slip, 0.0), loads])
         wanted = right[change.rows]
@@ -303,6 +311,9 @@ class CoupledFactor:
             columns = np.stack([base.columns[row] for row in changed.tolist()], axis=1)
             factors = _lu(self._values(rows, changed, columns))
             base.nbytes += units.nbytes + columns.nbytes
+        if base.nbytes > _COUPLED_BYTES:
+            base.changes.clear()
+            base.nbytes = base.factors[0].nbytes + columns.nbytes + sum(column.nbytes for column in base.columns.values())
         base.changes[key] = change = _Change(changed, columns, factors)
         while len(self._bases) > 1 and sum(one.nbytes for one in self._bases) > _COUPLED_BYTES:
             self._bases.pop(0)
@@ -388,7 +399,7 @@ class Systems:
             self._coupled = CoupledFactor(*parts, self.friction, self.work)
 
     def values(self, states: States, height: Array, slip: Array, loads: tuple[float, float]) -> Array:
-        """(3 + 4 n,) values of an InterfaceState of given states over an initial gap, sticking nodes at a known slip, under P and Q.
+        """(3 + 4 n,) values of an InterfaceState of given states over an initial gap, sticking nodes at a known slip.
 
         Gap and slip are those of the law, h - n_y delta + n_x U + N p - K^T q and n_y U + n_x delta + K p - T q; no tilt.
         """
@@ -434,12 +445,8 @@ class Systems:
         """Forces f on the active nodes and rigid displacement d with matrix f - n_y d = known there, n_y f = total."""
         if not active.any():
             raise SingularSet(f"no node holds the {name} load")
-        nested, border, known = self._nested(name), self.interface.normals[1][active], known[active]
-        by_border = nested.by_border(active)
-        by_known = nested.solve(active, known) if known.any() else 0.0 * by_border
-        displacement = (total - float(border @ by_known)) / float(border @ by_border)
         forces = np.zeros(len(active))
-        forces[active] = by_known + displacement * by_border
+        forces[active], displacement = self._nested(name).bordered(active, known[active], total)
         return forces, displacement
 
     def _nested(self, name: str) -> NestedFactor:

@@ -16,13 +16,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ValidationError
-from scipy.optimize import elementwise
 
 from scenes import (
     Compound,
@@ -66,9 +65,13 @@ _BESIDE_KINK = 0.03 * np.power(0.1, np.arange(4))
 _LEVEL, _CLOSER = 0.01, np.array([0.25, 0.5, 0.75])
 # Share of the slip zone within which two samples are one.
 _ALIKE = 1e-10
-# A maximum is found when W bends by this share of it only, or its place is known to this share of the slip zone.
-_KNOWN, _PLACE = 1e-10, 1e-7
-# A second maximum counts where W falls between the two by this share of the larger.
+# A maximum is found when W may rise by this share of it only; by every second node of the rule at first.
+_NEARLY, _KNOWN = 1e-5, 1e-10
+# Each round takes a bracket to a fourth where W is smooth, every other one to half at worst.
+_ROUNDS = 40
+_EVENLY = np.array([0.21, 0.47, 0.73])
+_THREE = np.array([[-1], [0], [1]])
+# A second maximum counts where W falls between the two by this share of the larger; samples are good to 1e-6.
 _DISTINCT = 1e-3
 
 
@@ -93,7 +96,7 @@ def maxima_of(e: Ellipses, contact: Contact) -> Array:
     inner, outer = points[:, 0], points[:, -1]
     new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * (outer - inner)[:, None]
     member, x = np.nonzero(new)[0], points[new]
-    sample = density(member, x)
+    sample = density(member, x, 2)
     spoilt = np.bincount(member, np.isnan(sample), count) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to each other stay apart.
     begin = np.flatnonzero(np.diff(member, prepend=-1))
@@ -104,23 +107,14 @@ def maxima_of(e: Ellipses, contact: Contact) -> Array:
     wide = np.flatnonzero(level & (np.diff(x) > _LEVEL * (outer - inner)[member[:-1]]))
     more = (x[wide] + np.diff(x)[wide] * _CLOSER[:, None]).ravel()
     member = np.concatenate([member, np.tile(member[wide], len(_CLOSER))])
-    x, sample = np.concatenate([x, more]), np.concatenate([sample, density(member[len(x) :], more)])
+    x, sample = np.concatenate([x, more]), np.concatenate([sample, density(member[len(x) :], more, 2)])
     order = np.lexsort((x, member))
     member, x, sample = member[order], x[order], sample[order]
     number = np.flatnonzero((sample[1:-1] > sample[:-2]) & (sample[1:-1] >= sample[2:])) + 1
-    owner, place, top, rise = member[number], *np.zeros((3, len(number)))
-    if len(number):
-        start, width = inner[owner], (outer - inner)[owner]
-        found = elementwise.find_minimum(
-            lambda at, begin, reach, which: -density(which.astype(int), begin + at * reach),
-            tuple((x[number + k] - start) / width for k in (-1, 0, 1)),
-            args=(start, width, owner.astype(float)),
-            tolerances={"xatol": _PLACE, "xrtol": 0.0, "fatol": 0.0, "frtol": _KNOWN},
-        )
-        place, top, three, works = start + found.x * width, -found.f_x, np.stack(found.bracket), -np.stack(found.f_bracket)
-        # A concave W rises up to the chord of the other two points, drawn on.
-        before, after = np.diff(three, axis=0)
-        rise = np.maximum((works[1] - works[0]) / before * after, (works[1] - works[2]) / after * before)
+    owner = member[number]
+    near = _closer(partial(density, every=2), owner, x[number + _THREE], sample[number + _THREE], _NEARLY)[0]
+    near, works = _closer(density, owner, near, np.stack([density(owner, row) for row in near]), _KNOWN)
+    top, at, rise = _parabola(near, works)
     order, best = np.argsort(top, kind="stable"), np.full(count, -1)
     best[owner[order]] = order
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is at most the product of p,
@@ -128,21 +122,21 @@ def maxima_of(e: Ellipses, contact: Contact) -> Array:
     deepest, safe = e.deepest, np.where(e.deepest > 0, e.deepest, np.inf)
     relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / safe
     least = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
+    value, error = (np.where(spoilt, np.nan, known) for known in (0.0, least))
+    place, second_value, second_place = (np.full(count, np.nan) for _ in range(3))
     some = np.flatnonzero((best >= 0) & ~spoilt)
-    first, second = np.full((2, 2, count), np.nan)  # W(x) and |x|
-    first[0], error = np.where(spoilt, np.nan, 0.0), np.where(spoilt, np.nan, least)
     largest = best[some]
-    first[:, some] = top[largest], place[largest]
-    rules = np.stack([density(some, place[largest], every) for every in (1, 2, 4)])
+    value[some], place[some] = top[largest], at[largest]
+    rules = np.stack([density(some, place[some], every) for every in (1, 2, 4)])
     error[some] = rise[largest] + top[largest] * (quadrature_error(rules, rules[0]) + relative[some])
     # Other maxima count where W falls in between, and not by its last digits only.
     ends = np.sort(np.stack([number, number[best[owner]]]), axis=0)
     dip = np.minimum.reduceat(sample, ends.T.ravel())[::2] if len(number) else sample
-    fall = np.maximum(_DISTINCT * first[0], 2 * error)
+    fall = np.maximum(_DISTINCT * value, 2 * error)
     others = order[(order != best[owner[order]]) & (dip[order] < top[order] - fall[owner[order]])]
-    second[:, owner[others]] = top[others], place[others]
-    fraction = (first[1] - inner) / np.where(outer > inner, outer - inner, 1.0)
-    return np.stack([first[0], second[0], error, first[1], second[1], fraction])
+    second_value[owner[others]], second_place[owner[others]] = top[others], at[others]
+    fraction = (place - inner) / np.where(outer > inner, outer - inner, 1.0)
+    return np.stack([value, second_value, error, place, second_place, fraction])
 
 
 def _samples(e: Ellipses, contact: Contact) -> Array:
@@ -158,6 +152,50 @@ def _samples(e: Ellipses, contact: Contact) -> Array:
     beside = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
     points = [ends, *(part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside))]
     return np.sort(np.concatenate(points), axis=0).T
+
+
+def _closer(density: Callable[[Indices, Array], Array], member: Indices, x: Array, w: Array, known: float) -> tuple[Array, Array]:
+    """Three points each about maxima of W, and W there, (3, n), from wider ones: so close that W rises by a share `known` at most.
+
+    Round by round a parabola through the three says where the next ones go. Where that does not take the bracket to half, they
+    divide it evenly.
+    """
+    x, w = x.copy(), w.copy()
+    left, poor = np.arange(len(member)), np.zeros(len(member), dtype=bool)
+    for _ in range(_ROUNDS):
+        left = left[_parabola(x[:, left], w[:, left])[2] > known * np.abs(w[1, left])]
+        if not len(left):
+            break
+        low, middle, high = x[:, left]
+        length = high - low
+        vertex = np.clip(_parabola(x[:, left], w[:, left])[1], low + 0.02 * length, high - 0.02 * length)
+        step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
+        near = np.abs(vertex - middle) < 0.1 * step
+        centre = np.where(near, middle, vertex)
+        before, after = np.maximum(centre - step, (low + centre) / 2), np.minimum(centre + step, (centre + high) / 2)
+        # A vertex that is all but the middle point needs no work of its own: the third point goes beyond.
+        third = np.where(near, (after + high) / 2, vertex)
+        added = np.where(poor[left], low + length * _EVENLY[:, None], np.stack([before, third, after]))
+        places = np.concatenate([x[:, left], added])
+        works = np.concatenate([w[:, left], [density(member[left], row) for row in added]])
+        order = np.argsort(places, axis=0, kind="stable")
+        places, works = np.take_along_axis(places, order, 0), np.take_along_axis(works, order, 0)
+        three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
+        x[:, left], w[:, left] = np.take_along_axis(places, three, 0), np.take_along_axis(works, three, 0)
+        poor[left] = x[2, left] - x[0, left] > length / 2
+    return x, w
+
+
+def _parabola(x: Array, w: Array) -> tuple[Array, Array, Array]:
+    """Of three points, (3, n): value and place of the vertex of the parabola through them, the middle one where it bends up; how
+    far a concave W may rise above w[1] between them, which is up to the chord of the other two, drawn on.
+    """
+    before, after = length = np.diff(x, axis=0)
+    first, second = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
+    whole = np.where(before + after > 0, before + after, np.inf)
+    bend, slope = (second - first) / whole, (first * after + second * before) / whole
+    shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
+    return w[1] + slope * shift / 2, x[1] + shift, np.maximum(np.abs(first) * after, np.abs(second) * before)
 
 
 _BLOCK = 16384
@@ -311,8 +349,8 @@ def peak_dissipation(
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least load, and one further out. Each
     piece between the kinks of W(x) is searched, which are at a(P_min) and at the corners of the profile. The value is good to some
-    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 15 to 20 ms for power laws, flat and
-    rounded, 30 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31 rows.
+    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and
+    rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31 rows.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)

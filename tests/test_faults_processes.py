@@ -30,6 +30,7 @@ import reports
 import semi_analytic
 from command_line import COARSE, everything, process, raising, sentence, start
 from faulty import JOBS, STUDY, Starved, finished, half_files, in_a_child, numbers, possible, started, starved, survive, undisturbed
+from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
 from reports import folder as folders
 from reports import staging
@@ -215,11 +216,11 @@ def test_a_signal_to_end_keeps_what_was_solved_and_says_so(command: str, which: 
     assert not [name for name in everything(tmp_path) if name.startswith(".")]
 
 
-def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps, their checks and states are three lists: Ctrl-C may fall between two of them."""
-    real, calls = halfplane_fe.run.certificates, 0
+def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Energies and checks are taken of all increments of a stretch at once: of those before Ctrl-C too."""
+    real, calls = ContactProblem.equilibrium, 0
 
-    def certificates(*given: object) -> object:
+    def equilibrium(*given: object) -> object:
         nonlocal calls
         calls += 1
         if calls == 60:
@@ -228,7 +229,7 @@ def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: p
 
     scene = load_scene("cattaneo-mindlin")
     whole = halfplane_fe.solve(scene, MESH)
-    monkeypatch.setattr(halfplane_fe.run, "certificates", certificates)
+    monkeypatch.setattr(ContactProblem, "equilibrium", equilibrium)
     with pytest.raises(Interrupted, match=r"after \d+ steps") as stop:
         halfplane_fe.solve(scene, MESH, scales=whole.scales)
     kept = stop.value.partial

@@ -24,7 +24,7 @@ from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
 from reports.folder import MANIFEST
-from reports.page.writing import draw
+from reports.page.figures import draw
 from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store

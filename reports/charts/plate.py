@@ -180,6 +180,22 @@ class Plate:
         return str(template("figure.html").module.drawn(self))  # type: ignore[attr-defined]
 
 
+def worded(
+    name: str,
+    panels: Sequence[Panel | Cell],
+    table: Table,
+    keys: Sequence[Key] = (),
+    *,
+    columns: int = 2,
+    words: str = "",
+    **numbers: object,
+) -> Plate:
+    """A figure of the page: its title, its caption and what it shows are in templates/figures.txt under `words`, or its name."""
+    written = getattr(template("figures.txt").module, words or name)(**numbers)
+    title, caption, alt = str(written).strip().split("\n")
+    return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
+
+
 def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
     """The panels of a figure, those of a cell together."""
     return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]

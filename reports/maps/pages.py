@@ -18,13 +18,12 @@ from reports.charts.marks import Axis, Curve, Dot, Mark, Note
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels
 from reports.charts.table import markdown_table
-from reports.comparison.metrics import compliance
 from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
     Curvatures,
     added_curvatures,
-    correction,
+    corrected_dissipation,
     curvature_sum,
     dissipation_error,
     ellipse_path,
@@ -41,6 +40,7 @@ from reports.maps.laws import (
     along,
     bound,
     bound_in_words,
+    cell_text,
     errors,
     figures,
     leading_constant,
@@ -48,12 +48,14 @@ from reports.maps.laws import (
     numbers,
     parts,
     place,
+    points_of,
     read,
 )
 from reports.sweep.page import bars, cell_borders, heat_map
-from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
+from scenes import InputError, load_scene
 
 Array = NDArray[np.float64]
+DESIGNER = Path(__file__).with_name("designer.toml")
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 _LEVELS = (0.01, 0.05, 0.1)
@@ -172,7 +174,7 @@ def page(asked: Map, folder: Path) -> str:
 
 def index(folder: Path, there: list[Map]) -> str:
     """Markdown of reports/published/maps/README.md: the designer's question answered from the tables, and what is where."""
-    _, found = parts_of(designers_scene(), folder)
+    _, found = parts_of(load_scene(DESIGNER), folder)
     known = [part for part in found if part.values is not None]
     error, doubt = total(known, "error.dissipation")
     missing = "" if len(known) == len(found) else f" (without {len(found) - len(known)} departures that no map here has)"
@@ -186,20 +188,6 @@ def index(folder: Path, there: list[Map]) -> str:
         points = sum(len(read(folder, study)) for study in asked.studies)
         made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
     return "\n\n".join(made) + "\n"
-
-
-def designers_scene() -> Scene:
-    """A block 4 a high and 8 a wide, steel, under a titanium cylinder of radius 8 a; f = 0.5, P constant, Q between +-0.6 f P."""
-    steel, titanium = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=115e3, poisson_ratio=0.33)
-    materials = Materials(lower=steel, upper=titanium)
-    load = math.pi / (2 * 8.0 * compliance(materials))
-    changes = {
-        "material": materials,
-        "profile": Hertz(radius=8.0),
-        "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
-        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
-    }
-    return load_scene("two-cylinders").vary(**changes, name="designer")
 
 
 def answer(asked: Map, folder: Path) -> str:
@@ -466,38 +454,19 @@ def odd_part(folder: Path) -> list[str]:
     return _section("odd_part", rows)
 
 
-def blocks(scene: Scene, base: str, height: float, aspect: float) -> Scene:
-    """A scene on two equal blocks of another size."""
-    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
-    return scene.vary(bodies=Bodies(lower=block, upper=block))
-
-
-def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
-    """A loop of the study `loop`, on its blocks."""
-    base = load_scene("blocks")
-    p0 = base.load.mean_normal_load  # type: ignore[union-attr]
-    lean = amplitude * abs(np.cos(np.radians(phase)))
-    load = base.load.vary(
-        normal_amplitude=amplitude * p0,
-        mean_tangential_load=0.0,
-        tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
-        phase_degrees=phase,
-        initial_loading="straight",
-    )
-    return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
-
-
-def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: Callable[..., float]) -> list[str]:
+def tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
-    table, rows, sizes = read(folder, study), [], []
+    table, points, rows, sizes = read(folder, study), points_of(study), [], []
+    scenes = {tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points}
     for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
         cells = [row[column] for column in columns]
+        scene = scenes[tuple(row[column] for column in points[0].coordinates)]
         if np.isnan(error):
             rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
         cells += [*_percent(error), f"{100 * doubt:.2f}"]
         try:
-            predicted = predict(*(row[column] for column in columns))
+            predicted = corrected_dissipation(scene, 1.0) - 1
         except InputError as refused:
             rows.append([*cells, "", "refused", str(refused)])
             continue
@@ -509,33 +478,6 @@ def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: 
     spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
     medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
     return _section(name, rows, **spans, **medians)
-
-
-def corrected_blocks(folder: Path) -> list[str]:
-    """Of two equal blocks."""
-
-    def predict(base: str, aspect: str, height: str) -> float:
-        return correction(blocks(load_scene("blocks"), base, float(height), float(aspect))).dissipation
-
-    return tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), predict)
-
-
-def corrected_pads(folder: Path) -> list[str]:
-    """Of flat pads."""
-
-    def predict(flat: str, curvature: str, ratio: str) -> float:
-        return work_constant(float(flat), float(ratio)) * float(curvature)
-
-    return tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), predict)
-
-
-def corrected_loops(folder: Path) -> list[str]:
-    """Of two equal blocks under other loops, by the correction that was fitted under the paper's loop alone."""
-
-    def predict(*numbers: str) -> float:
-        return correction(loop_scene(*map(float, numbers))).dissipation
-
-    return tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), predict)
 
 
 def growth(folder: Path) -> list[str]:
@@ -565,9 +507,12 @@ def other_sign(folder: Path) -> list[str]:
 
 # Map -> its tables after the laws.
 _TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
-    "block": (derived_blocks, corrected_blocks),
-    "curvature": (derived_pads, corrected_pads),
+    "block": (
+        derived_blocks,
+        lambda folder: tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
+    ),
+    "curvature": (derived_pads, lambda folder: tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
     "one-block": (odd_part,),
-    "loop": (corrected_loops,),
+    "loop": (lambda folder: tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
     "unlike": (growth, other_sign),
 }

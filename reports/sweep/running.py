@@ -1,7 +1,7 @@
 """A whole sweep: the study checked, tasks handed to processes or to a dask cluster, results stored, the table returned.
 
-Whatever dies, its tasks are handed out again. Where a worker died, each point of the lost tasks goes out with nothing beside it, so
-that the point that kills workers is found; lost again, it becomes a failure with that reason.
+Where a worker dies, each point of the lost tasks goes out again with nothing beside it, so that the point that kills workers is
+found; lost again, it becomes a failure with that reason. A scheduler that is gone ends the sweep, and the next run resumes it.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from itertools import chain
 from multiprocessing import get_context, parent_process, resource_tracker
 from pathlib import Path
 from typing import Any
@@ -35,31 +34,25 @@ from scenes.frozen import validated
 
 Report = Callable[[int, int, str], None]
 Task = list[Point]
-WORKER_DIED, SCHEDULER_GONE = "the worker died", "the scheduler is gone"
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of handing them out small.
 _EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
-# Seconds: a round of the loop; until points of another sweep are looked at again; a scheduler may be away; a first answer takes.
-_ROUND, _LOOK_AGAIN, _RECONNECT, _PATIENCE = 0.5, 2.0, 120.0, 10.0
-_LOSSES = 5  # of a scheduler, before the sweep ends
+# Seconds: a round of the loop; until points of another sweep are looked at again; a first answer of a scheduler takes.
+_ROUND, _LOOK_AGAIN, _PATIENCE = 0.5, 2.0, 10.0
 
 
 class Processes:
-    """Processes of this machine.
-
-    Of these and of `Dask`: `lost` is what an exception of a task means for worker or scheduler, "" where it is the task's own; the
-    tasks of one that is `gone` never come back.
-    """
+    """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task means that its worker died."""
 
     executor: Executor
 
     def __init__(self, width: int) -> None:
         self.width = width
 
-    def lost(self, fault: BaseException) -> str:
-        return WORKER_DIED if isinstance(fault, BrokenExecutor | CancelledError) else ""
+    def died(self, fault: BaseException) -> bool:
+        return isinstance(fault, BrokenExecutor | CancelledError)
 
-    def gone(self) -> bool:
-        return False
+    def require_alive(self) -> None:
+        """InputError where tasks will never come back: not of these."""
 
     def start(self) -> None:
         with _born_without_ctrl_c():
@@ -89,18 +82,20 @@ class Dask:
 
     def __init__(self, address: str, width: int | None, tls: dict[str, str]) -> None:
         self._address, self._asked, self._tls = address, width, tls
+        self._where = f"--scheduler {address}" if address else "--executor dask"
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
-    def lost(self, fault: BaseException) -> str:
+    def died(self, fault: BaseException) -> bool:
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
 
-        if isinstance(fault, KilledWorker):
-            return WORKER_DIED
-        return SCHEDULER_GONE if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError) else ""
+        if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError):
+            raise InputError(f"{self._where}: the scheduler is gone; see to it, then start the sweep again: results are kept")
+        return isinstance(fault, KilledWorker)
 
-    def gone(self) -> bool:
-        return str(self._open[0].status) != "running"
+    def require_alive(self) -> None:
+        if str(self._open[0].status) != "running":
+            self.died(CancelledError())
 
     def start(self) -> None:
         try:
@@ -111,7 +106,6 @@ class Dask:
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        where = f"--scheduler {self._address}" if self._address else "--executor dask"
         security = Security(**self._tls, require_encryption=True) if self._tls else None
         place: Any = self._address
         try:
@@ -122,13 +116,13 @@ class Dask:
                 self._open = [place]
             client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
-            raise InputError(f"{where}: no dask scheduler answers there ({type(reason).__name__}: {reason})") from reason
+            raise InputError(f"{self._where}: no dask scheduler answers there ({type(reason).__name__}: {reason})") from reason
         self._open = [client, *self._open]
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError) as reason:
             self.stop(at_once=True)
-            raise InputError(f"{where}: the scheduler has no worker: start some, then start the sweep again") from reason
+            raise InputError(f"{self._where}: the scheduler has no worker: start some, then start the sweep again") from reason
         threads = [int(worker["nthreads"]) for worker in client.scheduler_info(n_workers=-1)["workers"].values()]
         self.width = self._asked or max(1, sum(threads))
         self.executor = client.get_executor(pure=False)
@@ -288,12 +282,12 @@ def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
     return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
 
 
-class _Lost(Exception):
-    """Workers or scheduler are gone: why, and the tasks that were with them."""
+class _Died(Exception):
+    """A worker died with these tasks."""
 
-    def __init__(self, why: str, tasks: Sequence[Task]) -> None:
-        super().__init__(why)
-        self.why, self.tasks = why, tasks
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        super().__init__()
+        self.points = [point for task in tasks for point in task]
 
 
 @dataclass
@@ -311,7 +305,7 @@ class _Sweep:
     def go(self) -> None:
         """Work until every point has a result, or a signal asks to end."""
         self.pool.start()
-        tasks, self.elsewhere, losses, at_once = tasks_of(self.prepared, self.pool.width), list[Task](), 0, True
+        tasks, self.elsewhere, at_once = tasks_of(self.prepared, self.pool.width), list[Task](), True
         try:
             while (tasks or self.elsewhere) and not self.signals:
                 if not tasks:  # another sweep is solving all that is left
@@ -319,47 +313,31 @@ class _Sweep:
                     tasks, self.elsewhere = deque(self.elsewhere), []
                 try:
                     self._hand_out(tasks)
-                except _Lost as lost:
-                    complain(f"sweep: {lost.why}: {sum(map(len, lost.tasks))} points are handed out again")
-                    losses += lost.why == SCHEDULER_GONE
-                    if losses > _LOSSES:
-                        raise InputError(f"the scheduler was lost {losses} times; see to it, then start the sweep again") from lost
+                except _Died as lost:
+                    complain(f"sweep: the worker died: {len(lost.points)} points are handed out again")
                     self._restart()
-                    if lost.why == WORKER_DIED:
-                        tasks.extendleft(filter(None, map(self._alone, chain.from_iterable(lost.tasks))))
-                    else:
-                        tasks.extendleft(lost.tasks)
+                    for point in lost.points:
+                        self._alone(point)
             at_once = bool(self.signals)
         finally:
             self.pool.stop(at_once=at_once)
 
-    def _alone(self, point: Point) -> Task | None:
-        """A point with nothing beside it: a failure where its worker dies again; handed back where the scheduler went."""
+    def _alone(self, point: Point) -> None:
+        """A point with nothing beside it; a failure where its worker dies again."""
         try:
             self._hand_out(deque([[point]]))
-        except _Lost as lost:
+        except _Died:
             self._restart()
-            if lost.why == SCHEDULER_GONE:
-                return [point]
             reason = "the worker that solved it died twice (killed, or out of memory): see its memory, then start the sweep again"
             failed = {"status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}, "seconds": 0.0, "host": ""}
             self._keep(point, failed | {"again": True})
-        return None
 
     def _restart(self) -> None:
-        """Workers in place of the broken ones; a scheduler is waited for, until a signal asks to end."""
         self.pool.stop(at_once=True)
-        end = time.monotonic() + _RECONNECT
-        while not self.signals:
-            try:
-                self.pool.start()
-                break
-            except InputError:
-                if time.monotonic() > end:
-                    raise
+        self.pool.start()
 
     def _hand_out(self, tasks: deque[Task]) -> None:
-        """Keep every worker busy, and one task ready, until `tasks` are done, elsewhere or lost."""
+        """Keep every worker busy, and one task ready, until `tasks` are done or elsewhere."""
         flying: dict[Future[str], Task] = {}
         try:
             while (tasks or flying) and not self.signals:
@@ -378,18 +356,18 @@ class _Sweep:
                         raise InputError(f"{answer['mismatch']}: {mixed}")
                     for point, result in zip(flying.pop(future), answer["answers"], strict=True):
                         self._keep(point, result)
-                if flying and self.pool.gone():
-                    raise _Lost(SCHEDULER_GONE, [*flying.values()])
+                if flying:
+                    self.pool.require_alive()
                 others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
                 out = sum(map(len, flying.values()))
                 self.report(
                     self.solved + self.failed, len(self.prepared.waiting), f"{self.failed} failed, {out} handed out{others}"
                 )
-        except (InputError, _Lost):
+        except InputError:
             raise
         except Exception as fault:  # also of a pool that broke, or a client that closed, between two tasks
-            if why := self.pool.lost(fault):
-                raise _Lost(why, [*flying.values()]) from fault
+            if self.pool.died(fault):
+                raise _Died(flying.values()) from fault
             raise
 
     def _claimed(self, points: Task) -> Task:

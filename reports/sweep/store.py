@@ -134,9 +134,9 @@ class Store:
         path = self.folder / "sweep.json"
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
-            points = [Planned(int(row["number"]), row["address"], dict(row["coordinates"])) for row in stored["points"]]
+            points = [Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"])) for row in stored["points"]]
             for point in points:  # an address becomes the name of a file
-                if not isinstance(point.address, str) or not _ADDRESS.fullmatch(point.address):
+                if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shown(point.address)} is no address of a result")
             return dict(stored["study"]), tuple(points)
         except FileNotFoundError:
