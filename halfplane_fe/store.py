@@ -124,7 +124,7 @@ def _read(path: Path, body: BodyMesh, material: Elastic, work: Counter[str]) -> 
     """The condensed body of a file; None where there is none, or one that has not the digest that was written."""
     try:
         check_size(path, "a stored body", _BOUND_BYTES)  # and no FIFO, which would wait for a writer
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in (*_ARRAYS, "names", "figures")}
             if str(stored["digest"]) != _digest({"key": path.stem, **arrays}):
                 raise ValueError("another content")

@@ -83,14 +83,7 @@ GRADING = {field.name: 1.25 * getattr(body().grading, field.name) + 0.01 for fie
 # Two of (body, material, datum).
 UNLIKE: dict[str, Callable[[], tuple[BodyMesh, Elastic, float]]] = {
     **{name: lambda name=name: (BODY[name](), STEEL, 7.0) for name in BODY},
-    **{
-        f"grading, {name}": lambda name=name: (
-            replace(body(), grading=replace(body().grading, **{name: GRADING[name]})),
-            STEEL,
-            7.0,
-        )
-        for name in GRADING
-    },
+    **{f"grading, {name}": lambda name=name: (graded(name), STEEL, 7.0) for name in GRADING},
     **{
         name: lambda name=name: (body(), STEEL.model_copy(update={name: 1.1 * getattr(STEEL, name)}), 7.0)
         for name in Elastic.model_fields

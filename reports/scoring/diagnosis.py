@@ -22,9 +22,10 @@ half-plane theory with another E*/R takes the part that such a change can take, 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,8 @@ Tractions = Array
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
-# What explains this much is exact but for rounding and the points taken.
-CLEAR = 0.999
+# What explains this much is exact but for rounding and the points taken; and for the rounding alone.
+CLEAR, EXACT = 0.999, 1 - 1e-12
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
 ROUNDS = 3
 # A rival this much weaker than the winner is not worth a line.
@@ -371,6 +372,14 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
 def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """Every fault of the question that the discrepancy may have."""
     scene, path, half_width, alone = what.scene, what.scene.load.path(), what.comparison.scales.half_width, what.of_pressure
+    # Bulk stress, or tilt, of the other sign; left out.
+    for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
+        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
+        wrong = {"sign": {key: turned(value) for key, value in stated.items()}, "left_out": dict.fromkeys(stated)}
+        for how, changes in wrong.items() if stated else ():
+            with contextlib.suppress(InputError):
+                other = scene.vary(load=changes)
+                yield Hypothesis(f"{name}_{how}", theory(what, other), scene=other)
     # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
     # are the same with m = 1/k and every traction times k, by linearity: their resultants are k times too large.
     if fit := fitted(alone, lambda m: theory(what, stiffer(scene, np.exp(m))), FACTORS):
@@ -387,14 +396,6 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     fit = fitted(alone, lambda d: theory(what, scene, offset=d), places)
     if fit and abs(fit[0]) > 1e-4 * half_width:
         yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
-    # Bulk stress, or tilt, of the other sign; left out.
-    for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
-        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
-        wrong = {"sign": {key: turned(value) for key, value in stated.items()}, "left_out": dict.fromkeys(stated)}
-        for how, changes in wrong.items() if stated else ():
-            with contextlib.suppress(InputError):
-                other = scene.vary(load=changes)
-                yield Hypothesis(f"{name}_{how}", theory(what, other), scene=other)
     if scene.friction.coefficient and np.any(what.expected[1]):
         yield from _history_faults(what)
     if path.period is not None and len(what.rows) >= 4:  # so much of a period late
@@ -677,21 +678,28 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple[float, Hypothesis]]:
-    """The best hypothesis of every fault with the share it explains, the best first.
+    """The best hypothesis of every fault with the share it explains, the best first; none after one that is exact.
 
     Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good. Behind one of them
     an odd rest is what its fit left.
     """
-    tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
-    if not taken & MODEL:
-        tried += unlike_bodies(what)
-    if max(what.explained(one.predicted) for one in tried) < CLEAR and not what.unsymmetric:
-        stiffness = next((one for one in tried if one.fault == "stiffness"), None)
-        tried += model_faults(what, stiffness, untried)
-    rated = [(what.explained(one.predicted) - COST * FITTED.get(one.fault, 0), one) for one in tried]
-    rated.sort(key=lambda pair: -pair[0])
+    rated: list[tuple[float, Hypothesis]] = []
+
+    def tried(those: Iterable[Hypothesis]) -> float:
+        """The most that any explains so far."""
+        for one in those:
+            rated.append((what.explained(one.predicted), one))
+            if rated[-1][0] >= EXACT:
+                break
+        return max(share for share, _ in rated)
+
+    plain = chain(file_faults(what), question_faults(what), [coarse_edge(what)], unlike_bodies(what) if not taken & MODEL else ())
+    if tried(plain) < CLEAR and not what.unsymmetric:
+        stiffness = next((one for _, one in rated if one.fault == "stiffness"), None)
+        tried(model_faults(what, stiffness, untried))
+    rated = [(share - COST * FITTED.get(one.fault, 0), one) for share, one in rated]
     best: dict[str, tuple[float, Hypothesis]] = {}
-    for pair in rated:
+    for pair in sorted(rated, key=lambda pair: -pair[0]):
         best.setdefault(pair[1].fault, pair)
     return list(best.values())
 
