@@ -91,7 +91,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     share, normal = half * _WEIGHTS * stretch, np.stack([-slope, np.ones_like(x)]) / stretch
     distance = (y_above - y_below) * normal[1]
     element, n = below[:, 0] // lower.order, len(lower.x)
-    mass = np.zeros((n // lower.order, lower.order + 1, lower.order + 1))
+    mass = np.zeros(((n - 1) // lower.order, lower.order + 1, lower.order + 1))
     np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, share, phi))
     # psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side.
     dual = np.einsum("skl,slm,sm->skm", (mass.sum(axis=2)[:, :, None] * np.linalg.inv(mass))[element], phi, share)
