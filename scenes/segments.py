@@ -186,10 +186,8 @@ class LoadSegment(abc.ABC):
 
     def shifted(self, delay: float) -> Self:
         """The same segment, `delay` later."""
-        late = replace(self, start=self.start + delay, end=self.end + delay)
-        if self.bulk is None and self.turning is None:
-            return late
-        return replace(late, bulk=self.bulk and self.bulk.shifted(delay), turning=self.turning and self.turning.shifted(delay))
+        bulk, turning = (part and part.shifted(delay) for part in (self.bulk, self.turning))
+        return replace(self, start=self.start + delay, end=self.end + delay, bulk=bulk, turning=turning)
 
 
 @dataclass(frozen=True)
@@ -213,13 +211,10 @@ class StraightSegment(LoadSegment):
         return p, q
 
     def rate_of(self, what: Combination, time: ArrayLike) -> Array:
-        return self._rise(what, np.ones(np.shape(time)))
+        return self.change_of(what, np.ones(np.shape(time)), 0.0)
 
     def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        return self._rise(what, np.asarray(time, dtype=float) - np.asarray(since, dtype=float))
-
-    def _rise(self, what: Combination, duration: Array) -> Array:
-        part = duration / (self.end - self.start)
+        part = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (self.end - self.start)
         return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * ((self.last[1] - self.first[1]) * part)
 
     def beside(self, what: Combination) -> StraightSegment:
