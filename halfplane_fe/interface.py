@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
@@ -81,18 +81,19 @@ class Interface:
             imposed=None if self.imposed is None else freeze(self.imposed / [length * compliance, length * compliance, length]),
         )
 
-    def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
-        """What normal approach and shift of the upper body add to gap and slip, each (n,)."""
+    def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
+        """What normal approach and shift of the upper body, (..., 1) of many instants, add to gap and slip, each (..., n)."""
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
-    def carried(self, pressure: Array, shear: Array) -> tuple[float, float]:
-        """P and Q that nodal forces p and q carry."""
+    def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
+        """P and Q (...) that nodal forces p and q (n, ...) carry."""
         n_x, n_y = self.normals
-        return float(n_y @ pressure + n_x @ shear), 0.0 if self.guided else float(n_y @ shear - n_x @ pressure)
+        normal, tangential = n_y @ pressure + n_x @ shear, n_y @ shear - n_x @ pressure
+        return normal, 0 * tangential if self.guided else tangential
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """(3,) F = S q - G p, work of the loads per unit of e: -m_q/E' of the stress in a half-plane below, -M of the tilt."""
+        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of half-planes below, -M of tilt."""
         if self.imposed is None:
             return np.zeros(3)
         return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])

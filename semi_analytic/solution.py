@@ -59,7 +59,7 @@ from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
-from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
@@ -497,9 +497,7 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            leans = isinstance(contact, TiltedProfile)
-            parts = works_over_time(ellipse, contact) if leans else dissipation_of(ellipse, contact, careful=True)
-            works[number] = unit * float(sum(part[0] for part in parts)), 0.0
+            works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
             own = float(split.error / split.total) if split.error else 0.0

@@ -274,18 +274,16 @@ _TINY, _FLOOR = 1e-100, 1e-200
 # ------------------------------------------------------------------------------------------- any profile, over the contact
 # Nodes and pieces at once, in arrays that fit into the cache.
 _ELEMENTS = 32768
-# A piece has converged at this share of W, or where W is less than a share of P0^2, of that; if careful the second ones hold. Its
-# nodes are doubled up to so many.
-_SETTLED, _NO_WORK, _MOST_NODES = (1e-11, 1e-15), (1e-3, 0.0), (4096, 512)
-# Share of P0 below which P - P_c would not keep ten digits, or thirteen, as a difference of loads; share of the larger of u and v
-# below which the smaller one would not leave W so many.
-_SHALLOW, _UNLIKE = (1e-5, 2e-2), (0.0, 2e-2)
+# A piece has converged at this share of W, or where W is less than a share of P0^2, of that. Its nodes are doubled up to so many.
+_SETTLED, _NO_WORK, _MOST_NODES = 1e-11, 1e-3, 4096
+# Share of P0 below which P - P_c would not keep ten digits as a difference of loads.
+_SHALLOW = 1e-5
 
 
-def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> Array:
+def dissipation_of(e: Ellipses, contact: Contact) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
 
-    To ten digits, or to thirteen if `careful`; over time where a difference of loads would not leave P - P_c as many.
+    To ten digits; over time where a difference of loads would not leave P - P_c as many.
 
     Between two of the half-widths at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is
     flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
@@ -302,7 +300,7 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
     chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
     if len(e.mean) > chunk:
         parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
-        return np.concatenate([dissipation_of(part, contact, careful=careful) for part in parts], axis=1)
+        return np.concatenate([dissipation_of(part, contact) for part in parts], axis=1)
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
     events = contact.advance(np.clip(loads, loads[0], loads[-1]))
     ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
@@ -322,22 +320,19 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
         sums = sums / 2 + weights @ terms
         if count == 16:
             trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])
-            size = np.maximum(np.bincount(member, trail[0], len(size)), _NO_WORK[careful] * np.square(e.mean))
+            size = np.maximum(np.bincount(member, trail[0], len(size)), _NO_WORK * np.square(e.mean))
         else:
             trail = np.stack([np.sum(sums, axis=0), *trail[:2]])
-        left = quadrature_error(trail, size[member]) > _SETTLED[careful]
+        left = quadrature_error(trail, size[member]) > _SETTLED
         for direction in range(2):
             np.add.at(works[direction], member[~left], sums[direction, ~left])
         member, low, high, loops = member[left], low[left], high[left], loops.take(left)
         sums, trail = sums[:, left], trail[:, left]
-        if count == _MOST_NODES[careful]:
+        if count == _MOST_NODES:
             works[:, member] = np.nan
             break
         count *= 2
-    unlike = np.minimum(e.u, e.v) < _UNLIKE[careful] * np.maximum(e.u, e.v)
-    # Fifteen digits may be more than P(a) itself has.
-    rough = careful & np.isnan(np.sum(works, axis=0))
-    shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike | rough)
+    shallow = np.flatnonzero(e.deepest <= _SHALLOW * e.mean)
     exact = np.array(works_over_time(e.take(shallow), contact))
     # What is known to a share of P0^2 only is better than nothing.
     works[:, shallow] = np.where(np.isfinite(exact), exact, works[:, shallow])

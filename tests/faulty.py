@@ -1,4 +1,4 @@
-"""The program killed, doubled, and on a disk whose k-th write fails: for the tests of faults and benchmarks/faults.py."""
+"""The program killed, doubled, and on a disk whose k-th write fails: for the tests of faults and benchmarks/jobs.py."""
 
 from __future__ import annotations
 

@@ -208,7 +208,7 @@ def test_a_scene_that_is_new_is_not_good_until_it_is_accepted(regress: ModuleTyp
 # ----------------------------- faults planted in either engine: seen by a metric, and the right term of the error budget blamed
 @pytest.fixture
 def blame(tool: Callable[[str], ModuleType]) -> ModuleType:
-    return tool("budget")
+    return tool("covered")
 
 
 def found(blame: ModuleType, value: float, *terms: Term) -> Any:
@@ -247,7 +247,7 @@ def test_blamed_is_what_is_large_and_steps_are_a_metric_by_themselves(blame: Mod
 def test_every_planted_fault_is_seen_and_blamed_on_the_right_term(blame: ModuleType) -> None:
     rows = list(blame.blame())
     assert len(rows) == 1 + len(blame.FAULTS)
-    assert [row.what for row in rows if row.kept is not True] == []
+    assert [row.what for row in rows if row.met is not True] == []
 
 
 # ---------------------------------------------------- random mutants: other programs that compile, drawn again by the same seed
@@ -336,7 +336,7 @@ def test_equivalent_mutants_leave_the_count_only_with_a_reason(mutants: ModuleTy
 
 # ----------------------------------------------- the page of performance: its judges are right, what it switches off comes back
 def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Callable[[str], ModuleType]) -> None:
-    peers, models = tool("performance_peers"), tool("finite_elements")
+    peers, models = tool("peers"), tool("finite_elements")
     scene = models.cattaneo_mindlin((0.6,))
     x = np.linspace(-1.2, 1.2, 241)
     theory = semi_analytic.solve(scene, x=x, time=[2.0], fields=("pressure", "shear"))
@@ -351,7 +351,7 @@ def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Callable[[str]
 
 
 def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files_hold(tool: Callable[[str], ModuleType]) -> None:
-    found = tool("performance_peers").lines_by_hand()
+    found = tool("peers").lines_by_hand()
     assert found.keys() == {"tamaas", "contactmechanics", "getfem", "kratos", "naive", "ours", "calculix"}
     assert (found["tamaas"], found["contactmechanics"]) == (8, 6)
     performance = tool("performance")

@@ -30,6 +30,7 @@ import reports
 import semi_analytic
 from command_line import COARSE, everything, process, raising, sentence, start
 from faulty import JOBS, STUDY, Starved, finished, half_files, in_a_child, numbers, possible, started, starved, survive, undisturbed
+from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
 from reports import folder as folders
 from reports import staging
@@ -215,11 +216,11 @@ def test_a_signal_to_end_keeps_what_was_solved_and_says_so(command: str, which: 
     assert not [name for name in everything(tmp_path) if name.startswith(".")]
 
 
-def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps, their checks and states are three lists: Ctrl-C may fall between two of them."""
-    real, calls = halfplane_fe.run.certificates, 0
+def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Energies and checks are taken of all increments of a stretch at once: of those before Ctrl-C too."""
+    real, calls = ContactProblem.equilibrium, 0
 
-    def certificates(*given: object) -> object:
+    def equilibrium(*given: object) -> object:
         nonlocal calls
         calls += 1
         if calls == 60:
@@ -228,7 +229,7 @@ def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: p
 
     scene = load_scene("cattaneo-mindlin")
     whole = halfplane_fe.solve(scene, MESH)
-    monkeypatch.setattr(halfplane_fe.run, "certificates", certificates)
+    monkeypatch.setattr(ContactProblem, "equilibrium", equilibrium)
     with pytest.raises(Interrupted, match=r"after \d+ steps") as stop:
         halfplane_fe.solve(scene, MESH, scales=whole.scales)
     kept = stop.value.partial
@@ -377,7 +378,7 @@ def test_an_argument_that_is_no_text_is_refused_before_any_work(words: tuple[str
 # ------------------------------------------------------------------------------------------------------------------- full disks
 # An old run lies in x; each of these writes there, or beside it, every kind of file that the command writes.
 DISK_JOBS = {
-    "run with a PDF": ("run", "cattaneo-mindlin", *COARSE, "--pdf", "--out", "x", "--quiet"),
+    "run": ("run", "cattaneo-mindlin", *COARSE, "--plots", "svg", "--out", "x", "--quiet"),
     "exact": ("exact", "cattaneo-mindlin", "--out", "x", "--quiet"),
     "fe": ("fe", "cattaneo-mindlin", *COARSE, "--out", "x", "--quiet"),
     "fields": ("fields", "blocks", *COARSE, "--at", "2.0", "--out", "x", "--quiet"),
@@ -469,7 +470,7 @@ def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
         if job == "map":
             (disk / "maps").mkdir()  # one map of the published ones
             published = Path(reports.__file__).parent / "published" / "maps"
-            for path in [*published.glob("c*"), published / "README.md", published / "laws.json", published / "manifest.json"]:
+            for path in [*published.glob("[cp]*"), published / "README.md", published / "laws.json", published / "manifest.json"]:
                 shutil.copyfile(path, disk / "maps" / path.name)
             (disk / "maps" / "curvature.md").write_text("a page to be written again", encoding="utf-8")
 
@@ -498,7 +499,7 @@ def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_r
         assert "there is no room left on the disk" in line or "No space left on device" in line
         store = Store(disk / "x")
         assert (half_files(disk), store.damaged()) == ([], [])
-        assert not [name for name in content(disk) if ".halfplane-" in name or name.startswith("x/claims/")]
+        assert not [name for name in content(disk) if ".halfplane-" in name]
         if len(store.addresses()) == 2:  # one is lost
             assert starved((*words, "--resume"), disk, 0).code == 0
             assert len(store.addresses()) == 3

@@ -23,7 +23,7 @@ from reports.comparison.content import as_json
 from reports.comparison.cycles import events, last_cycle, sample
 from reports.comparison.metrics import METRICS, markdown
 from reports.comparison.words import unit_of
-from reports.page.writing import draw
+from reports.page.figures import draw
 from scenes import ContactSolution, InputError, Materials, Record, Scene, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -42,6 +42,7 @@ LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
 _LONG_LINE, _STRIP = 2000, 1.0
+DOWN = "3.5"  # how far a subscript stands below its line [units of a drawing]
 _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 
@@ -139,20 +140,34 @@ class Plate:
     columns: int = 2
 
     def svg(self) -> str:
-        """The whole figure as a document of its own: its legend, its panels, its colours; the same figure gives the same text."""
-        paper, parts = arranged(self), []
-        for key, left, top in paper.keys:
-            pen = _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True)
+        """The whole figure as a document of its own: its legend in rows, beneath it its panels in columns, with their colours."""
+        parts = stacks(self)
+        columns = min(self.columns, len(parts))
+        across = [max(stack[0].width for stack in parts[c::columns]) for c in range(columns)]
+        width, left, top, pen, drawn = sum(across), 10.0, 6.0, _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True), []
+        for key in self.keys:
+            size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
+            if left > 10.0 and left + size > width:
+                left, top = 10.0, top + 18.0
             line = element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
             patch = element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
-            parts += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
-        parts += [
-            panel_svg(panel, alone=True, x=left, y=top, width=panel.width, height=panel.height) for panel, left, top in paper.panels
-        ]
-        size = {"width": f"{paper.width:g}", "height": f"{paper.height:g}", "viewBox": f"0 0 {paper.width:g} {paper.height:g}"}
-        ground = element("rect", width=paper.width, height=paper.height, fill="#ffffff")
+            drawn += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
+            left += size
+        top = top + 22.0 if self.keys else 0.0
+        for k in range(0, len(parts), columns):
+            lowest = top
+            for column, stack in enumerate(parts[k : k + columns]):
+                place = top
+                for panel in stack:
+                    box = {"x": sum(across[:column]), "y": place, "width": panel.width, "height": panel.height}
+                    drawn.append(panel_svg(panel, alone=True, **box))
+                    place += panel.height
+                lowest = max(lowest, place)
+            top = lowest
+        ground = element("rect", width=width, height=top, fill="#ffffff")
         return element(
-            "svg", f"<title>{escape(self.title)}</title>{ground}{''.join(parts)}", xmlns="http://www.w3.org/2000/svg", **size,
+            "svg", f"<title>{escape(self.title)}</title>{ground}{''.join(drawn)}", xmlns="http://www.w3.org/2000/svg",
+            width=f"{width:g}", height=f"{top:g}", viewBox=f"0 0 {width:g} {top:g}",
             font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
         )  # fmt: skip
 
@@ -165,44 +180,25 @@ class Plate:
         return str(template("figure.html").module.drawn(self))  # type: ignore[attr-defined]
 
 
+def worded(
+    name: str,
+    panels: Sequence[Panel | Cell],
+    table: Table,
+    keys: Sequence[Key] = (),
+    *,
+    columns: int = 2,
+    words: str = "",
+    **numbers: object,
+) -> Plate:
+    """A figure of the page: its title, its caption and what it shows are in templates/figures.txt under `words`, or its name."""
+    written = getattr(template("figures.txt").module, words or name)(**numbers)
+    title, caption, alt = str(written).strip().split("\n")
+    return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
+
+
 def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
     """The panels of a figure, those of a cell together."""
     return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]
-
-
-@dataclass(frozen=True)
-class Arranged:
-    """A figure on paper: its size, each panel and each entry of the legend with its left top corner [units of a drawing]."""
-
-    width: float
-    height: float
-    panels: tuple[tuple[Panel, float, float], ...]
-    keys: tuple[tuple[Key, float, float], ...]
-
-
-def arranged(plate: Plate) -> Arranged:
-    """Where everything stands in the files of a figure: the legend in rows, beneath it the panels in columns."""
-    parts = stacks(plate)
-    columns = min(plate.columns, len(parts))
-    rows = [parts[k : k + columns] for k in range(0, len(parts), columns)]
-    across = [max(stack[0].width for row in rows for stack in row[c : c + 1]) for c in range(columns)]
-    width, left, down, keys = sum(across), 10.0, 6.0, []
-    for key in plate.keys:
-        size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
-        if left > 10.0 and left + size > width:
-            left, down = 10.0, down + 18.0
-        keys.append((key, left, down))
-        left += size
-    top = down + 22.0 if keys else 0.0
-    panels: list[tuple[Panel, float, float]] = []
-    for row in rows:
-        for column, stack in enumerate(row):
-            place = top
-            for panel in stack:
-                panels.append((panel, sum(across[:column]), place))
-                place += panel.height
-        top += max(sum(panel.height for panel in stack) for stack in row)
-    return Arranged(width, top, tuple(panels), tuple(keys))
 
 
 def colour_scale(
@@ -279,21 +275,8 @@ def path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes
     return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
 
 
-def outlines(band: Band) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """The closed outline of each part of a band, without its gaps.
-
-    >>> [x.tolist() for x, _ in outlines(Band([0, 1, 2, 3], [0, 0, 0, 0], [1, 1, np.nan, 2], "pale-stick"))]
-    [[0.0, 1.0, 1.0, 0.0], [3.0, 3.0]]
-    """
-    x, low, high = (np.asarray(values, dtype=float) for values in (band.x, band.low, band.high))
-    known = np.isfinite(low) & np.isfinite(high)
-    for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
-        if len(run) and known[run[0]]:
-            yield np.concatenate([x[run], x[run][::-1]]), np.concatenate([low[run], high[run][::-1]])
-
-
-def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
-    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept.
+def png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
+    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept unless `whole`.
 
     >>> png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -303,9 +286,9 @@ def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
     picture, stream = Image.fromarray(pixels), io.BytesIO()
     if colours:
         picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
-    else:
+    elif not whole:
         picture = picture.quantize(255)
-    picture.save(stream, "PNG", optimize=True)
+    picture.save(stream, "PNG", optimize=not whole)
     return stream.getvalue()
 
 
@@ -330,7 +313,7 @@ class _Pen:
         if len(parts) > 1:
             down, content = False, ""
             for part, low in parts:
-                shift = {"dy": "3.5" if low else "-3.5"} if low is not down else {}
+                shift = {"dy": DOWN if low else f"-{DOWN}"} if low is not down else {}
                 size: dict[str, object] = self.look("sub") if low else {}
                 content += element("tspan", escape(part), **shift, **size) if shift or size else escape(part)
                 down = low
@@ -350,7 +333,12 @@ class _Pen:
                 given = self.data({"label": mark.label} | dict(mark.data))
                 return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
             case Band():
-                d = "".join(path_of(frame.x.place(x), frame.y.place(y)) + "Z" for x, y in outlines(mark))
+                along, low, high = (np.asarray(values, dtype=float) for values in (mark.x, mark.low, mark.high))
+                known, d = np.isfinite(low) & np.isfinite(high), ""
+                for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
+                    if len(run) and known[run[0]]:  # a gap ends one outline, and the next begins behind it
+                        there, back = along[run], np.concatenate([low[run], high[run][::-1]])
+                        d += path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back)) + "Z"
                 return element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
             case Segments():
                 return self.segments(mark)
@@ -365,7 +353,7 @@ class _Pen:
             case Block():
                 return self.block(mark)
             case Bitmap():
-                address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours)).decode()
+                address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours, whole=self.alone)).decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
                 return element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
             case Note():

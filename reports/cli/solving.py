@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, flag, several, tolerances_of
+from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -253,7 +253,7 @@ class RunOptions(FiniteElements):
     ] = None
     vtu: Annotated[tuple[str, ...], several('Write both bodies for ParaView at these times, or at "events".')] = ()
     stress: Annotated[tuple[str, ...], several('Show von Mises stress on the page at these times, or at "events".')] = ()
-    pdf: Annotated[bool, flag("Write report.pdf too; needs the extra halfplane[pdf].")] = False
+    pdf: Annotated[bool, Parameter(negative="", show=False)] = False
     plots: Annotated[
         tuple[Literal["pdf", "svg", "png"], ...],
         several("Every figure as a file of publication quality too, in plots/: pdf svg png."),
@@ -275,6 +275,8 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
     from scenes import InputError
 
     source = scene
+    if options.pdf:
+        raise InputError("--pdf: print report.html from a browser, it has a style of its own for paper; leave the option out")
     if options.third is None and options.third_limit is not None:
         raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
     tolerances = tolerances_of(options.tolerance)
@@ -300,10 +302,6 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             from reports.third.calculix import find_calculix
 
             find_calculix()
-        if options.pdf:
-            from reports.page.pdf import require_typst
-
-            require_typst()
         from reports.comparison.budget import theory_on_steps
         from reports.comparison.metrics import are_half_planes
 
@@ -350,7 +348,6 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
                     command=command,
                     seconds=dict(stages.seconds),
                     stress_instants=instants_of(options.stress, result, "--stress"),
-                    pdf=options.pdf,
                     plots=options.plots,
                     log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
                 )

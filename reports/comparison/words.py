@@ -215,46 +215,40 @@ def unlike_materials(scene: Scene) -> str:
 _ROUNDING = 1e-13
 
 
-def percent(value: float, *, signed: bool = True) -> str:
-    """Three significant digits in per cent; rounding, below 1e-13 of the whole, is 0.
+def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
+    """A value to so many significant digits, in per cent if it is a share of something; rounding, below 1e-13, is 0.
 
-    >>> percent(-0.00123456), percent(0.5, signed=False), percent(-1.87e-16), percent(float("nan"))
-    ('−0.123 %', '50 %', '0 %', 'not a number')
+    >>> shown(-0.00123456), shown(0.5, plus=False), shown(-1.87e-16), shown(float("nan")), shown(0.25, share=False)
+    ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
-    return _number(100 * _settled(value), signed) + (" %" if math.isfinite(value) else "")
-
-
-def _settled(value: float) -> float:
-    return 0.0 if abs(value) < _ROUNDING else value
-
-
-def _number(value: float, signed: bool) -> str:
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
-    sign = "" if value == 0 else "−" if value < 0 else "+" if signed else ""
-    return sign + minus(f"{abs(value):.3g}")
+    size = 0.0 if abs(value) < _ROUNDING else abs(value) * (100 if share else 1)
+    text = minus(f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}")
+    return ("" if not size else "−" if value < 0 else "+" if plus else "") + text + (" %" if share else "")
+
+
+def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
+    """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
+    return shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
-    if metric.value is None:
-        return "–"
-    signed = metric.definition.signed
-    return _number(_settled(metric.value), signed) if metric.absolute else percent(metric.value, signed=signed)
+    return "–" if metric.value is None else shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
 
 
 def unit_of(metric: Metric) -> str:
     """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
     counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(f" ({_number(count, signed=True)} {of})" for count, of in counts if count is not None)
+    return metric.unit + "".join(f" ({shown(count, share=False)} {of})" for count, of in counts if count is not None)
 
 
 def uncertainty_of(metric: Metric) -> str:
     """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
     if metric.uncertainty is None:
         return ""
-    size = metric.uncertainty * (1 if metric.absolute else 100)
-    return f"± {minus(f'{size:.2g}' if size < 99.5 else f'{size:.0f}')}{'' if metric.absolute else ' %'}"
+    return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
 def open_value_of(metric: Metric) -> str:
@@ -264,9 +258,7 @@ def open_value_of(metric: Metric) -> str:
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
-    if metric.tolerance is None:
-        return "–"
-    return f"{metric.tolerance:.3g}" if metric.absolute else f"{100 * metric.tolerance:.3g} %"
+    return "–" if metric.tolerance is None else shown(metric.tolerance, share=not metric.absolute, plus=False)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -299,10 +291,11 @@ def headline(report: Report) -> str:
     Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are finite elements/theory - 1.
     """
     comparison = report.comparison
-    shown = [comparison.metric(key) for key in ("dissipation", "largest_pressure")]
-    if shown[0].value is None or shown[0].absolute:
-        shown = [comparison.metric(key) for key in ("largest_pressure", "largest_half_width")]
-    metrics = [metric for metric in shown if metric.value is not None and math.isfinite(metric.value)]
+    work = comparison.metric("dissipation")
+    keys = (
+        ("largest_pressure", "largest_half_width") if work.value is None or work.absolute else ("dissipation", "largest_pressure")
+    )
+    metrics = [metric for metric in map(comparison.metric, keys) if metric.value is not None and math.isfinite(metric.value)]
     if not metrics:
         return "Neither dissipation nor pressure nor contact width can be compared: the notes below say why."
     ours = _both_ours(comparison)
@@ -311,7 +304,7 @@ def headline(report: Report) -> str:
     told = f"; {_stated(comparison) or 'no uncertainty was measured'}" if unknown else ""
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
-        parts = [f"{minus(f'{100 * _settled(size):.2g}')} % in the {_words_of(metric)}" for metric, size in sizes]
+        parts = [f"{shown(size, plus=False, digits=2)} in the {_words_of(metric)}" for metric, size in sizes]
         return f"The two solutions agree to {' and '.join(parts)}{under_what(comparison.scene)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
@@ -370,7 +363,7 @@ def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def said(report: Report) -> dict[str, Any]:
-    """What the page, the PDF and comparison.json say alike, by its name there."""
+    """What the page and comparison.json say alike, by its name there."""
     scene = report.comparison.scene
     return {
         "headline": headline(report),
@@ -452,7 +445,7 @@ def difference_of(metric: Metric) -> str:
         return "–"
     if not math.isfinite(metric.value) or metric.absolute:
         return open_value_of(metric)
-    value = 100 * _settled(metric.value)
+    value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
     if not re.search("[1-9]", words.partition("±")[0]):
         words = words.removeprefix("−")  # of a zero no sign is known
@@ -533,7 +526,7 @@ def uncertain_work(comparison: Comparison) -> str:
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
         return ""
-    share = f" ({percent(found.dissipation_uncertainty / found.dissipation, signed=False)})" if found.dissipation else ""
+    share = f" ({shown(found.dissipation_uncertainty / found.dissipation, plus=False)})" if found.dissipation else ""
     return (
         f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± "
         f"{found.dissipation_uncertainty:.2g}{share} by mesh and steps."
@@ -619,8 +612,8 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             one.metric.label,
             value_of(one.metric),
             *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
-            _amount(one.rest, one.metric, signed=True),
-            "not measured" if one.uncertainty is None else _amount(one.uncertainty, one.metric),
+            amount(one.rest, one.metric, plus=True),
+            "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric),
             judgement(one),
             one.judged.verdict or "–",
         )
@@ -634,17 +627,8 @@ def share(term: Term, metric: Metric) -> str:
     if term.uncertainty is None:
         return "not measured"
     if term.value is None:
-        return f"± {_amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    return f"{_amount(term.value, metric, signed=True)} ± {_amount(term.uncertainty, metric)}"
-
-
-def _amount(value: float, metric: Metric, *, signed: bool = False) -> str:
-    """Two digits, in per cent unless the metric is absolute; what is below 1e-9 of it is rounding and says so."""
-    if abs(value) < 1e-11:
-        return "0"
-    size = abs(value) * (1 if metric.absolute else 100)
-    text = (f"{size:.2g}" if size < 99.5 else f"{size:.0f}") + ("" if metric.absolute else " %")
-    return ("−" if value < 0 else "+" if signed else "") + text
+        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
+    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
 
 
 def judgement(budget: Budget) -> str:
