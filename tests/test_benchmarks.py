@@ -307,20 +307,24 @@ def test_a_verdict_is_what_the_tests_say_and_the_original_comes_back(
 ) -> None:
     seen = []
 
-    def run(stage: str, engine: str, place: Path, processes: int, limit: float | None) -> tuple[int | None, str]:
-        changed = (place / engine / "part.py").read_text(encoding="utf-8") != SOURCE
-        seen.append((stage, changed))
-        return (code, "a test") if changed else (0, "")
+    def run(paths: list[str], place: Path, processes: int) -> tuple[int | None, str]:
+        changed = (place / "semi_analytic" / "part.py").read_text(encoding="utf-8") != SOURCE
+        seen.append((paths[0], changed))
+        return (code, "tests/test_a.py::test_b") if changed else (0, "")
 
+    (tree / "tests").mkdir()
+    for name, text in (("a", "part"), ("b", "part of part"), ("c", "")):
+        (tree / "tests" / f"test_semi_analytic_{name}.py").write_text(text, encoding="utf-8")
     monkeypatch.setattr(mutants, "run_tests", run)
-    row = mutants.draw(mutants.places(tree)[0], 1, 1, tree)[0]
-    assert mutants.judge(row, ["contract", "engine"], tree, 1, {})["verdict"] == verdict
+    row = next(row for row in mutants.draw(mutants.places(tree)[0], 6, 1, tree) if row["file"].startswith("semi"))
+    assert mutants.judge(row, ["contract", "engine"], tree, 1)["verdict"] == verdict
     assert (tree / row["file"]).read_text(encoding="utf-8") == SOURCE
-    # The unchanged tree first, for the limit of time, then the mutant; the engine's own tests only if the contract lets it pass.
-    assert seen == [("contract", False), ("contract", True), *([("engine", False), ("engine", True)] if code == 0 else [])]
+    # What failed is run on the unchanged tree; the engine's own tests only if the contract lets it pass, the nearest first.
+    again = {0: [("tests/test_semi_analytic_b.py", True)], 1: [("tests/test_a.py::test_b", False)], None: []}
+    assert seen == [("tests/contract", True), *again[code]]
     monkeypatch.setattr(mutants, "run_tests", lambda *_: (1, "tests/test_a.py::test_b"))
-    with pytest.raises(SystemExit, match="the unchanged tree fails the stage 'contract'"):
-        mutants.judge(row, ["contract"], tree, 1, {})
+    with pytest.raises(SystemExit, match="the unchanged tree fails tests/test_a"):
+        mutants.judge(row, ["contract"], tree, 1)
 
 
 def test_equivalent_mutants_leave_the_count_only_with_a_reason(mutants: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
