@@ -240,6 +240,7 @@ def main() -> None:
     def key(row: Mutant) -> tuple:
         return row["file"], *row["span"], row["operator"], row["after"]
 
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # ends the tests and removes the copy
     options.out.mkdir(parents=True, exist_ok=True)
     results, scratch = options.out / f"{options.seed}-{digest}.jsonl", options.out / f"tree-{os.getpid()}"
     rows = map(json.loads, results.read_text(encoding="utf-8").splitlines() if results.exists() else [])
