@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select
 from markupsafe import Markup
 
 from reports.charts.style import marked
-from reports.units import minus
+from reports.units import minus, number, signed
 
 
 @cache
@@ -24,7 +24,7 @@ def _pages() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    pages.filters |= {"minus": minus, "marked": marked, "contents": _contents}
+    pages.filters |= {"minus": minus, "number": number, "signed": signed, "marked": marked, "contents": _contents}
     return pages
 
 
