@@ -34,7 +34,7 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import arc_depth, face_of
-from scenes.fitting import fitted_keys, resampled
+from scenes.fitting import fitted_keys, less_smoothed, resampled
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -353,6 +353,21 @@ def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurement
     assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
     assert len(resampled(scenes[0].profile, 4)) == 4
     assert resampled(scenes[0].profile, 2, seed=1) != resampled(scenes[0].profile, 2, seed=2)
+
+
+def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
+    """Ten times less of it changes the half-width more than the mean of other measurements does: these have lost it already."""
+    scene = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 50e-6, seed=1), "smoothing_spline", 50e-6)
+    found = fit_uncertainty(scene, 10).half_width
+
+    def change(keys):
+        return largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width - found.value
+
+    others = [change(keys) for keys in resampled(scene.profile, 10)]
+    closer = abs(change(less_smoothed(scene.profile)))
+    assert closer > abs(np.mean(others))
+    assert found.uncertainty == pytest.approx(2 * np.std(others) + closer, rel=1e-9)
+    assert less_smoothed(fit_profile(rows_of(TRUTHS["hertz"]), "hertz")) is None
 
 
 def test_page_and_json_state_the_fit():
