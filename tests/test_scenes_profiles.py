@@ -296,6 +296,7 @@ def test_extent_and_centre_are_respected():
         (lambda rows: rows * [1, -1], "the rows do not bend up"),
         (lambda rows: rows * [1, 0], "the rows are flat from end to end"),
         (lambda rows: rows[:7], "7 rows within the extent are too few for a fit: at least 8 are needed"),
+        (lambda rows: np.round(rows * [2, 1], 0) / [2, 1], "7 rows within the extent are too few"),
         (lambda rows: rows[::-1], "row 2: x = .* does not ascend"),
         (lambda rows: rows + np.array([5.0, 0.0]), "the middle, x = 0, is not among the rows"),
         (lambda rows: np.where(np.arange(len(rows))[:, None] == 40, np.nan, rows), "row 41"),
@@ -319,6 +320,15 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
         assert off[0] <= 1.02 * min(off[1:])
         weights.append(found[0]["fitted"]["weight"])
     assert 100 * weights[0] <= weights[1]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
+    rows = rows_of(TRUTHS[kind], 301, 1e-6)
+    coarse = np.column_stack([np.round(rows[:, 0], 2), 0.3 + TRUTHS[kind].height(np.round(rows[:, 0], 2) - 0.1)])
+    assert np.any(np.diff(coarse[:, 0]) == 0)
+    s = np.linspace(0, 1.3, 50)
+    np.testing.assert_allclose(fit_profile(coarse, kind, noise=1e-9).height(s), TRUTHS[kind].height(s), atol=3e-7)
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
