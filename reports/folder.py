@@ -57,7 +57,7 @@ def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
             raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
         for place in (folder, _above(folder)):
             remove_left_behind(place)
-        remove(*_staging(folder))
+        remove(_staging(folder))
         with (
             suppress(FileNotFoundError),
             _alone_in(folder, out),
@@ -97,12 +97,12 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     """
     folder, moving = claim(out), False
     try:
-        staging, held = _staging(folder)
+        staging = _staging(folder)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     results = staging / "results"
     with ExitStack() as at_the_end:
-        at_the_end.callback(remove, staging, held)
+        at_the_end.callback(remove, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
@@ -156,8 +156,8 @@ def _above(folder: Path) -> Path:
     return next(path for path in Path(os.path.abspath(folder)).parents if path.exists())
 
 
-def _staging(folder: Path) -> tuple[Path, int | None]:
-    """A new empty folder of the user alone, from which files can be moved to `folder`, and its lock; OSError if that can't be.
+def _staging(folder: Path) -> Path:
+    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if that can't be.
 
     Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """

@@ -292,15 +292,16 @@ def tree(tmp_path: Path) -> Path:
 def test_every_operator_fits_where_it_should_and_nowhere_else(mutants: ModuleType, tree: Path) -> None:
     found, executable = mutants.places(tree)
     rows = [row for rows in found.values() for row in rows if row["file"].startswith("semi_analytic")]
-    assert {(row["operator"], row["before"], row["after"]) for row in rows} == MUTANTS
+    assert {(row["operator"], mutants.cut(SOURCE, row["span"])[1], row["after"]) for row in rows} == MUTANTS
     assert len(found) == 2 * 3 < executable
     for row in rows:
-        compile(row["source"], row["file"], "exec")
-        assert row["source"] != SOURCE
-        assert row["after"] in row["source"]
+        changed = mutants.mutated(SOURCE, row)
+        compile(changed, row["file"], "exec")
+        assert changed != SOURCE
+        assert row["after"] in changed
     # The same seed draws the same, and more are added at the end.
-    assert mutants.draw(found, 3, 1) == mutants.draw(found, 6, 1)[:3]
-    assert mutants.draw(found, 6, 1) != mutants.draw(found, 6, 2)
+    assert mutants.draw(found, 3, 1, tree) == mutants.draw(found, 6, 1, tree)[:3]
+    assert mutants.draw(found, 6, 1, tree) != mutants.draw(found, 6, 2, tree)
 
 
 @pytest.mark.parametrize(("code", "verdict"), [(0, "survived"), (1, "killed"), (None, "timeout")])
@@ -315,7 +316,7 @@ def test_a_verdict_is_what_the_tests_say_and_the_original_comes_back(
         return (code, "a test") if changed else (0, "")
 
     monkeypatch.setattr(mutants, "run_tests", run)
-    row = mutants.draw(mutants.places(tree)[0], 1, 1)[0]
+    row = mutants.draw(mutants.places(tree)[0], 1, 1, tree)[0]
     assert mutants.judge(row, ["contract", "engine"], tree, 1, {})["verdict"] == verdict
     assert (tree / row["file"]).read_text(encoding="utf-8") == SOURCE
     # The unchanged tree first, for the limit of time, then the mutant; the engine's own tests only if the contract lets it pass.
