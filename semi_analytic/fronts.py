@@ -34,7 +34,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -364,6 +364,15 @@ class Stick:
             found.append(A * self._driven(side, self.loads, self.pressure) - total)
         return np.array(found)
 
+    def excess_rates(self, found: Array, moves: Sequence[int]) -> Array:
+        """Derivatives of `excess`, whose value is `found`, by the edges that move, towards the middle: (n, k, k)."""
+        columns, step = [], 1e-8 * self.width
+        for i in moves:
+            shifted = self.edges.copy()
+            shifted[i] += (1 - 2 * i) * step
+            columns.append((replace(self, edges=shifted).excess() - found)[list(moves)] / ((1 - 2 * i) * step))
+        return np.array(columns).transpose(2, 1, 0)
+
     def at_contact_edge(self, side: int) -> tuple[Array, Array]:
         """Strengths of q' and of f p' at a contact edge that sticks, (n,) each."""
         a1, a2 = self.contact_edges
@@ -398,7 +407,7 @@ class Stick:
 
         return d * (f * root(self.contact_edges, P, alpha) - root(self.edges, f * P - d * Q, f * alpha - d * eps))
 
-    def _drive(self, x: Array, slope: Array, d: int, rows: Array | slice = slice(None)) -> Array:
+    def _drive(self, x: Array, slope: Array, d: int, rows: NDArray[np.intp] | slice = slice(None)) -> Array:
         """F at x (n, m), where the frozen s' is `slope`."""
         loads = self.loads[:, rows, None]
         return np.asarray(self.friction * (x / self.contact.radius + loads[3]) - d * (slope + loads[2]))
@@ -487,9 +496,9 @@ class State:
 
     def closed(self, side: int, edge: float, frozen: Frozen | None = None) -> State:
         """With the stick edge of a side at the edge of contact."""
-        edges, slips = list(self.edges), list(self.slips)
-        edges[(side + 1) // 2], slips[(side + 1) // 2] = edge, 0
-        return replace(self, edges=tuple(edges), slips=tuple(slips), frozen=frozen or self.frozen)
+        (b1, b2), (left, right) = self.edges, self.slips
+        edges, slips = ((b1, edge), (left, 0)) if side > 0 else ((edge, b2), (0, right))
+        return replace(self, edges=edges, slips=slips, frozen=frozen or self.frozen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -533,7 +542,7 @@ class Follower:
     longest : longest step
     order : degree in time of a step
     fastest : largest slip rate so far
-    counts : steps, tries, iterations of Newton's method, stretches bridged
+    counts : steps, tries, iterations of Newton's method, jumps of edges, stretches bridged
     """
 
     contact: Parabola
@@ -542,7 +551,7 @@ class Follower:
     longest: float
     order: int = ORDER
     fastest: float = np.finfo(float).tiny
-    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "bridged"), 0))
+    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "jumps", "bridged"), 0))
 
     def _stick(self, state: State, slips: tuple[int, int], time: Array, late: float = 0.0) -> Stick:
         """A state's edges at several instants; rates `late` after them."""
@@ -584,14 +593,14 @@ class Follower:
                 limits[i] = side * min(side * float(state.frozen.ends[-i]), side * state.edges[i])
                 continue
             edges[i] = a[i]
-            if abs(a[i, -1] - a[i, 0]) > 1e-11 * size:
-                x, series = _places(*sorted(a[i, [0, -1]].tolist()), 2 * self.order), _fit(a[i])
+            if side * (a[i, -1] - a[i, 0]) > 1e-11 * size:
+                x, series = _places(float(a[i, i - 1]), float(a[i, -i]), 2 * self.order), _fit(a[i])
                 met = [brentq(lambda phi, to=to, of=series: float(_value(phi, of)) - to, -1, 1, xtol=1e-15) for to in x[1:-1]]
                 outside = self._stick(state, state.slips, time[:1]).outer_slope(side, x[None])[0]
                 grown[side] = np.array([-side, *met, side]), x, outside
         # What the step before has left fades over this one: a jump would make s' singular.
         left_over = stick.part(0, 1).excess()[moves] * (1 - share[1:])
-        inward, last, held = np.array([1e-8, -1e-8]) * size, math.inf, True
+        last, held = math.inf, True
         before, moved, matrix = np.zeros((3, 1, 1))
         for iteration in range(25):
             self.counts["iterations"] += 1
@@ -602,14 +611,10 @@ class Follower:
             if not moves:
                 return Step(time, stick)
             later = stick.part(1)
-            found = later.excess()[moves] - left_over
+            every = later.excess()
+            found = every[moves] - left_over
             if held:
-                columns = []
-                for i in moves:
-                    shifted = later.edges.copy()
-                    shifted[i] += inward[i]
-                    columns.append((replace(later, edges=shifted).excess()[moves] - left_over - found) / inward[i])
-                matrix = np.array(columns).transpose(2, 1, 0)
+                matrix = later.excess_rates(every, moves)
             else:  # Broyden's update of the matrix of every instant
                 norm = np.sum(moved**2, axis=0)
                 missed = (found - before).T - np.einsum("nij,jn->ni", matrix, moved)
@@ -734,7 +739,7 @@ class Follower:
         old = state.frozen.ends[1:-1]
         near = old[np.abs(old - edge) < 1e-8 * (state.edges[1] - state.edges[0])]
         edge = float(near[0]) if len(near) else edge
-        x = _places(*sorted((edge, end)), 2 * self.order)
+        x = _places(min(edge, end), max(edge, end), 2 * self.order)
         edges = (state.edges[0], edge) if side > 0 else (edge, state.edges[1])
         slope = replace(now, edges=np.array(edges)[:, None]).outer_slope(side, x[None])[0]
         return state.closed(side, end, state.frozen.joined(side, edge, slope, end))
@@ -801,6 +806,35 @@ class Follower:
             end = max(min(turns)[0], state.time + 1e-9 * self.longest)
         return *self._held(state, slips, end), {min(turns)[1]} if turns else set()
 
+    def _jump(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State] | None:
+        """A step over the instant at which edges leave a stretch without q*, which a loop that closes has left; None for none."""
+        if 0 in slips:
+            return None
+        (b1, b2), old, size = state.edges, state.frozen.ends[1:-1], state.edges[1] - state.edges[0]
+        pairs = sorted(((right - left, left, right) for left in (b1, *old) for right in (*old, b2) if left < right), reverse=True)
+        start = np.array(pairs[:40]).T[1:] + 1e-4 * size * np.array([[1], [-1]])
+        for time in state.time + self.longest * 10.0 ** np.arange(-9, -2):
+            if time >= stop:
+                return None
+            stick = replace(self._stick(state, slips, np.full(len(start[0]), time)), edges=start)
+            found = change = start
+            for _ in range(20):
+                found = stick.excess()
+                rates = np.nan_to_num(stick.excess_rates(found, (0, 1)))
+                change = -np.einsum("nij,jn->in", np.linalg.pinv(rates), np.nan_to_num(found))
+                new = np.clip(stick.edges + np.clip(change, -0.1 * size, 0.1 * size), b1, b2)
+                stick = replace(stick, edges=np.where(new[1] - new[0] < 1e-3 * size, start, new))
+            solved = np.max(np.abs(found), axis=0) < 1e-8 * self.contact.compliance * self.friction * stick.loads[0]
+            solved &= (np.max(np.abs(change), axis=0) < 1e-9 * size) & (2 * stick.half < (1 - 1e-5) * size)
+            for k in sorted(np.flatnonzero(solved).tolist(), key=lambda k: -stick.half[k]):
+                one = stick.part(k, k + 1)
+                reserve = one.shear_reserve(one.middle[:, None] + one.half[:, None] * np.linspace(-0.96, 0.96, 49))
+                if np.min(reserve) > -_WRONG * np.max(reserve):
+                    self.counts["jumps"] += 1
+                    first, last = one.edges[:, 0].tolist()
+                    return self._held(replace(state, edges=(first, last)), slips, float(time))
+        return None
+
     def run(self, state: State, end: float) -> tuple[list[Step], State]:
         """Steps up to a time, and the state there.
 
@@ -815,6 +849,7 @@ class Follower:
             state, slips = self._next_slips(state, turned)
             ahead = self.loads.corners[self.loads.corners > state.time + _SOON * self.longest]
             stop = min(end, float(ahead[0])) if len(ahead) else end
+            searched = False
             while True:
                 until = stop if stop - state.time < 1.2 * trial else state.time + trial
                 with np.errstate(all="ignore"):
@@ -829,7 +864,11 @@ class Follower:
                     trial = min(self.longest, 2 * trial)
                     break
                 trial = min(trial, until - state.time) / 2
-                bridged = self._bridge(state, slips, stop, patient=trial <= 1e-4 * self.longest)
+                with np.errstate(all="ignore"):
+                    bridged = self._bridge(state, slips, stop, patient=trial <= 1e-4 * self.longest)
+                    if bridged is None and trial <= 2 * _SHORTEST * self.longest and not searched:
+                        jumped, searched = self._jump(state, slips, stop), True
+                        bridged = (*jumped, set()) if jumped is not None else None
                 if bridged is not None:
                     (step, state, turned), trial = bridged, self.longest / 16
                     break
@@ -1057,6 +1096,8 @@ def follow(
         loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].stick.loads[0]))) ** 2)
     changes = np.abs(np.diff(works)) <= STEADY * np.array(works[1:])
     steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
+    # Where a loop closes all errors may be twice what work and loop differ by.
+    error = ERROR + (2 * abs(loop / works[-1] - 1) if steady is not None and works[-1] > 0 else 0.0)
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
     low = max(float(np.max(step.stick.edges[0])) for step in last)
     high = min(float(np.min(step.stick.edges[1])) for step in last)
@@ -1071,7 +1112,7 @@ def follow(
         density=np.sum([_density_of(step, x, loads) for step in last], axis=0),
         permanent_stick_edges=np.array([low, high] if low < high else [math.nan, math.nan]),
         counts=dict(follower.counts),
-        errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), ERROR),
+        errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), error),
     )
 
 
@@ -1086,14 +1127,14 @@ def _touched(loads: PathLoads, contact: Parabola, time: float) -> State:
 def _loop_of(step: Step) -> float:
     """Integral of Q dU - m_q d eps over a step."""
     (U, moment), (_, Q, eps, _) = step.stick.displacement(), step.stick.loads
-    dU, deps = (_value(_nodes(len(U) - 1), chebyshev.chebder(_fit(each))) for each in (U, eps))
+    dU, deps = (_value(_nodes(len(U) - 1), np.asarray(chebyshev.chebder(_fit(each)), dtype=float)) for each in (U, eps))
     return _integral(Q * dU - moment * deps)
 
 
-def _at(follower: Follower, steps: Sequence[Step], time: Array, x: Array) -> dict[str, Array]:
+def _at(follower: Follower, steps: Sequence[Step], time: Array, x: Array) -> dict[str, Any]:
     """What `Followed` has at instants (n,), by its names."""
     n, m = len(time), len(x)
-    found = {name: np.zeros((n, m)) for name in ("pressure", "shear", "slip", "state")}
+    found: dict[str, Any] = {name: np.zeros((n, m)) for name in ("pressure", "shear", "slip", "state")}
     found |= {name: np.zeros((n, 2)) for name in ("contact_edges", "stick_edges")}
     found |= {name: np.zeros(n) for name in ("displacement", "shear_moment")} | {"loads": np.zeros((4, n))}
     ends = np.array([each.time[-1] for each in steps])
