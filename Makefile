@@ -31,7 +31,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
 
 # What `make test` and the tools need beside the program.
-EXTRAS := test,lint,docs,parquet,cluster,browser,pdf,animation
+EXTRAS := test,lint,docs,parquet,cluster,browser,animation
 # Debian packages of other people's codes; one that is added here is installed by `make peers`.
 PEERS := calculix-ccx python3-getfem
 
@@ -86,7 +86,7 @@ contract: $(STAMP) ## the frozen values of both engines and of comparisons, all 
 nightly: $(STAMP) ## every test, slow ones too, CalculiX and dask there, none skipped; then make test on the oldest and newest Python (root)
 	@SECONDS=0; trap 'echo "==> nightly: exit code $$? after $$((SECONDS / 60)) min"' EXIT; \
 	$(MAKE) --no-print-directory peers lint types contracts docs; \
-	$(PY) benchmarks/pins.py --check; \
+	$(PY) benchmarks/packages.py check; \
 	CI=1 $(MAKE) --no-print-directory pytest PYTEST_ARGS="--slow --hypothesis-profile=local $(PYTEST_ARGS)"; \
 	$(MAKE) --no-print-directory fresh SUITES="bookworm forky"
 
@@ -96,7 +96,7 @@ fresh: $(PROGRAM) ## the README's own blocks in bare roots of Debian (root; SUIT
 lowest: $(STAMP) ## the wheel with the lowest versions that pyproject.toml allows: built, installed apart from .venv, run outside
 	@echo "==> lowest: an environment of its own in .cache/lowest"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/installed.py --lowest .cache/lowest
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/packages.py lowest .cache/lowest
 
 bench: $(STAMP) ## error against time, peers, growth, start-up, skipped work, into docs/performance (SECTIONS="peers start": those alone)
 	@echo "==> benchmarks"
@@ -201,7 +201,7 @@ $(PEERS_STAMP): peers.txt
 constraints: $(PROGRAM) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
 	@echo "==> constraints: for Python $(PYTHONS)"
 	@mkdir -p "$$TMPDIR"
-	@$(PY) benchmarks/pins.py
+	@$(PY) benchmarks/packages.py pins
 	@git --no-pager diff --stat -- constraints.txt
 
 clean: ## remove results and the tools' caches, keep .venv

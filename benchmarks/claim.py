@@ -1,4 +1,4 @@
-"""One kind of row for every benchmark (what, measured, limit, how), and what all of them share: timing, files, tables, fits."""
+"""What every benchmark shares: one kind of row (what, measured, limit, how), one runner, times, files, tables."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fnmatch import fnmatch
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,7 @@ ROOT = Path(__file__).parents[1]
 os.environ.setdefault("HALFPLANE_CACHE", "off")  # every run condenses its bodies itself
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One claim: what, the value measured, the limit of its size (None: shown only), and how it was found."""
 
     what: str
@@ -30,7 +29,7 @@ class Row:
     unit: str = ""
 
     @property
-    def kept(self) -> bool | None:
+    def met(self) -> bool | None:
         """Whether the limit is satisfied."""
         return None if self.limit is None else bool(abs(self.measured) <= self.limit)
 
@@ -38,8 +37,34 @@ class Row:
     def cells(self) -> tuple[str, ...]:
         """Claim, measured, limit, whether it is satisfied, how."""
         limit = "" if self.limit is None else f"{self.limit:g} {self.unit}".strip()
-        words = {None: "", True: "yes", False: "**no**"}[self.kept]
+        words = {None: "", True: "yes", False: "**no**"}[self.met]
         return (self.what, f"{self.measured:.3g} {self.unit}".strip(), limit, words, self.how)
+
+
+def chosen(words: Sequence[str], names: Iterable[str]) -> list[str]:
+    """The names that the words ask for, whole, in part or by pattern; all where there is no word, none for --pages.
+
+    >>> chosen(["Finite"], ["Finite", "Finite, again"]), chosen(["again"], ["Finite", "Finite, again"])
+    (['Finite'], ['Finite, again'])
+    """
+    names = list(names)
+    found = [n for n in names if not words or any(n == word if word in names else fnmatch(n, f"*{word}*") for word in words)]
+    if not found and list(words) != ["--pages"]:
+        print(f"nothing is called {' or '.join(words)}; there are: {'; '.join(names)}", file=sys.stderr)
+        raise SystemExit(2)
+    return found
+
+
+def measure(store: Path, cases: Mapping[str, Callable[[], Any]], words: Sequence[str]) -> dict[str, Any]:
+    """Measure the cases asked for, each stored as soon as it is measured; all that is stored, in the order of the cases."""
+    for name in chosen(words, cases):
+        print(f"==> {name}", flush=True)
+        begun = time.perf_counter()
+        found = cases[name]()
+        write_json(store, stored(store) | {name: found})
+        print(f"    {time.perf_counter() - begun:.0f} s", flush=True)
+    there = stored(store)
+    return {name: there[name] for name in cases if name in there}
 
 
 def commit() -> str:
@@ -64,8 +89,8 @@ def table(rows: Iterable[Row]) -> str:
     return "\n".join(markdown("claim | measured | limit | met | how", (row.cells for row in rows)))
 
 
-def kept_json(file: Path) -> dict[str, Any]:
-    """What a file of results has."""
+def stored(file: Path) -> dict[str, Any]:
+    """What a file of results holds."""
     return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
 
 
@@ -74,21 +99,15 @@ def write_json(file: Path, content: Any) -> None:
 
 
 # --------------------------------------------------------------------------------------------------------------------- times
-def seconds(work: Callable[[], Any], times: int = 1) -> float:
-    """Least process time of a few runs, after one to warm up where there are several."""
-    return in_turn(work, times=times, warm=times > 1)[0]
-
-
-def in_turn(*works: Callable[[], Any], times: int = 5, warm: bool = True) -> list[float]:
-    """Least process time of each of several works, in turn, so that what else the machine does falls on all alike."""
-    for work in works if warm else ():
-        work()
+def seconds(*works: Callable[[], Any], times: int = 1) -> list[float]:
+    """Least process time of each work, in turn, so that what else the machine does falls on all alike; several times: warm."""
     found = np.full((times, len(works)), np.inf)
-    for turn in found:
+    for turn in range(-1 if times > 1 else 0, times):
         for k, work in enumerate(works):
             begun = time.process_time()
             work()
-            turn[k] = time.process_time() - begun
+            if turn >= 0:
+                found[turn, k] = time.process_time() - begun
     return np.min(found, axis=0).tolist()
 
 
@@ -108,9 +127,8 @@ def cold(statement: str) -> tuple[float, float, list[float]]:
     """A statement in a process of its own in benchmarks/: CPU seconds, peak memory [GiB], the numbers that it has in `found`."""
     code = f"found = []; {statement}; from claim import memory; print(*found, memory())"
     command = [sys.executable, "-c", code]
-    spent, done = with_children(
-        lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent)
-    )
+    folder = Path(__file__).parent
+    spent, done = with_children(lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder))
     *found, peak = map(float, done.stdout.split())
     return spent, peak * 1e6 / 2**30, found
 
@@ -119,18 +137,3 @@ def memory() -> float:
     """Peak of this process in MB; ru_maxrss starts from its parent's."""
     status = Path("/proc/self/status").read_text(encoding="utf-8")
     return int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM"))) * 1024 / 1e6
-
-
-# ---------------------------------------------------------------------------------------------------------------------- fits
-def slope(sizes: Sequence[float], values: Sequence[float]) -> float:
-    """Slope of log(value) over log(size), least squares: an order of convergence (negative) or an exponent of a cost.
-
-    >>> round(slope([1, 2, 4], [3.0, 12.0, 48.0]), 9)
-    2.0
-    """
-    return float(np.polyfit(np.log(sizes), np.log(np.abs(values)), 1)[0])
-
-
-def rms(values: Any) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))

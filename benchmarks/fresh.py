@@ -20,7 +20,6 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-ROOTS = ROOT / ".cache" / "fresh"
 APART = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--propagation", "private", "--pid", "--fork", "--kill-child")
 # What a running machine has and a root made by debootstrap has not; "$@" are the folders that pip reads, then the command after --.
 MOUNTS = """
@@ -35,15 +34,6 @@ exec chroot "$root" "$@"
 """
 
 
-def blocks(readme: str) -> list[str]:
-    """The shell blocks of a page.
-
-    >>> blocks("a\\n```sh\\nmake run\\n```\\n```text\\nno\\n```\\n")
-    ['make run\\n']
-    """
-    return re.findall(r"^```sh\n(.*?)^```", readme, flags=re.DOTALL | re.MULTILINE)
-
-
 def printed(*words: str) -> str:
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
@@ -52,9 +42,9 @@ def mirror() -> str:
     """Where this machine's apt has Debian's own packages from."""
     if "MIRROR" in os.environ:
         return os.environ["MIRROR"]
-    for line in printed("apt-get", "indextargets", "--format", "$(ORIGIN) $(COMPONENT) $(CODENAME) $(REPO_URI)").splitlines():
-        if re.fullmatch(r"Debian main [a-z]+ \S+", line):
-            return line.split()[-1]
+    targets = printed("apt-get", "indextargets", "--format", "$(ORIGIN) $(COMPONENT) $(CODENAME) $(REPO_URI)")
+    if found := re.search(r"^Debian main [a-z]+ (\S+)$", targets, re.MULTILINE):
+        return found[1]
     raise SystemExit("fresh: apt on this machine has no mirror of Debian (apt-get update?); name one: make fresh MIRROR=URL")
 
 
@@ -71,10 +61,10 @@ def pip_settings(root: Path) -> tuple[dict[str, str], list[str]]:
             if path.is_dir():
                 folders.add(str(path.parent if path.name == "simple" else path))  # an index points to files beside it
             elif path.is_file():
-                copy = Path("/var/fresh") / path.name
-                (root / copy.relative_to("/")).parent.mkdir(exist_ok=True)
-                shutil.copy(path, root / copy.relative_to("/"))
-                settings[key] = settings[key].replace(str(path), str(copy))
+                copy = root / "var" / "fresh" / path.name
+                copy.parent.mkdir(exist_ok=True)
+                shutil.copy(path, copy)
+                settings[key] = settings[key].replace(str(path), f"/{copy.relative_to(root)}")
     return settings, sorted(folders)
 
 
@@ -104,22 +94,21 @@ def build(suite: str, root: Path) -> None:
         shutil.copy(Path("/etc") / name, root / "etc" / name)
     (root / "etc" / "apt" / "apt.conf.d" / "00host").write_text(printed("apt-config", "dump", "Acquire"))
     names = printed("git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")
-    for name in filter(None, names):
-        if (ROOT / name).is_file():
-            target = root / "root" / "halfplane" / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, target)
+    for name in (name for name in names if name and (ROOT / name).is_file()):
+        target = root / "root" / "halfplane" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, target)
 
 
 def readme(root: Path) -> list[str]:
-    """Run the blocks; how long each took."""
+    """Run the shell blocks; the Python found there, and how long each block took."""
     settings, folders = pip_settings(root)
     proxies = {key: value for key, value in os.environ.items() if key.lower().endswith("_proxy")}
     variables = {"HOME": "/root", "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"} | settings | proxies
+    clean = ["/usr/bin/env", "-i", *(f"{key}={value}" for key, value in variables.items())]
     took = []
-    for block in blocks((ROOT / "README.md").read_text("utf-8")):
+    for block in re.findall(r"^```sh\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), flags=re.DOTALL | re.MULTILINE):
         start = time.monotonic()
-        clean = ["/usr/bin/env", "-i", *(f"{key}={value}" for key, value in variables.items())]
         apart("bash", "-euc", MOUNTS, "fresh", root, *folders, "--", *clean, "bash", "-exc", f"cd /root/halfplane\n{block}")
         took.append(f"{block.splitlines()[-1][:15].strip()} {time.monotonic() - start:.0f} s")
     python = root / "root" / "halfplane" / ".venv" / "pyvenv.cfg"
@@ -135,7 +124,7 @@ def main(words: list[str]) -> int:
         signal.signal(signum, lambda number, _: sys.exit(128 + number))
     lines = []
     for suite in suites:
-        root = ROOTS / suite
+        root = ROOT / ".cache" / "fresh" / suite
         shutil.rmtree(root, ignore_errors=True)  # of a run that was killed; its mounts went with it
         root.mkdir(parents=True)
         print(f"==> fresh: a bare root of {suite}", flush=True)
@@ -148,7 +137,6 @@ def main(words: list[str]) -> int:
             if "--keep" not in words:
                 shutil.rmtree(root)
         print(f"==> fresh: {lines[-1]}", flush=True)
-    print("\n".join(lines))
     return int(any("FAILED" in line for line in lines))
 
 

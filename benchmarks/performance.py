@@ -2,7 +2,7 @@
 
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of an hour)
 
-Each section measures, writes what it found to docs/performance/SECTION.json with machine and versions, draws its figures, and has
+Each section measures, writes what it found to docs/performance/SECTION.json with machine and versions, draws its figure, and has
 its part of the page. With names of sections only those are measured again; with --pages none is, and the page is written from the
 files. The machine may be busy: ratios are of one run, times are CPU times unless they say otherwise.
 """
@@ -10,12 +10,9 @@ files. The machine may be busy: ratios are of one run, times are CPU times unles
 from __future__ import annotations
 
 import contextlib
-import cProfile
-import datetime
 import json
 import os
 import platform
-import pstats
 import statistics
 import subprocess
 import sys
@@ -23,7 +20,8 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from datetime import UTC, datetime
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
@@ -33,65 +31,47 @@ from unittest import mock
 
 import finite_elements as fe
 import half_plane
+import jobs
 import matplotlib as mpl
 import numpy as np
-import performance_peers as peers
-from claim import ROOT, kept_json, markdown, memory, seconds, slope, with_children, write_json
-from finite_elements import COARSE, DEFAULT, FINE, FREE, Measured, Setting
-from half_plane import random_ellipses, random_rows
+import peers
+from claim import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
+from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
 from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
-from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.elasticity import condense
-from halfplane_fe.systems import Systems
+from halfplane_fe.systems import NestedFactor, Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from reports.charts.publication import STYLE
-from scenes import (
-    ContactSolution,
-    ConvergenceError,
-    Hertz,
-    InadmissibleLoadError,
-    InputError,
-    Scene,
-    TimeSeriesLoad,
-    load_scene,
-    scene_names,
-)
+from scenes import ContactSolution, Elastic, Hertz, Scene, TimeSeriesLoad, load_scene
 
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
 COLOURS = ("#111111", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8a8a8a")
 MARKS = "*os^PDvX"
 Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]  # title, labels of x and y, points of each series
+Found = dict[str, Any]
 
 
 # --------------------------------------------------------------------------------------- error against time: finite elements
 # Better by more than MARGIN in one of time and error, in the other no worse than by SAME: CPU times vary by some ten per cent.
 MARGIN, SAME = 0.25, 0.05
-REFERENCE = Setting(
-    "reference",
-    MeshSettings(element_size=1 / 48, edge_element_size=1 / 320),
-    SolverSettings(steps_per_cycle=192, step_tolerance=5e-5),
-)
+FINER = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320), SolverSettings(steps_per_cycle=192, step_tolerance=5e-5)
 SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
 WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
-def cut(order: int, counts: Sequence[int], coarser: int | None) -> list[Setting]:
-    """Meshes of a/n at the edges; of a/`coarser` in the middle, or as fine there as at the edges."""
-    found = []
-    for n in counts:
-        middle = 1 / n if coarser is None else max(1 / coarser, 1 / n)
-        found.append(Setting(f"a/{n}", MeshSettings(element_size=middle, edge_element_size=1 / n, order=order)))
-    return found
-
-
 def series(whole: bool) -> dict[str, list[Setting]]:
     """What is varied, one thing at a time about the default; the dearest points only for the `whole` of it."""
+
+    def cut(order: int, coarser: int | None, *counts: int) -> list[Setting]:
+        """Meshes of a/n at the edges; of a/`coarser` in the middle, or as fine there as at the edges."""
+        middle = {n: 1 / n if coarser is None else max(1 / coarser, 1 / n) for n in counts}
+        return [Setting(f"a/{n}", MeshSettings(size, edge_element_size=1 / n, order=order)) for n, size in middle.items()]
 
     def turns(count: int, **more: Any) -> Setting:
         return Setting(f"{count} a turn", solver=SolverSettings(steps_per_cycle=count, **more))
@@ -101,9 +81,9 @@ def series(whole: bool) -> dict[str, list[Setting]]:
 
     return {
         "named settings": [COARSE, DEFAULT, *([FINE] if whole else [])],
-        "quadratic, graded": cut(2, (10, 20, 40, 80, 160, 320) if whole else (10, 20, 40, 80, 240), 24),
-        "quadratic, uniform": cut(2, (10, 20, 40, 80) if whole else (10, 20, 40), None),
-        "linear, graded": cut(1, (20, 40, 80, 160), 24),
+        "quadratic, graded": cut(2, 24, 10, 20, 40, 80, *((160, 320) if whole else (240,))),
+        "quadratic, uniform": cut(2, None, 10, 20, 40, *((80,) if whole else ())),
+        "linear, graded": cut(1, 24, 20, 40, 80, 160),
         "growth of the bulk": [Setting(f"growth {g:g}", replace(MeshSettings(), growth=g)) for g in (0.1, 0.4)],
         "regular increments": [turns(n) for n in (24, 48, 192)],
         "increments, no tolerance": [turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if whole else (8, 24, 96))],
@@ -111,48 +91,46 @@ def series(whole: bool) -> dict[str, list[Setting]]:
     }
 
 
-def point(text: str, found: Measured, exact_law: Measured) -> dict[str, Any]:
+def point(text: str, found: dict[str, float], exact_law: dict[str, float]) -> Found:
     """Sizes of the parts added, for their signed sum may vanish by chance; what a penalty layer adds is a part too."""
-    work = abs(exact_law.mesh_part) + abs(found.mesh_part - exact_law.mesh_part) + abs(found.increment_part)
-    layer = abs(found.loop_mesh_part - exact_law.loop_mesh_part)
-    loop = abs(exact_law.loop_mesh_part) + layer + abs(found.loop_corners)
-    return {"text": text, "seconds": found.seconds, "work": work, "shear": found.shear, "loop": loop}
+
+    def size(mesh: str, other: str) -> float:
+        return abs(exact_law[mesh]) + abs(found[mesh] - exact_law[mesh]) + abs(found[other])
+
+    work, loop = size("mesh", "steps"), size("loop", "corners")
+    return {"text": text, "seconds": found["seconds"], "work": work, "shear": found.get("shear"), "loop": loop}
 
 
-def precision_of(name: str) -> dict[str, Any]:
-    """Every series on a scene; on blocks the truth is the model itself, finer in everything."""
-    reference = halfplane_fe.solve(load_scene(name), REFERENCE.mesh, REFERENCE.solver).dissipation if name == "blocks" else None
-    fe.measure.cache_clear()
-    exact_law, found = fe.measure(name, DEFAULT, reference), {}
-    for title, settings in series(name == "hertz-paper").items():
-        runs = [(one, fe.measure(name, one, reference)) for one in settings]
-        found[title] = [point(one.text, m, exact_law if one.solver.method == "penalty" else m) for one, m in runs]
-    print(f"    {name}: {sum(map(len, found.values()))} runs", flush=True)
-    return {"series": found, "reference": reference}
-
-
-def precision() -> dict[str, Any]:
+def precision() -> Found:
+    """Every series on four scenes; on blocks the truth is the model itself, finer in everything."""
     fe.measure("hertz-paper", COARSE)  # the first run of a process also reads what the later ones find
-    return {name: precision_of(name) for name in SCENES}
+    scenes = {}
+    for name in SCENES:
+        reference = halfplane_fe.solve(load_scene(name), *FINER).dissipation if name == "blocks" else None
+        fe.measure.cache_clear()
+        exact_law, found = fe.measure(name, DEFAULT, reference), {}
+        for title, settings in series(name == "hertz-paper").items():
+            runs = [(one, fe.measure(name, one, reference)) for one in settings]
+            found[title] = [point(one.text, m, exact_law if one.solver.method == "penalty" else m) for one, m in runs]
+        scenes[name] = {"series": found, "reference": reference}
+    return scenes
 
 
-def precision_panels(scenes: dict[str, Any]) -> dict[str, list[Panel]]:
-    wanted = [(name, "work", "error of W") for name in scenes]
-    wanted += [(name, "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"]
-    return {
-        "precision_fe": [
-            (
-                f"{name}: {'dissipation' if key == 'work' else 'shear'}",
-                "CPU time [s]",
-                what,
-                {title: [(p["seconds"], p[key]) for p in points] for title, points in scenes[name]["series"].items()},
-            )
-            for name, key, what in wanted
-        ]
-    }
+def precision_panels(scenes: Found) -> list[Panel]:
+    wanted = [(name, "dissipation", "work", "error of W") for name in scenes]
+    wanted += [(name, "shear", "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"]
+    return [
+        (
+            f"{name}: {title}",
+            "CPU time [s]",
+            what,
+            {one: [(p["seconds"], p[key]) for p in points] for one, points in scenes[name]["series"].items()},
+        )
+        for name, title, key, what in wanted
+    ]
 
 
-def better(found: dict[str, Any], default: dict[str, Any], measures: Sequence[str]) -> list[str]:
+def better(found: Found, default: Found, measures: Sequence[str]) -> list[str]:
     """Settings that are neither slower nor less exact than the default in any of `measures`, and in time or one of them better."""
     rivals = []
     for name, one in ((name, one) for name, points in found["series"].items() for one in points if one is not default):
@@ -177,7 +155,7 @@ ALTERNATIVES = (
 )
 
 
-def precision_page(found: dict[str, Any]) -> list[str]:
+def precision_page(found: Found) -> list[str]:
     """Whether the defaults lie on the front, and what each costs and buys."""
     lines = [
         "Error of W on half-planes: the mesh's part (against the exact answer to the polygon of its own increments) and the "
@@ -193,15 +171,14 @@ def precision_page(found: dict[str, Any]) -> list[str]:
         "",
     ]
     defaults = {name: next(p for p in scene["series"]["named settings"] if p["text"] == "default") for name, scene in found.items()}
-    for name, scene in found.items():
-        default = defaults[name]
+    for name, default in defaults.items():
         measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
-        rivals = better(scene, default, measures)
+        rivals = better(found[name], default, measures)
         errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
         words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
         lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
         for key in measures:
-            alone = [rival for rival in better(scene, default, [key]) if rival not in rivals]
+            alone = [rival for rival in better(found[name], default, [key]) if rival not in rivals]
             lines += [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
     cells = []
     for what, group, texts in ALTERNATIVES:
@@ -213,117 +190,83 @@ def precision_page(found: dict[str, Any]) -> list[str]:
 
 
 # ----------------------------------------------------------------------------------- error against time: half-plane theory
-CASES = {name: name for name in half_plane.CASES}
-CASES["flat face, the paper's loads"] = "flat and rounded, b/a = 0.7"
 METHODS = {
-    "plain Gauss": "Gauss, 4 to 32 nodes a phase",
-    "the engine's rule": "the engine's rule (default)",
-    "straight steps": "memory curve, 50 to 3200 straight steps",
-    "discretised": "naive discretised half-plane, 20 to 160 elements",
+    "the engine's rule": ("engine", "the engine's rule (default)"),
+    "straight steps": ("best of straight steps", "memory curve, 50 to 3200 straight steps"),
+    "discretised": ("best of the naive peer", "naive discretised half-plane, 20 to 160 elements"),
 }
 
 
-def theory_precision() -> dict[str, Any]:
-    studies = {title: half_plane.study(name) for name, title in CASES.items()}
-    return {title: {key: [p._asdict() for p in points] for key, points in found.items()} for title, found in studies.items()}
-
-
-def theory_panels(cases: dict[str, Any]) -> dict[str, list[Panel]]:
-    order = ("the engine's rule", "plain Gauss", "straight steps", "discretised")
-    return {
-        "precision_half_plane": [
-            (
-                title,
-                "CPU time of one W [s]",
-                "error of W",
-                {METHODS[key]: [(p["seconds"], p["error"]) for p in methods[key]] for key in order},
-            )
-            for title, methods in cases.items()
-        ]
+def theory_panels(cases: Found) -> list[Panel]:
+    lines = {
+        title: {words: [(p["seconds"], p["error"]) for p in methods[key]] for key, (_, words) in METHODS.items()}
+        for title, methods in cases.items()
     }
+    return [(title, "CPU time of one W [s]", "error of W", one) for title, one in lines.items()]
 
 
-def theory_page(cases: dict[str, Any]) -> list[str]:
+def theory_page(cases: Found) -> list[str]:
     cells = []
     for title, methods in cases.items():
-        row = [title]
-        for method in ("the engine's rule", "plain Gauss", "straight steps", "discretised"):
-            best = min(methods[method], key=lambda one: one["error"], default=None)
-            row += [f"{best['error']:.1e}", f"{1e3 * best['seconds']:.2g}"] if best else ["no answer", ""]
-        cells.append(row)
-    best = "best of Gauss | time [ms] | best of straight steps | time [ms] | best of the naive peer | time [ms]"
+        best = [min(methods[key], key=lambda one: one["error"], default=None) for key in METHODS]
+        each = [(f"{one['error']:.1e}", f"{1e3 * one['seconds']:.2g}") if one else ("no answer", "") for one in best]
+        cells.append((title, *(cell for pair in each for cell in pair)))
     return [
         "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule has no setting: it takes the nodes "
-        "that it needs. Plain Gauss is faster to few digits where nothing is extreme, and does not arrive near gross "
-        "sliding or with tiny slip. The naive discretised half-plane is `semi_analytic/grid.py`.",
+        "that it needs. The naive discretised half-plane is `semi_analytic/grid.py`.",
         "",
-        *markdown(f"case | engine: error | time [ms] | {best}", cells),
+        *markdown(f"case | {' | '.join(f'{words} | time [ms]' for words, _ in METHODS.values())}", cells),
     ]
 
 
 # ------------------------------------------------------------------------------------------------------------------- growth
 MOST = 2.2  # the steepest exponent that is promised
+STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+Cost = tuple[float, float, float]  # a count, CPU seconds, another count
 
 
-def history_of(rows: int) -> tuple[float, float, int]:
+def history_of(rows: int) -> Cost:
     scene = load_scene("hertz-paper")
-    scene = scene.vary(load=TimeSeriesLoad(rows=random_rows(scene, rows)))
-    return rows, seconds(lambda: semi_analytic.solve(scene, fields=("dissipation",))), 1
+    scene = scene.vary(load=TimeSeriesLoad(rows=half_plane.random_rows(scene, rows)))
+    return rows, *seconds(lambda: semi_analytic.solve(scene, fields=("dissipation",))), 1
 
 
-def batch_of(members: int) -> tuple[float, float, int]:
-    ellipses = random_ellipses(members)
-    return members, seconds(lambda: semi_analytic.dissipation(profile=Hertz(radius=1.0), **ellipses)), 1
+def batch_of(members: int) -> Cost:
+    ellipses = half_plane.random_ellipses(members)
+    return members, *seconds(lambda: semi_analytic.dissipation(profile=Hertz(radius=1.0), **ellipses)), 1
 
 
-def sweep_of(points: int, engines: list[str]) -> tuple[float, float, int]:
+def sweep_of(points: int, exact: bool) -> Cost:
     """A study of a scene: friction by theory; by finite elements blocks of several heights, coarse meshes. One process."""
-    import sweep
-
-    from reports.sweep.running import prepare, work
-    from reports.sweep.study import study_of
-
-    heights = {"name": "height", "keys": ["bodies.lower.height", "bodies.upper.height"]}
-    if engines == ["exact"]:
-        axis = {"name": "f", "key": "friction.coefficient", "linear": {"start": 0.9, "stop": 2, "count": points}}
-        asked = sweep.EXACT | {"axes": [axis]}
-    else:
-        asked = sweep.FE | {"axes": [heights | {"logarithmic": {"start": 4, "stop": 32, "count": points}}]}
-    study = study_of(asked, "benchmark")
-    with tempfile.TemporaryDirectory() as folder:
-        spent, _ = with_children(lambda: work(prepare(study, Path(folder) / "out"), workers=1))
-    return points, spent, 1
+    asked = (jobs.EXACT, jobs.frictions(points)) if exact else (jobs.FE, jobs.heights(points))
+    return points, with_children(lambda: jobs.swept(*asked))[0], 1
 
 
-class PathClock:
-    """A `progress` that notes the CPU time at which the load path begins."""
-
-    began: float | None = None
-
-    def __call__(self, done: int, total: int | None, text: str) -> None:
-        if text == "initial loading" and self.began is None:
-            self.began = time.process_time()
-
-
-def path_cost(edge: int, steps: int = 96) -> tuple[int, float, int]:
+def path_cost(edge: int, steps: int = 96) -> Cost:
     """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never halved."""
-    clock, solver = PathClock(), SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
+    began: list[float] = []
+
+    def clock(done: int, _total: int | None, text: str) -> None:
+        if not done and text.startswith("initial loading"):
+            began.append(time.process_time())
+
+    solver = SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
     answer = halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock)
-    return len(answer.x), time.process_time() - (clock.began or 0.0), answer.work.counts["steps solved"]
+    return len(answer.x), time.process_time() - began[-1], answer.work.counts["steps solved"]
 
 
-def condensation_cost(edge: int, growth: float = 0.2) -> tuple[int, float, int]:
+def condensation_cost(edge: int, growth: float = 0.2) -> Cost:
     """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's cycle asks for."""
     mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
     begun = time.process_time()
-    found = condense(mesh, fe.STEEL, 1.0)
+    found = condense(mesh, STEEL, 1.0)
     return len(found.x), time.process_time() - begun, int(found.diagnostics["degrees_of_freedom"])
 
 
 class Kind(NamedTuple):
-    """A cost: what measures it (a count, CPU seconds, another count), which count its size is, and what is asked for."""
+    """A cost: what measures it, which count its size is, and what is asked for."""
 
-    task: Callable[[int], tuple[float, float, float]]
+    task: Callable[[int], Cost]
     by: int
     sizes: tuple[int, ...]
     unit: str
@@ -337,75 +280,49 @@ KINDS = {
     "bulk": Kind(lambda n: condensation_cost(80, 1 / n), 2, (5, 10, 20, 33), "bulk degrees of freedom", "condensation of a body"),
     "history": Kind(history_of, 0, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
     "batch": Kind(batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
-    "theory points": Kind(partial(sweep_of, engines=["exact"]), 0, (25, 50, 100), "points of a sweep", "theory, one by one"),
-    "FE points": Kind(partial(sweep_of, engines=["fe"]), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"),
+    "theory points": Kind(partial(sweep_of, exact=True), 0, (25, 50, 100), "points of a sweep", "theory, one by one"),
+    "FE points": Kind(partial(sweep_of, exact=False), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"),
 }
 
 
-def one_cost(kind: str, size: int) -> dict[str, float]:
+def one_cost(name: str, size: int) -> dict[str, float]:
     """Cost of a point in this process, and its peak of memory [MB] beyond what the imports take."""
     imported = memory()
     with threadpool_limits(limits=1, user_api="blas"):
-        found = KINDS[kind].task(size)
-    spent = found[1]
-    each = spent / found[2] if kind == "path" else spent  # an increment of the path
-    cost = {"size": found[KINDS[kind].by], "seconds": spent, "most seconds": spent, "each": each}
-    return cost | {"memory": memory() - imported, "imports": imported}
+        found = KINDS[name].task(size)
+    each = found[1] / found[2] if name == "path" else found[1]  # an increment of the path
+    return {"size": found[KINDS[name].by], "seconds": found[1], "each": each, "memory": memory() - imported, "imports": imported}
 
 
-def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
-    return slope([p["size"] for p in points], [max(p[key], 1e-9) for p in points])
-
-
-def profile(work: Callable[[], Any], count: int = 8) -> dict[str, Any]:
-    """Shares of the time in functions themselves, calls below them left out; the profiler's own cost falls on many small ones."""
-    profiler = cProfile.Profile()
-    profiler.runcall(work)
-    stats: dict[Any, Any] = pstats.Stats(profiler).stats  # type: ignore[attr-defined]
-    total = sum(entry[2] for entry in stats.values())
-
-    def place(file: str, _line: int, name: str) -> str:
-        own = [
-            top for top in ("site-packages", "halfplane_fe", "semi_analytic", "meshes", "scenes", "reports") if f"/{top}/" in file
-        ]
-        short = file.rsplit(f"/{own[0]}/", maxsplit=1)[-1] if own else Path(file).name
-        return name if file == "~" else f"{name} ({short if not own or own[0] == 'site-packages' else f'{own[0]}/{short}'})"
-
-    rows = sorted(stats.items(), key=lambda item: -item[1][2])[:count]
-    return {"seconds": total, "functions": [(place(*where), calls, own / total) for where, (_, calls, own, _, _) in rows]}
-
-
-def growth() -> dict[str, Any]:
-    """All kinds, each point in a process of its own; what dominates in the jobs that people wait for; wall seconds by stage."""
+def growth() -> Found:
+    """All kinds, each point in a process of its own; wall seconds by stage."""
     found: dict[str, list[dict[str, float]]] = {}
     for name, kind in KINDS.items():
         commands = [[sys.executable, __file__, "--one", name, str(size)] for size in kind.sizes]
         found[name] = [json.loads(subprocess.run(c, check=True, capture_output=True, text=True).stdout) for c in commands]
         print(f"    {name}: exponent {exponent(found[name]):.2f}", flush=True)
-    paper, blocks = load_scene("hertz-paper"), load_scene("blocks")
-    rows = paper.vary(load=TimeSeriesLoad(rows=random_rows(paper, 100_000)))
-    jobs = {
-        "hertz-paper, finite elements, default": lambda: halfplane_fe.solve(paper),
-        "blocks, finite elements, coarse": lambda: halfplane_fe.solve(blocks, MeshSettings.coarse()),
-        "hertz-paper, theory": lambda: semi_analytic.solve(paper),
-        "10^5 rows, theory, W of every step": lambda: semi_analytic.solve(rows, fields=("dissipation",)),
-    }
     scenes = ("hertz-paper", "blocks", "cattaneo-mindlin")
-    stages = {name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes}
-    return {"growth": found, "profiles": {name: profile(job) for name, job in jobs.items()}, "stages": stages}
+    return {"growth": found, "stages": {name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes}}
 
 
-def growth_panels(found: dict[str, Any]) -> dict[str, list[Panel]]:
+def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
+    """Slope of log(cost) over log(size), least squares."""
+    return float(np.polyfit(np.log([p["size"] for p in points]), np.log([max(p[key], 1e-9) for p in points]), 1)[0])
+
+
+def growth_panels(found: Found) -> list[Panel]:
     def lines(key: str) -> dict[str, list[tuple[float, float]]]:
         labels = {name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in found["growth"]}
         return {labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points] for name, points in found["growth"].items()}
 
     x = "size, in its own unit"
-    memory_label = "peak memory beyond imports [MB]"
-    return {"growth": [("CPU time", x, "CPU time [s]", lines("seconds")), ("Peak memory", x, memory_label, lines("memory"))]}
+    return [
+        ("CPU time", x, "CPU time [s]", lines("seconds")),
+        ("Peak memory", x, "peak memory beyond imports [MB]", lines("memory")),
+    ]
 
 
-def growth_page(found: dict[str, Any]) -> list[str]:
+def growth_page(found: Found) -> list[str]:
     def exponents(points: list[dict[str, float]], key: str = "seconds") -> str:
         return f"{exponent(points, key):.2f}; {exponent(points[-2:], key):.2f}"
 
@@ -420,7 +337,7 @@ def growth_page(found: dict[str, Any]) -> list[str]:
         steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
     names = list(next(iter(found["stages"].values())))
     stages = [(scene, *(f"{spent[name]:.2f}" for name in names)) for scene, spent in found["stages"].items()]
-    lines = [
+    return [
         "Each point in a process of its own, one run. The exponent is the slope of log(time) over log(size), over "
         "all sizes, small ones with what a process does once, and between the two largest; "
         "memory is the peak of the process beyond what its imports take. hertz-paper but where another scene is named.",
@@ -429,18 +346,9 @@ def growth_page(found: dict[str, Any]) -> list[str]:
         "",
         f"No exponent is above {MOST:g}." if not steep else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}.",
         "The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the page of numbers.",
-        "",
-        "### What dominates",
-        "",
-        "Wall seconds by stage, default mesh, nothing from the store:",
-        "",
+        *("", "### What dominates", "", "Wall seconds by stage, default mesh, nothing from the store:", ""),
         *markdown(f"scene | {' | '.join(names)}", stages),
     ]
-    for name, one in found["profiles"].items():
-        shares = [(f"`{place}`", f"{calls:,}", f"{share:.0%}") for place, calls, share in one["functions"]]
-        lines += ["", f"{name}: {one['seconds']:.2f} s under cProfile, shares of functions themselves:", ""]
-        lines += markdown("function | calls | share", shares)
-    return lines
 
 
 # ----------------------------------------------------------------------------------------------------------------- start-up
@@ -452,12 +360,11 @@ COMMANDS = {
 }
 
 
-def start() -> dict[str, Any]:
+def start() -> Found:
     """CPU times in turn, after one to warm up; size of the wheel and of the environment in bytes."""
 
-    def child(arguments: list[str], **more: Any) -> float:
-        command = [sys.executable, *arguments]
-        return with_children(lambda: subprocess.run(command, check=True, capture_output=True, cwd=ROOT, **more))[0]
+    def child(arguments: list[str]) -> float:
+        return with_children(lambda: subprocess.run([sys.executable, *arguments], check=True, capture_output=True, cwd=ROOT))[0]
 
     def size(folder: Path) -> int:
         return sum(512 * file.lstat().st_blocks for file in folder.rglob("*") if file.is_file() and not file.is_symlink())
@@ -472,7 +379,7 @@ def start() -> dict[str, Any]:
     return {"seconds": times, "wheel": wheel} | environment
 
 
-def start_page(found: dict[str, Any]) -> list[str]:
+def start_page(found: Found) -> list[str]:
     cells = [(name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max))) for name, t in found["seconds"].items()]
     largest = ", ".join(f"{name} {size / 1e6:.0f}" for name, size in found["largest"].items())
     return [
@@ -487,68 +394,68 @@ def start_page(found: dict[str, Any]) -> list[str]:
 
 # ----------------------------------------------------------------------------------------------------------- what is skipped
 Switch = Callable[[], contextlib.AbstractContextManager[Any]]
-plain: Switch = contextlib.nullcontext
 
 
-def module(name: str) -> Any:
-    """A module of the FE model by name: the package's `solve` is its function."""
-    return import_module(f"halfplane_fe.{name}")
+def instead(module: str, name: str, what: Any) -> Switch:
+    """What stands in place of a function that decides, or of a number; plain, since a mock's bookkeeping would count in times."""
+    return lambda: mock.patch.object(import_module(module), name, what)
 
 
-def instead(owner: Any, name: str, value: bool) -> Switch:
-    """What always says `value` in place of the function that decides; plain, since a mock's bookkeeping would count in times."""
-
-    def decided(*_: Any) -> bool:
-        return value
-
-    return lambda: mock.patch.object(owner, name, decided)
+def no(*_: Any) -> bool:
+    return False
 
 
-whole_faces = instead(module("solve"), "mirrored", value=False)
-"""Both halves of mirror-symmetric faces are solved."""
+def both_bodies(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Any]) -> tuple[Any, ...]:
+    """Like bodies meshed and condensed one by one."""
+    build = import_module("halfplane_fe.pair").build
+    bodies = (("lower", scene.bodies.lower), ("upper", scene.bodies.upper))
+    return tuple(build(name, body, scene.profile, grading(1.0), mesh) for name, body in bodies)
 
 
-def factors_anew() -> contextlib.AbstractContextManager[Any]:
+def factor_again(self: Systems, name: str) -> NestedFactor:
     """A new Cholesky factor for each set of equations."""
-
-    def nested(self: Systems, name: str) -> NestedFactor:
-        return NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], Counter())
-
-    return mock.patch.object(Systems, "_nested", nested)
+    return NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], Counter())
 
 
-def every_revolution() -> contextlib.AbstractContextManager[Any]:
-    """No revolution counts as a repetition of the one before."""
-    return mock.patch.object(module("run"), "REPEATS", -1.0)
-
-
-def both_bodies() -> contextlib.AbstractContextManager[Any]:
-    """Like bodies are meshed and condensed one by one."""
-    own = module("pair").build
-
-    def twice(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Any]) -> tuple[Any, ...]:
-        bodies = (("lower", scene.bodies.lower), ("upper", scene.bodies.upper))
-        return tuple(own(name, body, scene.profile, grading(1.0), mesh) for name, body in bodies)
-
-    return mock.patch.object(module("solve"), "meshed_pair", twice)
+def each_point(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half-plane theory evaluates x and -x one by one."""
+    order = np.argsort(np.abs(x), kind="stable")
+    return np.abs(x)[order], np.argsort(order)
 
 
 @contextlib.contextmanager
-def kept_bodies() -> Iterator[None]:
+def stored_bodies() -> Iterator[None]:
     """A store of condensed bodies that has those of the scene already."""
     with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, HALFPLANE_CACHE=folder):
         halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings.coarse())
         yield
 
 
-def every_point() -> contextlib.AbstractContextManager[Any]:
-    """Half-plane theory evaluates x and -x one by one."""
+plain: Switch = contextlib.nullcontext
+whole_faces = instead("halfplane_fe.solve", "mirrored", no)
+factors_anew: Switch = partial(mock.patch.object, Systems, "_nested", factor_again)
+every_point = instead("semi_analytic.solution", "folded", each_point)
 
-    def apart(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        order = np.argsort(np.abs(x), kind="stable")
-        return np.abs(x)[order], np.argsort(order)
 
-    return mock.patch.object(import_module("semi_analytic.solution"), "folded", apart)
+def switches() -> Iterator[tuple[str, Scene, tuple[Switch, Callable], tuple[Switch, Callable]]]:
+    """Every kind of work that can be done all the same, in a scene where there is much of it: skipped, and done."""
+    coarse, scene, frictionless = MeshSettings.coarse(), load_scene("hertz-paper"), load_scene("hertz-normal")
+    scales = halfplane_fe.solve(scene, coarse).scales
+    model, known = partial(halfplane_fe.solve, scene, coarse), partial(halfplane_fe.solve, scene, coarse, scales=scales)
+    normal, theory = partial(halfplane_fe.solve, frictionless, coarse), partial(semi_analytic.solve, scene)
+    work_alone = partial(semi_analytic.solve, scene, fields=("dissipation",))
+    yield "one half of mirror-symmetric faces", scene, (plain, model), (whole_faces, model)
+    yield "Cholesky factors kept for all sets of nodes", scene, (plain, model), (factors_anew, model)
+    twice = instead("halfplane_fe.solve", "meshed_pair", both_bodies)
+    yield "one of two like bodies meshed and condensed", scene, (plain, model), (twice, model)
+    yield "condensed bodies read from the store", scene, (stored_bodies, model), (plain, model)
+    yield "coarse run, its scales given", scene, (plain, known), (plain, model)
+    yield "revolutions after the steady one", scene, (plain, model), (instead("halfplane_fe.run", "REPEATS", -1.0), model)
+    shear = instead("halfplane_fe.solve", "needs_shear", lambda *_: True)
+    yield "tangential problem where nothing can shear", frictionless, (plain, normal), (shear, normal)
+    yield "theory: fields not asked for (W alone)", scene, (plain, work_alone), (plain, theory)
+    yield "theory: points at -x copied from x", scene, (plain, theory), (every_point, theory)
+    yield "theory: cycles after the steady one", scene, (plain, theory), (instead("semi_analytic.history", "same", no), theory)
 
 
 def difference(one: ContactSolution, other: ContactSolution) -> dict[str, float]:
@@ -561,61 +468,21 @@ def difference(one: ContactSolution, other: ContactSolution) -> dict[str, float]
     return found
 
 
-def compared(what: str, scene: str, *ways: tuple[Switch, Callable[[], ContactSolution]]) -> dict[str, Any]:
-    """Two ways to one answer in turn, twice, with and without skipping: least CPU times, ratios of the pairs, difference."""
-    times, answers = [], []
-    for context, solve in ways * 2:
-        with context():
-            begun = time.process_time()
-            answers.append(solve())
-            times.append(time.process_time() - begun)
-    ratios = [other / one for one, other in zip(times[::2], times[1::2], strict=True)]
-    print(f"    {what}: {min(ratios):.2f} to {max(ratios):.2f}", flush=True)
-    least = {"with": min(times[::2]), "without": min(times[1::2])}
-    return {"what": what, "scene": scene, **least, "ratios": ratios, "difference": difference(*answers[-2:])}
-
-
-def switches() -> Iterator[dict[str, Any]]:
-    """Every kind of work that can be done all the same, in a scene where there is much of it."""
-    name, coarse = "hertz-paper", MeshSettings.coarse()
-    scene, frictionless = load_scene(name), load_scene("hertz-normal")
-    scales = halfplane_fe.solve(scene, coarse).scales
-    model, known = partial(halfplane_fe.solve, scene, coarse), partial(halfplane_fe.solve, scene, coarse, scales=scales)
-    normal, theory = partial(halfplane_fe.solve, frictionless, coarse), partial(semi_analytic.solve, scene)
-    work_alone = partial(semi_analytic.solve, scene, fields=("dissipation",))
-    all_shear = instead(module("solve"), "needs_shear", value=True)
-    every_cycle = instead(import_module("semi_analytic.history"), "same", value=False)
-    yield compared("one half of mirror-symmetric faces", name, (plain, model), (whole_faces, model))
-    yield compared("Cholesky factors kept for all sets of nodes", name, (plain, model), (factors_anew, model))
-    yield compared("one of two like bodies meshed and condensed", name, (plain, model), (both_bodies, model))
-    yield compared("condensed bodies read from the store", name, (kept_bodies, model), (plain, model))
-    yield compared("coarse run, its scales given", name, (plain, known), (plain, model))
-    yield compared("revolutions after the steady one", name, (plain, model), (every_revolution, model))
-    yield compared("tangential problem where nothing can shear", "hertz-normal", (plain, normal), (all_shear, normal))
-    yield compared("theory: fields not asked for (W alone)", name, (plain, work_alone), (plain, theory))
-    yield compared("theory: points at -x copied from x", name, (plain, theory), (every_point, theory))
-    yield compared("theory: cycles after the steady one", name, (plain, theory), (every_cycle, theory))
-
-
-def scene_work(name: str) -> dict[str, Any]:
-    """Work done and skipped by both engines on a scene of the library, coarse mesh."""
-    scene, found = load_scene(name), {"scene": name}
-    engines = {"fe": partial(halfplane_fe.solve, scene, MeshSettings.coarse()), "theory": partial(semi_analytic.solve, scene)}
-    for engine, solve in engines.items():
-        begun = time.process_time()
-        try:
-            work = solve().work
-        except (InputError, InadmissibleLoadError, ConvergenceError) as refusal:
-            found[engine] = {"refused": str(refusal)}
-            continue
-        skipped = {key: [int(count), why] for key, (count, why) in work.skipped.items()}
-        counts = {key: int(count) for key, count in work.counts.items()}
-        found[engine] = {"counts": counts, "skipped": skipped, "seconds": time.process_time() - begun}
-    return found
-
-
-def skipping() -> dict[str, Any]:
-    return {"switches": list(switches()), "scenes": [scene_work(name) for name in scene_names()]}
+def skipping() -> Found:
+    """Two ways to one answer in turn, twice: least CPU times, ratios of the pairs, difference."""
+    rows = []
+    for what, scene, *ways in switches():
+        times, answers = [], []
+        for context, solve in ways * 2:
+            with context():
+                begun = time.process_time()
+                answers.append(solve())
+                times.append(time.process_time() - begun)
+        ratios = [other / one for one, other in zip(times[::2], times[1::2], strict=True)]
+        print(f"    {what}: {min(ratios):.2f} to {max(ratios):.2f}", flush=True)
+        least = {"with": min(times[::2]), "without": min(times[1::2])}
+        rows.append({"what": what, "scene": scene.name, **least, "ratios": ratios, "difference": difference(*answers[-2:])})
+    return {"switches": rows}
 
 
 # Work that is avoided with no way to do it all the same.
@@ -623,85 +490,46 @@ ALWAYS = (
     "Increments at the instants at which a node touches or lets go: the path is stepped from touch to touch, not in small equal "
     "steps, and there is no stepping without events. What equal steps alone would need is in the "
     "series of increments of the diagrams above.",
-    "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk. "
-    "`make numbers SECTIONS='\"*growth*\"'` reckons what it would cost otherwise.",
+    "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk.",
     "Slip iterations of increments in which no node left stick, and quadratures of phases in full stick: there is nothing to do.",
 )
-COUNTS = {
-    "fe": {
-        "condensations": "bodies condensed",
-        "contact nodes": "nodes",
-        "steps solved": "increments",
-        "contact iterations": "contact iterations",
-        "factorisations": "factorisations",
-        "linear solves": "solves",
-    },
-    "theory": {
-        "cycles_solved": "cycles solved",
-        "spans": "spans",
-        "instants": "instants",
-        "points": "points",
-        "points_evaluated": "of them evaluated",
-        "slip_quadratures": "quadratures",
-    },
-}
 
 
-def skipping_page(found: dict[str, Any]) -> list[str]:
-    """What skipping saves, what can't be switched off, and the scenes."""
-    cells = []
+def skipping_page(found: Found) -> list[str]:
+    """What skipping saves, and what can't be switched off."""
+    cells, off = [], []
     for row in found["switches"]:
-        apart = [
-            f"{row['difference'][key]:.1e}" if key in row["difference"] else "" for key in ("dissipation", "pressure", "shear")
-        ]
-        times = f"{min(row['ratios']):.2f} to {max(row['ratios']):.2f}"
-        cells.append((row["what"], row["scene"], f"{row['with']:.3g}", f"{row['without']:.3g}", times, *apart))
-    off = {row["what"]: worst for row in found["switches"] if (worst := max(row["difference"].values())) > 1e-9}
+        times, apart = f"{min(row['ratios']):.2f} to {max(row['ratios']):.2f}", row["difference"]
+        cells.append((row["what"], row["scene"], f"{row['with']:.3g}", f"{row['without']:.3g}", times))
+        cells[-1] += tuple(f"{apart[key]:.1e}" if key in apart else "" for key in ("dissipation", "pressure", "shear"))
+        worst = max(apart.values())
+        off += [f"“{row['what']}” ({worst:.1e})"] if worst > 1e-9 else []
     agree = "All answers with and without agree within round-off error, 1e-9."
     if off:
-        names = "; ".join(f"“{what}” ({worst:.1e})" for what, worst in off.items())
         agree = (
-            f"All answers agree within round-off error, 1e-9, but for: {names}. A revolution of the finite elements counts as "
-            "steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone creeps on "
-            "for ever, each time a tenth as far, and that is what is left out."
+            f"All answers agree within round-off error, 1e-9, but for: {'; '.join(off)}. A revolution of the finite elements "
+            "counts as steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone "
+            "creeps on for ever, each time a tenth as far, and that is what is left out."
         )
-    lines = [
+    return [
         "With and without, coarse mesh, 2 pairs in turn in one run; the least time of each, the ratio of each pair (least to "
         "most), and how far the two answers are apart: W relative, p over the largest p, q over f times that. Where no setting "
-        "switches the skipping off, the benchmark replaces the function that decides on it.",
+        "switches the skipping off, the benchmark replaces the function that decides on it. What each run skipped, and why, is in "
+        "`work.skipped` of its solution.",
         "",
         *markdown("skipped | scene | with [s] | without [s] | times faster | W | p | q", cells),
         *("", agree, "", "Can't be switched off:", "", *(f"- {words}" for words in ALWAYS)),
     ]
-    titles = {
-        "fe": "Work done and avoided scene by scene, finite elements on the coarse mesh (counts and reasons as every solution "
-        "carries them in `work.counts` and `work.skipped`):",
-        "theory": "Half-plane theory, its own points and instants:",
-    }
-    for engine, words in titles.items():
-        cells = []
-        for one in found["scenes"]:
-            work = one[engine]
-            if "refused" in work:
-                cells.append((one["scene"], *[""] * (len(COUNTS[engine]) + 1), f"refused: {work['refused']}"))
-                continue
-            skipped = "; ".join(f"{key}: {count}" for key, (count, _) in work["skipped"].items()) or "nothing"
-            counts = [work["counts"].get(key, "") for key in COUNTS[engine]]
-            cells.append((one["scene"], f"{work['seconds']:.3f}", *counts, skipped))
-        lines += ["", words, "", *markdown(f"scene | CPU s | {' | '.join(COUNTS[engine].values())} | skipped", cells)]
-    return lines
 
 
 # ------------------------------------------------------------------------------------------------------------------- the page
-@dataclass(frozen=True)
-class Section:
-    """Its heading, what measures it (for JSON), its figures and its part of the page."""
+class Section(NamedTuple):
+    """Its heading, what measures it (for JSON), its part of the page, and its figure: name, panels, words for who can't see it."""
 
     title: str
-    measure: Callable[[], dict[str, Any]]
-    page: Callable[[dict[str, Any]], list[str]]
-    panels: Callable[[dict[str, Any]], dict[str, list[Panel]]] = lambda found: {}
-    alt: str = ""
+    measure: Callable[[], Found]
+    page: Callable[[Found], list[str]]
+    figure: tuple[str, Callable[[Found], list[Panel]], str] | None = None
 
 
 SECTIONS = {
@@ -709,18 +537,16 @@ SECTIONS = {
         "Error against time: finite elements",
         precision,
         precision_page,
-        precision_panels,
-        "Error of the finite elements over CPU time, four scenes",
+        ("precision_fe", precision_panels, "Error of the finite elements over CPU time, four scenes"),
     ),
     "half-plane": Section(
         "Error against time: half-plane theory",
-        theory_precision,
+        lambda: {title: half_plane.study(case) for title, case in half_plane.CASES.items()},
         theory_page,
-        theory_panels,
-        "Error of W over CPU time, theory and the naive peer, five cases",
+        ("precision_half_plane", theory_panels, "Error of W over CPU time, theory and the naive peer, five cases"),
     ),
-    "peers": Section(peers.TITLE, peers.measure, peers.page, peers.panels, "Error of the codes over CPU time"),
-    "growth": Section("Growth of the cost", growth, growth_page, growth_panels, "CPU time and peak memory over size"),
+    "peers": Section(peers.TITLE, peers.measure, peers.page, ("peers", peers.panels, "Error of the codes over CPU time")),
+    "growth": Section("Growth of the cost", growth, growth_page, ("growth", growth_panels, "CPU time and peak memory over size")),
     "start": Section("Start-up and size", start, start_page),
     "skipping": Section("What is skipped", skipping, skipping_page),
 }
@@ -751,34 +577,27 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
                 one.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
         for one in axes.flat[len(panels) :]:
             one.axis("off")
-        figure.legend(
-            labels.values(), labels.keys(), loc="lower center", ncols=2 if len(panels) == 2 else 4, frameon=False, fontsize=8
-        )
+        columns = 2 if len(panels) == 2 else 4
+        figure.legend(labels.values(), labels.keys(), loc="lower center", ncols=columns, frameon=False, fontsize=8)
         figure.tight_layout(rect=(0, 0.8 / (3.2 * rows + 0.9), 1, 1))
         figure.savefig(FOLDER / f"{name}.svg", metadata={"Date": None})
 
 
-def circumstances() -> dict[str, Any]:
-    """Machine, versions, and how busy the machine is."""
-    cpu = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines() if Path("/proc/cpuinfo").exists() else []
-    return {
-        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
+def measured(name: str) -> dict[str, Any]:
+    """A section measured, with machine, versions, and how busy the machine is."""
+    file = Path("/proc/cpuinfo")
+    cpu = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    made: dict[str, Any] = {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "processor": next((line.split(":", 1)[1].strip() for line in cpu if line.startswith("model name")), platform.machine()),
         "cores": os.cpu_count(),
         "load before": round(os.getloadavg()[0], 1),
         "versions": {"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
     }
-
-
-def measure(name: str) -> None:
-    """Measure a section, and keep what it found."""
-    print(f"==> {name}", flush=True)
-    about, begun, spent = circumstances(), time.perf_counter(), time.process_time()
+    begun, spent = time.perf_counter(), time.process_time()
     found = SECTIONS[name].measure()
-    about["load after"] = round(os.getloadavg()[0], 1)
-    about["seconds"] = {"wall": round(time.perf_counter() - begun), "process": round(time.process_time() - spent)}
-    write_json(FOLDER / f"{name}.json", {"made": about, "found": found})
-    print(f"    {about['seconds']['wall']} s", flush=True)
+    took = {"wall": round(time.perf_counter() - begun), "process": round(time.process_time() - spent)}
+    return {"made": made | {"load after": round(os.getloadavg()[0], 1), "seconds": took}, "found": found}
 
 
 def page_text() -> str:
@@ -792,31 +611,27 @@ def page_text() -> str:
         "read from the store. They vary by some ten per cent, on a busy machine by more: ratios within one run count.",
     ]
     for name, section in SECTIONS.items():
-        kept = kept_json(FOLDER / f"{name}.json")
-        made, found = kept["made"], kept["found"]
+        made, found = stored(FOLDER / f"{name}.json").values()
         versions = ", ".join(f"{package} {number}" for package, number in made["versions"].items())
         words = (
             f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load {made['load before']} before and "
             f"{made['load after']} after, {made['seconds']['wall']} s in all; {versions}.*"
         )
-        figures = [line for figure in section.panels(found) for line in ("", f"![{section.alt}](performance/{figure}.svg)")]
-        lines += ["", f"## {section.title}", "", words, *figures, "", *section.page(found)]
+        figure = ["", f"![{section.figure[2]}](performance/{section.figure[0]}.svg)"] if section.figure else []
+        lines += ["", f"## {section.title}", "", words, *figure, "", *section.page(found)]
     return "\n".join(lines) + "\n"
 
 
 def main(words: list[str]) -> None:
-    asked = [name for name in words if name != "--pages"]
     if words[:1] == ["--one"]:
         print(json.dumps(one_cost(words[1], int(words[2]))))
         return
-    if unknown := [name for name in asked if name not in SECTIONS]:
-        sys.exit(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
-    if "--pages" not in words:
-        for name in asked or SECTIONS:
-            measure(name)
+    for name in chosen(words, SECTIONS):
+        print(f"==> {name}", flush=True)
+        write_json(FOLDER / f"{name}.json", measured(name))
     for name, section in SECTIONS.items():
-        for figure, panels in section.panels(kept_json(FOLDER / f"{name}.json")["found"]).items():
-            draw(figure, panels)
+        if section.figure:
+            draw(section.figure[0], section.figure[1](stored(FOLDER / f"{name}.json")["found"]))
     PAGE.write_text(page_text(), encoding="utf-8")
     print(PAGE.relative_to(ROOT))
 

@@ -9,10 +9,11 @@ under "### Growth", a line "- **package**: what a user can now do".
 
 from __future__ import annotations
 
-import argparse
 import ast
 import json
 import re
+import sys
+import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -45,50 +46,41 @@ def statements(text: str) -> int:
     return sum(not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) for node in every)
 
 
-def unexplained(now: Sizes, before: Sizes, changelog: str) -> list[str]:
-    """Installed packages that grew by more than 2 % in lines or statements, and whose growth the changelog does not explain.
+def unexplained(now: Sizes, before: Sizes, changelog: str) -> dict[str, float]:
+    """How much installed packages grew in lines or statements, where it is more than 2 % and the changelog does not explain it.
 
     >>> small, large = ({"scenes": {"lines": n, "statements": n}} for n in (100, 103))
     >>> unexplained(large, small, "## 0.2.0"), unexplained(large, small, "## 0.2.0\\n### Growth\\n- **scenes**: reads units")
-    (['scenes'], [])
+    ({'scenes': 0.03}, {})
     """
-    newest = changelog.partition("\n## ")[0] if changelog.startswith("## ") else changelog.split("\n## ")[1]
+    newest = re.split(r"^## ", changelog, maxsplit=2, flags=re.MULTILINE)[1]
     said = re.findall(r"^- \*\*(\w+)\*\*: \S", newest.partition("### Growth")[2].partition("\n### ")[0], re.MULTILINE)
-    grown = [name for name in now if name in INSTALLED and _growth(now[name], before[name]) > ADMITTED]
-    return [name for name in grown if name not in said]
-
-
-def _growth(now: dict[str, int], before: dict[str, int]) -> float:
-    return max(now[head] / before[head] - 1 for head in ("lines", "statements"))
+    growth = {n: max(now[n][h] / before[n][h] - 1 for h in ("lines", "statements")) for n in INSTALLED if n in now}
+    return {name: round(share, 4) for name, share in growth.items() if share > ADMITTED and name not in said}
 
 
 def table(now: Sizes, before: Sizes, release: str) -> Iterable[str]:
     """Lines of the table, the sum last."""
     yield f"{'':<15}" + "".join(f"{head:>12}{release:>9}" for head in HEADS)
     for name in (*PARTS, "all"):
-        rows = [one[name] if name != "all" else {h: sum(v[h] for v in one.values()) for h in HEADS} for one in (now, before)]
-        yield f"{name:<15}" + "".join(f"{rows[0][head]:>12,}{rows[1][head]:>9,}" for head in HEADS)
+        one, other = (found.get(name) or {h: sum(v[h] for v in found.values()) for h in HEADS} for found in (now, before))
+        yield f"{name:<15}" + "".join(f"{one[head]:>12,}{other[head]:>9,}" for head in HEADS)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Files, lines and statements of each package beside the last release.")
-    parser.add_argument("--release", action="store_true", help="keep the sizes of now as those of the release in pyproject.toml")
+def main(words: list[str]) -> int:
     now = sizes()
-    if parser.parse_args().release:
-        version = re.search(r'^version = "(.+)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
-        assert version is not None
-        RELEASE.write_text(json.dumps({"release": version[1], "sizes": now}, indent=1) + "\n", encoding="utf-8")
+    if words == ["--release"]:
+        version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+        RELEASE.write_text(json.dumps({"release": version, "sizes": now}, indent=1) + "\n", encoding="utf-8")
         return 0
-    kept = json.loads(RELEASE.read_text(encoding="utf-8"))
-    print("\n".join(table(now, kept["sizes"], kept["release"])))
-    missing = unexplained(now, kept["sizes"], (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
-    for name in missing:
-        print(
-            f"{name} grew by {100 * _growth(now[name], kept['sizes'][name]):.1f} %: CHANGELOG.md must say under '### Growth' what"
-        )
-        print(f"a user can now do, in a line that begins with '- **{name}**: '")
+    last = json.loads(RELEASE.read_text(encoding="utf-8"))
+    print("\n".join(table(now, last["sizes"], last["release"])))
+    missing = unexplained(now, last["sizes"], (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
+    for name, share in missing.items():
+        print(f"{name} grew by {share:.1%}: CHANGELOG.md must say under '### Growth' what a user can now do, in a line")
+        print(f"that begins with '- **{name}**: '")
     return 1 if missing else 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import commit, kept_json, write_json
+from claim import commit, stored, write_json
 
 from reports.console import Stages
 from reports.scoring.calculix_files import FrdFile, read_frd
@@ -160,10 +160,10 @@ def main(names: list[str]) -> int:
         print(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(CASES | ROLLERS)}", file=sys.stderr)
         return 2
     for file, cases in ((STORED, CASES), (ROLLER, ROLLERS)):
-        for name in [name for name in cases if (name in names if names else name not in kept_json(file))]:
+        for name in [name for name in cases if (name in names if names else name not in stored(file))]:
             found = cases[name]() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
-            stored = kept_json(file) | {name: found}
-            write_json(file, {each: stored[each] for each in (sorted(stored) if file == STORED else cases) if each in stored})
+            there = stored(file) | {name: found}
+            write_json(file, {each: there[each] for each in (sorted(there) if file == STORED else cases) if each in there})
             said = found.get("failure") or found.get("errors") or f"{found['displacement']} mm, {found['stress']} MPa"
             print(f"{found['seconds']:6.1f} s  {name}: {said}", flush=True)
     return 0

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     contact_edges,
     contact_uncertainty,
@@ -42,11 +42,7 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
     moved = [
-        replace(
-            state,
-            approach=state.approach + by_load * state.normal_load,
-            shift=state.shift + by_load * state.tangential_load,
-        )
+        state.changed(approach=state.approach + by_load * state.normal_load, shift=state.shift + by_load * state.tangential_load)
         for state in run.states
     ]
     return replace(run, states=moved)
@@ -64,6 +60,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     """Fields of FiniteElementSolution that are numbers, by name."""
     kept = run.kept
     states = [run.states[index] for index in kept]
+    values = np.stack([state.values for state in states])
+    slip, *forces, _ = nodal(values)
     displacement = scales.load / scales.modulus
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
@@ -73,21 +71,18 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     seen = every[kept]
     edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen, anywhere).items()}
     permanent = _permanent_stick(scene, problem, run, every)
-    forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
-    elastic_slip = np.array([problem.layer.tangential * s.shear for s in states]) * displacement
-    per_step = {
-        "time": ("time", 1.0),
-        "normal_load": ("normal_load", scales.load),
-        "tangential_load": ("tangential_load", scales.load),
-        "tangential_displacement": ("shift", displacement),
-        "normal_approach": ("approach", displacement),
-    }
+    pressure, shear = (one * scales.load / weights for one in forces)
+    loads = np.array([state.loads[:2] for state in states]) * scales.load
     return {
-        **{name: freeze([getattr(s, own) * unit for s in states]) for name, (own, unit) in per_step.items()},
+        "time": freeze([state.time for state in states]),
+        "normal_load": freeze(loads[:, 0]),
+        "tangential_load": freeze(loads[:, 1]),
+        "tangential_displacement": freeze(values[:, 1] * displacement),
+        "normal_approach": freeze(values[:, 0] * displacement),
         "x": freeze(problem.interface.x * scales.half_width),
-        "pressure": freeze(forces["pressure"] / weights),
-        "shear": freeze(forces["shear"] / weights),
-        "slip": freeze(np.array([s.slip for s in states]) * displacement + elastic_slip),
+        "pressure": freeze(pressure),
+        "shear": freeze(shear),
+        "slip": freeze(slip * displacement + problem.layer.tangential * forces[1] * displacement),
         "state": freeze(seen, np.int8),
         **{name: freeze(found) for name, found in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
@@ -110,13 +105,13 @@ def _imposed(problem: ContactProblem, states: Sequence[InterfaceState], scales: 
     """Bulk stresses, tilt and the moments of pressure and shear about x = 0, each (n_steps,), by the solution's names."""
     stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
     imposed = np.array([state.imposed for state in states])
-    moments = [-problem.interface.work_of_imposed(state.pressure, state.shear)[2] for state in states]
+    _, pressure, shear, _ = nodal(np.stack([state.values for state in states]))
     found = {
         "bulk_stress_lower": imposed[:, 0] * stress,
         "bulk_stress_upper": imposed[:, 1] * stress,
         "tilt": imposed[:, 2] * stress / scales.modulus,
-        "moment": np.array(moments) * moment,
-        "shear_moment": np.array([problem.interface.x @ state.shear for state in states]) * moment,
+        "moment": -problem.interface.work_of_imposed(pressure, shear)[:, 2] * moment,
+        "shear_moment": shear @ problem.interface.x * moment,
     }
     return {name: freeze(values) for name, values in found.items()}
 
@@ -125,13 +120,14 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
     """Closed integral of Q dU, and of what bulk stress adds, over the last revolution; NaN where that revolution is not closed."""
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
-    return sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :])
+    return float(run.column("loop")[run.cycle_starts[-1] :].sum())
 
 
 def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool) -> dict[str, Array]:
     """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load the nodes that touch, or 0."""
     x, weights = problem.interface.x, problem.interface.weights
-    pressure, shear, gap, law = (np.array([getattr(s, name) for s in states]) for name in ("pressure", "shear", "gap", "state"))
+    _, pressure, shear, gap = nodal(np.stack([state.values for state in states]))
+    law = np.stack([state.state for state in states])
     pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
     form = contact_edges(x, pressure, gap, closed, 1.0)
@@ -268,32 +264,38 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
     Energies and iterations are those of all increments since the kept instant before, checks the worst of them.
     """
     note = audit.note()
-    names = run.checks[0] if run.checks else {}
     firsts = run.kept[:-1]  # of the increments from each kept instant to the next
 
-    def between(rule: np.ufunc, values: Iterable[float]) -> Array:
-        steps = np.array(list(values))
-        return np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps])
+    def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
+        steps = np.asarray(values)
+        return freeze(np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype)
 
-    checks = {name: freeze(between(np.maximum, (check[name] for check in run.checks))) for name in names}
-    energies = {
-        name: np.array([getattr(energy, name) for energy in run.energies])
-        for name in ("external", "external_end_of_step", "curve", "elastic", "interface", "end_of_step", "step_error", "layer")
-    }
-    if note is None:
-        del energies["layer"]
-    energies["dissipation"] = np.array([energy.dissipation.sum() for energy in run.energies])
+    energies = {name: run.column(name) for name in _ENERGIES if note is not None or name != "layer"}
+    checks = {name: run.column(name) for name in (run.blocks[0] if run.blocks else ()) if name not in (*_ENERGIES, "layer", "loop")}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
-    largest = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
+    checks["energy_balance"] = balance / np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     return Record(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
-        iterations=freeze(between(np.add, run.iterations), np.int64),
-        certificates={**checks, "energy_balance": freeze(between(np.maximum, balance / largest))},
-        energy={name: freeze(between(np.add, values) * scales.load**2 / scales.modulus) for name, values in energies.items()},
+        iterations=between(np.add, run.iterations, np.int64),
+        certificates={name: between(np.maximum, values) for name, values in checks.items()},
+        energy={name: between(np.add, values * scales.load**2 / scales.modulus) for name, values in energies.items()},
         notes=(*(() if note is None else (note,)), *notes),
     )
+
+
+_ENERGIES = [
+    "external",
+    "external_end_of_step",
+    "curve",
+    "elastic",
+    "interface",
+    "end_of_step",
+    "step_error",
+    "layer",
+    "dissipation",
+]
 
 
 def _termination(run: PathRun) -> str:
@@ -307,7 +309,7 @@ def _termination(run: PathRun) -> str:
 def _message(run: PathRun) -> str:
     if run.failure is not None:
         return str(run.failure)
-    steps = len(run.energies)
+    steps = len(run.iterations)
     drift = "; the upper body goes further by the same distance in each: ratcheting" if run.ratchets else ""
     if run.steady_from is None:
         return f"the path ended after {steps} increments without a revolution that repeats{drift}"

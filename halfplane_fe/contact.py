@@ -6,18 +6,16 @@ All in scaled variables: lengths over the half-width, forces over the largest lo
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from halfplane_fe.active_subsets import SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
-from halfplane_fe.systems import Forces, Layer, Systems
+from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
 
@@ -32,27 +30,62 @@ _LEAST_STIFFNESS = 1e-12
 # Rounding of one node's force, against zero or the cone: it is a hundredth of the load and less, of which the laws are met to 1e-9.
 _LEAST_FORCE = 1e-12
 
+# Bytes of rates that are kept: a cycle meets the same sets of nodes again.
+_RATE_BYTES = 50_000_000
+
+_RIGID, _NODAL = ("approach", "shift", "tilt"), ("slip", "pressure", "shear", "gap")
+
+
+def nodal(values: Array) -> Array:
+    """(4, ..., n) slip, pressure, shear and gap of the nodes, from (..., 3 + 4 n) values of interface states: a view."""
+    parts = values[..., 3:].reshape(*values.shape[:-1], 4, -1)
+    return parts if values.ndim == 1 else np.moveaxis(parts, -2, 0)
+
+
+def _rigid(number: int) -> property:
+    return property(lambda state: float(state.values[number]))
+
+
+def _of_nodes(number: int) -> property:
+    return property(lambda state: state.values[3:].reshape(-1, len(state.state))[number])
+
 
 @dataclass(frozen=True, eq=False)
 class InterfaceState:
-    """The interface at one instant, and all the history there is. Scaled; each array (n,), read-only.
+    """The interface at one instant, and all the history there is. Scaled; each array read-only.
 
-    `gap` and `slip` are those of the law (inner faces of the layer); pressure and shear are nodal forces. `tilt` is that of the
-    upper body, given or found from the moment; `further` are the three loads of a path with bulk stress or tilt beside P and Q.
+    Attributes
+    ----------
+    time : of the instant
+    loads : P and Q, or the five of `path` where it has bulk stress or tilt
+    values : (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and gap of the nodes. Gap and slip
+        are those of the law (inner faces of the layer), pressure and shear nodal forces, the tilt is given or found from the
+        moment. A state that a long run has dropped (`run.PathRun`) ends after the slip
+    state : (n,) SurfaceState of each node
     """
 
     time: float
-    normal_load: float
-    tangential_load: float
-    pressure: Array
-    shear: Array
-    gap: Array
-    slip: Array
+    loads: tuple[float, ...]
+    values: Array
     state: States
-    approach: float
-    shift: float
-    tilt: float = 0.0
-    further: tuple[float, ...] = ()
+
+    approach, shift, tilt = (_rigid(number) for number in range(3))
+    slip, pressure, shear, gap = (_of_nodes(number) for number in range(4))
+
+    @property
+    def normal_load(self) -> float:
+        """P."""
+        return self.loads[0]
+
+    @property
+    def tangential_load(self) -> float:
+        """Q."""
+        return self.loads[1]
+
+    @property
+    def whole(self) -> bool:
+        """Whether forces and gap are still there."""
+        return len(self.values) > 3 + len(self.state)
 
     @property
     def closed(self) -> Mask:
@@ -60,34 +93,26 @@ class InterfaceState:
         return self.state != OPEN
 
     @property
-    def loads(self) -> tuple[float, ...]:
-        """P and Q, or the five of `path`."""
-        return self.normal_load, self.tangential_load, *self.further
-
-    @property
     def imposed(self) -> Array:
         """(3,) the bulk stresses and the tilt: e of `interface`."""
-        return np.array([*self.further[:2], self.tilt]) if self.further else np.zeros(3)
+        return np.array([*self.loads[2:4], self.tilt]) if len(self.loads) > 2 else np.zeros(3)
+
+    def changed(self, *, state: ArrayLike | None = None, **parts: ArrayLike) -> InterfaceState:
+        """The same but for some of its values, by name, or its states."""
+        values = self.values.copy()
+        for name, part in parts.items():
+            if name in _RIGID:
+                values[_RIGID.index(name)] = part
+            else:
+                nodal(values)[_NODAL.index(name)] = part
+        return replace(self, values=freeze(values), state=self.state if state is None else freeze(state, np.int8))
 
 
-def untouched(height: Array, time: float) -> InterfaceState:
+def untouched(height: Array, time: float, loads: tuple[float, ...] = (0.0, 0.0)) -> InterfaceState:
     """The bodies at rest, touching where the gap is least."""
-    zero = freeze(np.zeros_like(height))
-    gap = height - height.min()
-    state = np.where(gap <= ROUNDING, STICK, OPEN)
-    return InterfaceState(time, 0.0, 0.0, zero, zero, freeze(gap), zero, freeze(state, np.int8), float(height.min()), 0.0)
-
-
-class Rate(NamedTuple):
-    """The interface as its fields: derivatives by a load, or values."""
-
-    pressure: Array
-    shear: Array
-    approach: float
-    shift: float
-    gap: Array
-    slip: Array
-    tilt: float
+    gap, none = height - height.min(), np.zeros_like(height)
+    values = np.concatenate([[height.min(), 0.0, 0.0], none, none, none, gap])
+    return InterfaceState(time, loads, freeze(values), freeze(np.where(gap <= ROUNDING, STICK, OPEN), np.int8))
 
 
 class BesideTheFaces(InputError):
@@ -126,12 +151,12 @@ class ContactProblem:
     jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._systems = Systems(self.interface, self.layer, self.friction, self.work)
-        self._rates: tuple[bytes, dict[int, Rate]] = (b"", {})
-        self._by_tilt: tuple[bytes, Rate] | tuple[None, None] = (None, None)
-        self._coupled = self.tangential and self.interface.coupling is not None
+        self._systems = Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
+        self._rates: dict[bytes, dict[int, Array]] = {}
+        self._by_tilt: tuple[bytes, Array] = (b"", np.empty(0))
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
-        self._share = 1.0 if self._coupled else min(1.0, self.friction)
+        coupled = self.tangential and self.interface.coupling is not None
+        self._share = 1.0 if coupled else min(1.0, self.friction)
 
     def at_rest(self, time: float, loads: tuple[float, ...], line: float) -> InterfaceState:
         """The bodies before they carry anything, with the bulk stresses that there are.
@@ -144,8 +169,8 @@ class ContactProblem:
         gap, slip = self.offsets(np.array([*loads[2:4], tilt]))
         approach = float(((self.height + gap) / self.interface.normals[1]).min())
         nearer, along = self.interface.moved(approach, 0.0)
-        rest = untouched(self.height + gap + nearer, time)
-        return replace(rest, slip=freeze(slip + along), approach=approach, tilt=tilt, further=loads[2:])
+        rest = untouched(self.height + gap + nearer, time, (0.0, 0.0, *loads[2:]))
+        return rest.changed(slip=slip + along, approach=approach, tilt=tilt)
 
     def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState, int]:
         """The state at `loads` that follows `history` in one increment (active set), and its iterations.
@@ -177,30 +202,32 @@ class ContactProblem:
 
     def holding(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
         """The state at `loads` if no node touched, let go, or changed between stick and slip: `history` plus its rates."""
-        change = np.subtract(loads, history.loads).tolist()
+        change = [load - before for load, before in zip(loads, history.loads, strict=True)]
         moving = [number for number, by in enumerate(change) if by or number < 2]
-        by_load = self.rates(history.state, len(loads), moving)
-        moved = {
-            name: getattr(history, name) + sum(change[number] * getattr(by_load[number], name) for number in moving)
-            for name in Rate._fields
-        }
-        return InterfaceState(time, loads[0], loads[1], **moved, state=history.state, further=loads[2:])
+        rates = self.rates(history.state, len(loads), moving)
+        values = history.values.copy()
+        for number in moving:
+            values += change[number] * rates[number]
+        return InterfaceState(time, loads, values, history.state)
 
-    def rates(self, states: States, n_loads: int, wanted: Iterable[int]) -> dict[int, Rate]:
-        """Derivatives of the interface by those loads while the nodes keep their states; of the last states they are kept."""
-        if states.tobytes() != self._rates[0]:
-            self._rates = states.tobytes(), {}
+    def rates(self, states: States, n_loads: int, wanted: Sequence[int]) -> dict[int, Array]:
+        """(3 + 4 n,) derivatives of the values by those loads while the nodes keep their states: kept, as far as there is room."""
+        key, none = states.tobytes(), np.zeros_like(self.height)
+        if (found := self._rates.get(key)) is None:
+            if 64 * len(none) * len(self._rates) > _RATE_BYTES:
+                self._rates.clear()
+            found = self._rates[key] = {}
             self.work["rates"] += 1
-        found, none = self._rates[1], np.zeros_like(self.height)
-        for number in set(wanted) - found.keys():
-            loads = tuple(float(number == other) for other in range(n_loads))
-            try:
-                found[number] = self._values(states, none, none, loads)
-            except SingularSet:
-                if not self.moment_given:
-                    raise
-                # One node is left: the upper body rolls over it, to where another touches. Nothing foresees it.
-                found[number] = Rate(none, none, 0.0, 0.0, none, none, 0.0)
+        for number in wanted:
+            if number not in found:
+                loads = tuple(float(number == other) for other in range(n_loads))
+                try:
+                    found[number] = self._values(states, none, none, loads)
+                except SingularSet:
+                    if not self.moment_given:
+                        raise
+                    # One node is left: the upper body rolls over it, to where another touches. Nothing foresees it.
+                    found[number] = np.zeros(3 + 4 * len(none))
         return found
 
     def _active_set(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState | None, int, int]:
@@ -210,24 +237,26 @@ class ContactProblem:
         them changes.
         """
         seen: set[bytes] = set()
-        changing, states = 0, history.state
+        changing, before = 0, slip_sign(history.state)
         try:
             held = self.holding(history, time, loads)
             states = self._wanted(held, history)
-            # A node that an event has put on its new side keeps what was left there of its force or gap: that takes a solution.
-            left = np.where(history.closed, history.gap, history.pressure)
-            met = history.pressure.any() and np.abs(left).max() <= _LEAST_FORCE
-            if met and np.array_equal(states, history.state) and not self.moment_given:
-                self.work["slip iterations"] += 0
-                # On the cone to the last digit, as an answer of the equations is.
-                pressure = np.where(states == OPEN, 0.0, held.pressure)
-                shear = np.where(states == STICK, held.shear, slip_sign(states) * self.friction * pressure)
-                return replace(held, pressure=freeze(pressure), shear=freeze(shear)), 1, 0
+            if not self.moment_given and np.array_equal(states, history.state) and history.pressure.any():
+                # A node that an event has put on its new side keeps what was left there of its force or gap: that takes a solution.
+                left = np.where(history.closed, history.gap, history.pressure)
+                if max(left.max(), -left.min()) <= _LEAST_FORCE:
+                    self.work["slip iterations"] += 0
+                    # On the cone to the last digit, as an answer of the equations is.
+                    _, pressure, shear, _ = nodal(held.values)
+                    pressure[states == OPEN] = 0.0
+                    shear[:] = np.where(states == STICK, shear, before * self.friction * pressure)
+                    held.values.flags.writeable = False
+                    return held, 1, 0
             for iteration in range(1, self.max_iterations + 1):
                 answer = self._with_states(states, history, time, loads)
                 wanted = self._wanted(answer, history)
                 changing = int(np.count_nonzero(wanted != states))
-                self.work["slip iterations"] += bool(np.any(slip_sign(wanted) != slip_sign(history.state)))
+                self.work["slip iterations"] += not np.array_equal(slip_sign(wanted), before)
                 if not changing:
                     return answer, iteration, 0
                 if wanted.tobytes() in seen:
@@ -250,7 +279,9 @@ class ContactProblem:
         coupling = np.zeros_like(self._systems.normal) if self.interface.coupling is None else self.interface.coupling
         n_x = self.interface.normals[0]
         shear, shift, closed, changing = history.shear, history.shift, history.closed, 0
-        imposed = replace(history, tilt=history.tilt if self.moment_given else loads[-1], further=loads[2:]).imposed
+        imposed = replace(history, loads=loads).imposed
+        if len(loads) > 2 and not self.moment_given:
+            imposed[2] = loads[4]
         for turn in range(1, self.max_iterations + 1):
             systems, height = self._systems, self.height - coupling.T @ shear + n_x * shift
             if self.moment_given:
@@ -274,25 +305,24 @@ class ContactProblem:
 
     def _wanted(self, answer: InterfaceState, history: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
-        states = answer.state
+        states, (slip, pressure, shear, gap) = answer.state, nodal(answer.values)
+        is_open, sticks = states == OPEN, states == STICK
         # What the equations of these states set to zero counts as zero: weighted, its rounding would look like a force.
-        gap = np.where(states == OPEN, answer.gap, 0.0)
-        slip = np.where(states == STICK, 0.0, answer.slip - history.slip)
+        gap, slip = np.where(is_open, gap, 0.0), np.where(sticks, 0.0, slip - history.slip)
         r_normal, r_tangential = self.augmentation
-        trial_pressure = answer.pressure - r_normal * gap
+        trial = pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
-        touching = (np.abs(answer.pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        closed = np.where(touching, states != OPEN, trial_pressure > 0)
-        pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
-        limit = _LEAST_FORCE * self._share, ROUNDING * self._share
-        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= limit[0]) & (np.abs(slip) <= limit[1])
-        wanted = np.where(at_cone & (states != OPEN), states, wanted)
-        wanted = np.where(closed, wanted, OPEN)
-        # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.
-        wanted = np.where(slip_sign(wanted) * slip_sign(states) < 0, STICK, wanted)
+        touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
+        closed = np.where(touching, ~is_open, trial > 0)
         if not self.tangential:
-            wanted = np.where(wanted == OPEN, OPEN, STICK)
-        return wanted.astype(np.int8)
+            return np.where(closed, STICK, OPEN).astype(np.int8)
+        limit, _, wanted = project(np.maximum(trial, ROUNDING), shear + r_tangential * slip, self.friction)
+        at_cone = np.abs(np.abs(shear) - self.friction * limit) <= _LEAST_FORCE * self._share
+        at_cone &= (np.abs(slip) <= ROUNDING * self._share) & ~is_open
+        wanted = np.where(closed, np.where(at_cone, states, wanted), OPEN)
+        # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.
+        turned = (wanted != states) & (wanted > STICK) & (states > STICK)
+        return np.where(turned, STICK, wanted).astype(np.int8)
 
     def _tilt_at_known_shear(self, height: Array, shear: Array, closed: Mask, imposed: Array, loads: tuple[float, ...]) -> float:
         """The tilt at which the pressure over `height` and the shear have the moment given; the larger it is, the less is M."""
@@ -301,7 +331,7 @@ class ContactProblem:
         def excess(tilt: float) -> float:
             over = height + self.offsets(np.array([*imposed[:2], tilt]))[0]
             pressure = pressure_at_known_shear(self._systems, over, load, closed, ROUNDING)[0]
-            return self._moment(pressure, shear) - loads[4]
+            return -float(self.interface.work_of_imposed(pressure, shear)[2]) - loads[4]
 
         middle, most = float(imposed[2]), float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
         for width in most * 2.0 ** np.arange(-10, 30):
@@ -325,69 +355,37 @@ class ContactProblem:
         return -float(slopes.flat[np.argmin(at)])
 
     def offsets(self, imposed: Array) -> tuple[Array, Array]:
-        """What bulk stresses and tilt (3,) add to gap and slip, each (n,)."""
-        if self.interface.imposed is None:
+        """What bulk stresses and tilt (..., 3) add to gap and slip, each (..., n)."""
+        if self.interface.imposed is None or not imposed.any():
             return np.zeros_like(self.height), np.zeros_like(self.height)
-        gap, slip = self.interface.imposed @ imposed
+        gap, slip = np.moveaxis(np.tensordot(imposed, self.interface.imposed, (-1, -1)), -2, 0)
         return gap, slip
-
-    def _moment(self, pressure: Array, shear: Array) -> float:
-        """Moment of nodal forces."""
-        return -float(self.interface.work_of_imposed(pressure, shear)[2])
 
     def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
         """Forces that meet the equalities of the given states (the linear step of the active set)."""
         values = self._values(states, self.height, history.slip, loads)
-        return InterfaceState(
-            time,
-            loads[0],
-            loads[1],
-            freeze(values.pressure),
-            freeze(values.shear),
-            freeze(values.gap),
-            freeze(values.slip),
-            freeze(states, np.int8),
-            values.approach,
-            values.shift,
-            values.tilt,
-            loads[2:],
-        )
+        return InterfaceState(time, loads, freeze(values), freeze(states, np.int8))
 
-    def _values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Rate:
-        """The interface of given states over an initial gap, sticking nodes at a known slip."""
+    def _values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Array:
+        """(3 + 4 n,) values of given states over an initial gap, sticking nodes at a known slip."""
         if len(loads) == 2:
-            forces = self._forces(states, height, slip, loads)
-            return Rate(*forces, self._systems.gap(height, forces), self._systems.slip(forces), 0.0)
-        tilt = 0.0 if self.moment_given else loads[4]
-        gap, along = self.offsets(np.array([*loads[2:4], tilt]))
-        forces = self._forces(states, height + gap, slip - along, loads[:2])
-        found = Rate(*forces, self._systems.gap(height + gap, forces), self._systems.slip(forces) + along, tilt)
+            return self._systems.values(states, height, slip, (loads[0], loads[1]))
+        found = self._imposed_values(states, height, slip, loads, 0.0 if self.moment_given else loads[4])
         if not self.moment_given:
             return found
         # The equations are linear: what is missing of the moment comes from turning the upper body.
-        turned = self._turned(states)
-        tilt = (loads[4] - self._moment(found.pressure, found.shear)) / self._moment(turned.pressure, turned.shear)
-        pairs = {name: (getattr(found, name), getattr(turned, name)) for name in Rate._fields}
-        return Rate(**{name: one + tilt * by_tilt for name, (one, by_tilt) in pairs.items()})
-
-    def _turned(self, states: States) -> Rate:
-        """Derivatives by the tilt at no loads; SingularSet where one node alone holds the upper body."""
-        key = states.tobytes()
+        key, none = states.tobytes(), np.zeros_like(height)
         if key != self._by_tilt[0]:
-            gap, along = self.offsets(np.array([0.0, 0.0, 1.0]))
-            forces = self._forces(states, gap, -along, (0.0, 0.0))
-            turned = Rate(*forces, self._systems.gap(gap, forces), self._systems.slip(forces) + along, 1.0)
-            if not -self._moment(turned.pressure, turned.shear) > _LEAST_STIFFNESS:
-                raise SingularSet("one node alone holds no moment")
-            self._by_tilt = key, turned
-        return self._by_tilt[1]
+            self._by_tilt = key, self._imposed_values(states, none, none, (0.0,) * 4, 1.0)
+        moments = [-self.interface.work_of_imposed(*nodal(values)[1:3])[2] for values in (found, self._by_tilt[1])]
+        if not -moments[1] > _LEAST_STIFFNESS:
+            raise SingularSet("one node alone holds no moment")
+        return np.asarray(found + (loads[4] - moments[0]) / moments[1] * self._by_tilt[1])
 
-    def _forces(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Forces:
-        """Forces of given states over an initial gap, sticking nodes at a known slip; `loads` are P and Q."""
-        if self._coupled:
-            return self._systems.both(states, height, slip, (loads[0], loads[1]))
-        pressure, approach = self._systems.pressure_alone(states != OPEN, height, loads[0])
-        shear, shift = np.zeros_like(pressure), 0.0
-        if self.tangential:
-            shear, shift = self._systems.shear_alone(states, pressure, slip, loads[1])
-        return Forces(pressure, shear, approach, shift)
+    def _imposed_values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...], tilt: float) -> Array:
+        """The same with bulk stresses, the third and fourth load, and a known tilt."""
+        gap, along = self.offsets(np.array([*loads[2:4], tilt]))
+        found = self._systems.values(states, height + gap, slip - along, (loads[0], loads[1]))
+        found[2] = tilt
+        nodal(found)[0] += along
+        return found

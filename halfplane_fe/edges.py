@@ -46,6 +46,8 @@ _MOVED = 3e-4
 # The same of a node that the load does not drive, and that slips less than this share of the largest slip per change of load in
 # the revolution. What the mesh makes is 1e-5 to 4e-4 of that, without the cure of N - T up to 9e-3.
 _CREEP = 1e-2
+# Increments that are looked at together.
+_AT_ONCE = 512
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
@@ -67,38 +69,54 @@ def visible_states(
     friction : coefficient f
     imposed : (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
     """
-    # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
-    seen = np.array([state.state for state in states])
-    loads = np.array([state.loads for state in states])
-    rise = np.diff(loads, axis=0, prepend=loads[:1])
-    change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
-    largest = np.zeros((2, len(states)))  # slip of all nodes, and of those that slide, in each increment
+    seen, rise, senses, slips = (
+        np.stack([state.state for state in states]),
+        np.diff([state.loads for state in states], axis=0),
+        [],
+        [],
+    )
+    size, change = len(states[0].state), np.maximum(np.abs(rise).sum(axis=1), 1e-300)
+    # Some hundred instants at a time: arrays of all of a long record would take gigabytes.
+    blocks = [slice(first, min(first + _AT_ONCE, len(rise))) for first in range(0, len(rise), _AT_ONCE)]
 
-    def moved(step: int) -> tuple[NDArray[np.int64], Array]:
-        """Sense of slip by the law, and slip of the increment, (n,) each."""
-        return slip_sign(states[step].state), np.asarray(states[step].slip - states[max(step - 1, 0)].slip)
+    def moved(steps: slice) -> tuple[NDArray[np.int64], Array]:
+        """Sense of slip by the law, and slip of the increments, (k, n) each."""
+        values = np.stack([state.values[3 : 3 + size] for state in states[steps.start : steps.stop + 1]])
+        return slip_sign(seen[steps.start + 1 : steps.stop + 1]), np.diff(values, axis=0)
 
-    for step in range(len(states)):
-        sign, slip = moved(step)
-        largest[:, step] = np.abs(slip).max(), np.abs(slip * sign).max()
-    revolution = np.searchsorted(np.asarray(cycle_starts, dtype=int) + 1, np.arange(len(states)), side="right")
-    fastest = np.array([(largest[1] / change)[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)])
-    rounding, run = _ROUNDING * largest[0].max(), np.zeros_like(states[0].slip)
-    for step in range(len(states)):
-        sign, slip = moved(step)
+    for steps in blocks:
+        sign, slip = moved(steps)
+        senses.append(np.abs(slip * sign).max(axis=1))  # slip of the nodes that slide, and of all, in each increment
+        slips.append(float(np.abs(slip).max()))
+    revolution = np.searchsorted(np.asarray(cycle_starts, dtype=int), np.arange(len(rise)), side="right")
+    speed = np.concatenate([*senses, [0.0]])[: len(rise)] / change
+    fastest = np.array([speed[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)])
+    run, rounding = np.zeros(size), _ROUNDING * max(slips, default=0.0)
+    for steps in blocks:
+        sign, slip = moved(steps)
         slip[np.abs(slip) <= rounding] = 0.0
-        run = np.where(run * slip > 0, run, 0.0) + slip  # slip in one direction without a stop, open or closed
-        normal, along = rise[step, :2]
-        if imposed is not None and len(inside := np.flatnonzero(states[step].state == STICK)):
-            gap, shift = imposed @ (states[step].imposed - states[max(step - 1, 0)].imposed)
-            normal = normal - np.pi / 2 * (gap - gap[inside[[0, -1]]].mean())
-            along = along + np.pi / 2 * (shift - shift[inside[[0, -1]]].mean())
+        runs = slip.copy()
+        for step in range(len(runs)):  # slip in one direction without a stop, open or closed
+            runs[step] += np.where(run * runs[step] > 0, run, 0.0)
+            run = runs[step]
+        normal, along = rise[steps, 0, None], rise[steps, 1, None]
+        if imposed is not None:
+            offsets = np.diff([state.imposed for state in states[steps.start : steps.stop + 1]], axis=0)
+            sticks = seen[steps.start + 1 : steps.stop + 1] == STICK
+            ends = np.stack([np.argmax(sticks, axis=1), _last(sticks)], axis=1)
+            gap, shift = (offsets @ part.T for part in imposed)
+            gap, shift = (part - np.take_along_axis(part, ends, axis=1).mean(axis=1, keepdims=True) for part in (gap, shift))
+            held = sticks.any(axis=1, keepdims=True)
+            normal, along = normal - np.pi / 2 * gap * held, along + np.pi / 2 * shift * held
         driven = sign * along > friction * normal
-        slides = driven | (np.abs(slip) > _CREEP * fastest[revolution[step]] * change[step])
+        slides = driven | (np.abs(slip) > (_CREEP * fastest[revolution[steps]] * change[steps])[:, None])
+        view = seen[steps.start + 1 : steps.stop + 1]
         for sense in (1, -1):
-            moved_on = np.where(sign == sense, sense * run, 0.0)
-            seen[step, (sign == sense) & ~(slides & (moved_on > _MOVED * moved_on.max()))] = STICK
-    return seen.astype(np.int8)
+            moved_on = np.where(sign == sense, sense * runs, 0.0)
+            view[(sign == sense) & ~(slides & (moved_on > _MOVED * moved_on.max(axis=1, keepdims=True)))] = STICK
+    view = seen[:1]
+    view[slip_sign(view) != 0] = STICK  # of the first nothing has moved
+    return seen
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:

@@ -10,7 +10,7 @@ Taylor and Hood, and nothing locks at any nu < 1/2; below that the elements are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, qr, solve_triangular
 from scipy.sparse.linalg import SuperLU, splu
-from skfem.helpers import ddot, div, sym_grad
+from skfem.helpers import div
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from halfplane_fe.far_field import arc_work, rigid_motions
@@ -75,27 +75,6 @@ class System:
     def stiffness(self) -> sparse.csr_matrix:
         """(n_dofs, n_dofs) assembled when it is first used [stress]."""
         return _stiffness(self.basis, self.material, self.order)
-
-    def internal_forces(self, displacement: Array) -> Array:
-        """(n_dofs,) stiffness times displacement, as the virtual work of the stress: no matrix, a tenth of its cost.
-
-        Parameters
-        ----------
-        displacement : (n_dofs,) u [length], then r/G where the body has them
-        """
-        # notation: G is the shear modulus
-        basis = self.basis
-        lam, rest, G = split_lame(self.material, self.order)
-        u = basis.interpolate(displacement[: basis.N])
-        virtual_work = skfem.LinearForm(lambda v, w: lam * div(w["u"]) * div(v) + 2 * G * ddot(sym_grad(w["u"]), sym_grad(v)))
-        forces = np.asarray(virtual_work.assemble(basis, u=u))
-        if not rest:
-            return forces
-        pressure = basis.with_element(scalar_element(basis.mesh, 1))
-        r = pressure.interpolate(displacement[basis.N :])
-        of_pressure = skfem.LinearForm(lambda v, w: G * w["r"] * div(v)).assemble(basis, r=r)
-        dilatation = skfem.LinearForm(lambda s, w: (G * div(w["u"]) - G**2 / rest * w["r"]) * s).assemble(pressure, u=u, r=r)
-        return np.concatenate([forces + of_pressure, dilatation])
 
 
 def order_of(mesh: skfem.Mesh) -> int:
@@ -190,9 +169,9 @@ def surface_weights(basis: skfem.Basis, contact: Indices) -> Array:
     return np.asarray(along_x.assemble(facets))[contact[0]]
 
 
-# How far a compliance may be from that of its mesh under one load (`condensation_error`). Rounding leaves 1e-13; of a guided block
-# 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
-LARGEST_ERROR = 1e-6
+# How far a compliance may be from the solution of its mesh under a random load. Rounding leaves 1e-13; of a guided block 1e4 times
+# as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
+_LARGEST_ERROR = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,12 +185,11 @@ class CondensedBody:
     weights : (n,) integral of each node's shape function over the surface [length]
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
-    probe : (n_dofs,) of the whole body under the random load of `condensation_error`, which checks the compliance by it
     by_stress : (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress [length per stress]: of a
         half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a body with ends that of the mesh under tension on both;
-        (2, 1) of zeros for any other
-    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (`condensation_error`),
-        degrees_of_freedom, sparse_factorisations (one for the order of elimination, one for each mode)
+        zeros for any other
+    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (see `condense`), degrees_of_freedom,
+        sparse_factorisations (one for the order of elimination, one for each mode)
     """
 
     body: BodyMesh
@@ -220,9 +198,8 @@ class CondensedBody:
     y: Array
     weights: Array
     compliance: Array
-    probe: Array = field(default_factory=lambda: np.empty(0))
-    by_stress: Array = field(default_factory=lambda: np.zeros((2, 1)))
-    diagnostics: Mapping[str, float] = field(default_factory=dict)
+    by_stress: Array
+    diagnostics: Mapping[str, float]
 
     @property
     def order(self) -> int:
@@ -326,10 +303,10 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
 
 def _condensed_mode(
-    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads, probing: Array
-) -> tuple[Array, Array, Array]:
-    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, and displacements (n_dofs,): under `probing`,
-    and under tension on the ends.
+    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
+) -> tuple[Array, Array, float]:
+    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, their displacement (k,) under tension on the
+    ends, and how far both are from the solution under a random load.
 
     The nodes of arc and contact stand last in the order of elimination, so that their stiffness is that of the trailing block of
     the factors L D L^T: three to five times faster than solving for each unit force. With B the loads on the arc the compliance is
@@ -346,7 +323,8 @@ def _condensed_mode(
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
     inner = np.setdiff1d(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     order = np.concatenate([inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")], around, contact])
-    factors = factorise(stiffness[order][:, order].tocsc(), "NATURAL")
+    ordered = stiffness[order][:, order].tocsc()
+    factors = factorise(ordered, "NATURAL")
     last = slice(len(inner), None)
     lower, pivots = factors.L[last, last].toarray(), factors.U.diagonal()[last]
     if not pivots.min() > 0:
@@ -354,57 +332,22 @@ def _condensed_mode(
     by_contact, by_arc = motions[system.contact.ravel()][:, contact], motions[system.arc.ravel()][:, around]
     loads = np.vstack([by_arc.T @ (arc.by_nodes @ by_contact), np.eye(len(contact))])
     root = solve_triangular(lower, loads, lower=True, unit_diagonal=True) / np.sqrt(pivots)[:, None]
-    compliance = root.T @ root - (arc.tractions @ by_contact).T @ (arc.displacements @ by_contact)
-    whole = np.zeros(len(order))
-    whole[last] = loads @ (by_contact.T @ probing)
-    probe = motions[:, order] @ factors.solve(whole)
-    pulled = motions[:, order] @ factors.solve((motions.T @ system.pull)[order]) if system.pull.any() else np.zeros_like(probe)
-    return compliance, probe, pulled
-
-
-def _probing_forces(system: System) -> Array:
-    """(2 n,) the random load of `condensation_error`: normal deviates, on every contact node along x and outward."""
-    return np.random.default_rng(0).standard_normal(system.contact.size)
-
-
-def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: Array, by_stress: Array) -> float:
-    """How far a compliance is from that of the mesh, under one random load: a check that solves nothing.
-
-    The displacement of the whole body under this load is known (`probe`). The virtual work of its stress shows that it is that
-    displacement, whatever it was found by; its supports are held, and the compliance gives it on the contact nodes.
-
-    Parameters
-    ----------
-    arc : of the system, `arc_loads`
-    compliance : (2, n, 2, n), as that of a CondensedBody
-    probe : (n_dofs,) displacement of the whole body under the load [length], then r/G where the body has them
-    by_stress : as that of a CondensedBody; by Betti's theorem the load does the work in it that the tension does in the probe
-
-    Returns
-    -------
-    float
-        The largest of five relative errors: forces of a degree of freedom over the largest of the load, motion of a support and of
-        a contact node over the largest displacement, asymmetry of the compliance, the two works of Betti's theorem. 0 is perfect.
-    """
-    forces, contact, around = _probing_forces(system), system.contact.ravel(), system.arc.ravel()
-    load = np.zeros_like(probe)
-    load[contact] = forces
-    load[around] = arc.by_nodes @ forces
-    unbalanced = system.internal_forces(probe) - load
-    held = np.setdiff1d(system.held, contact)  # contact nodes are free, at the corners of guided sides too
-    unbalanced[held] = 0.0  # what the supports carry
-    moved = arc.contact_displacement(probe[contact], probe[around], forces)
-    flat = compliance.reshape(len(forces), -1)
-    apart = {
-        "forces": np.abs(unbalanced).max() / np.abs(forces).max(),
-        "supports": np.abs(probe[held]).max(initial=0.0) / np.abs(moved).max(),
-        "contact nodes": np.abs(flat @ forces - moved).max() / np.abs(moved).max(),
-        "reciprocity": (flat - flat.T).max() / max(flat.max(), -flat.min()),
-    }
-    if system.pull.any():
-        work, size = forces @ by_stress.ravel(), np.linalg.norm(forces) * np.linalg.norm(by_stress)
-        apart["tension"] = np.abs(work - system.pull @ probe) / size if size > 0 else np.inf
-    return float(np.max(list(apart.values())))
+    of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
+    compliance = root.T @ root - of_half_plane[0] @ of_half_plane[1]
+    probe, forces = np.zeros(len(order)), np.random.default_rng(0).standard_normal(len(contact))
+    probe[last] = loads @ forces
+    found, pull = factors.solve(probe), (motions.T @ system.pull)[order]
+    pulled = factors.solve(pull)
+    moved, by_stress = (loads.T @ one[last] for one in (found, pulled))
+    moved -= of_half_plane[0] @ (of_half_plane[1] @ forces)
+    errors = [
+        np.abs(ordered @ found - probe).max() / np.abs(probe).max(),
+        np.abs(ordered @ pulled - pull).max() / max(np.abs(pull).max(), 1e-300),
+        np.abs(compliance @ forces - moved).max() / np.abs(moved).max(),
+        # Betti's theorem: the load does the work in the displacement by tension that the tension does in its own.
+        np.abs(forces @ by_stress - pull @ found) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
+    ]
+    return compliance, by_stress, float(np.max(errors))
 
 
 class ArcLoads(NamedTuple):
@@ -418,10 +361,6 @@ class ArcLoads(NamedTuple):
     tractions: Array
     displacements: Array
 
-    def contact_displacement(self, contact: Array, around: Array, forces: Array) -> Array:
-        """(2 n, ...) of the contact nodes under `forces` (2 n, ...), whatever rigid motion those of contact and arc nodes have."""
-        return np.asarray(contact + self.by_nodes.T @ around - self.tractions.T @ (self.displacements @ forces))
-
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
@@ -432,12 +371,6 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
         ends = np.abs(system.pull[system.arc.ravel()])
         by_nodes[:, : system.contact.shape[1]] -= (ends / ends.sum())[:, None]
     return ArcLoads(by_nodes, *found[1:])
-
-
-def _rigid_part(system: System, displacement: Array) -> Array:
-    """(basis.N, k): the rigid motion next to a displacement (2 n, k) of the contact nodes."""
-    motions = rigid_motions(system.basis)
-    return motions @ np.linalg.lstsq(motions[system.contact.ravel()], displacement, rcond=None)[0]
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
@@ -457,7 +390,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     InputError
         For linear elements of a nearly incompressible body: they lock.
     ConvergenceError
-        If rounding leaves no stiffness, or a compliance that is not that of the mesh to 1e-6 (`condensation_error`).
+        If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under a random load to 1e-6.
 
     >>> from meshes import SurfaceGrading
     >>> block = skfem.MeshQuad.init_tensor(np.array([-1.0, 1.0]), np.array([-3.0, 0.0]))  # one element, 2 wide and 3 high
@@ -468,68 +401,46 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     [1.5, 1.5]
     """
     system = assemble(body, material)
-    arc, probing = arc_loads(system, datum_length), _probing_forces(system)
-    elements, modes = _modes(system)
+    arc, (elements, modes), nodes = arc_loads(system, datum_length), _modes(system), system.contact.ravel()
     stiffness = len(modes) * _stiffness(system.basis.with_elements(elements), material, system.order)
     ranks = _elimination_ranks(system, stiffness)
-    flat, asymmetry = np.zeros((len(probing), len(probing))), 0.0
-    probe, pulled = np.zeros(system.n_dofs), np.zeros(system.n_dofs)
+    flat, by_stress, asymmetry, residual = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes)), 0.0, 0.0
     try:
         for mode in modes:
-            own, probed, stretched = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc, probing)
-            asymmetry = max(asymmetry, float((own - own.T).max() / np.abs(own).max()))
-            nodes = system.contact.ravel()
+            own, stretched, error = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc)
+            asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
             column, factor = np.unique(mode.column[nodes], return_inverse=True)[1], mode.factor[nodes]
             flat += factor[:, None] * (own + own.T)[np.ix_(column, column)] * (factor / 2)
-            probe += probed
-            pulled += stretched
+            by_stress += factor * stretched[column]
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
-    compliance = flat.reshape(*system.contact.shape, *system.contact.shape)
-    by_stress = _by_stress(system, arc, pulled)
-    residual = condensation_error(system, arc, compliance, probe, by_stress)
-    if not residual <= LARGEST_ERROR:
+    if not max(asymmetry, residual) <= _LARGEST_ERROR:
         raise ConvergenceError(
-            f"condensation: rounding leaves a compliance that differs from that of the mesh by {residual:.1e}: the body is too "
-            "slender for its contact, or some of its elements are too thin"
+            f"condensation: rounding leaves a compliance that differs from that of the mesh by {max(asymmetry, residual):.1e}: the "
+            "body is too slender for its contact, or some of its elements are too thin"
         )
-    figures = {"asymmetry": asymmetry, "residual": residual, "sparse_factorisations": 1.0 + len(modes)}
-    return condensed_body(body, system, compliance, probe, by_stress, figures)
+    places, shape = system.basis.doflocs[:, system.contact[0]], system.contact.shape
+    return CondensedBody(
+        body,
+        material,
+        freeze(places[0]),
+        freeze(places[1]),
+        freeze(surface_weights(system.basis, system.contact)),
+        freeze(flat.reshape(*shape, *shape)),
+        freeze(uniform_stretch(material, *places) if system.around else by_stress.reshape(shape)),
+        {
+            "asymmetry": asymmetry,
+            "residual": float(residual),
+            "sparse_factorisations": 1.0 + len(modes),
+            "degrees_of_freedom": float(system.basis.N),
+        },
+    )
 
 
 def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
     """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2) x, -nu (1 + nu) y)/E."""
     E, nu = material.young_modulus, material.poisson_ratio
     return np.stack([(1 - nu**2) / E * x, -nu * (1 + nu) / E * y])
-
-
-def _by_stress(system: System, arc: ArcLoads, pulled: Array) -> Array:
-    """`CondensedBody.by_stress`, from the displacement (n_dofs,) of a body with ends under a unit of tension."""
-    contact = system.contact.ravel()
-    if system.around:
-        return uniform_stretch(system.material, *system.basis.doflocs[:, system.contact[0]])
-    if not system.pull.any():
-        return np.zeros((2, 1))
-    moved = arc.contact_displacement(pulled[contact], pulled[system.arc.ravel()], np.zeros(len(contact)))
-    return moved.reshape(2, -1)
-
-
-def condensed_body(
-    body: BodyMesh, system: System, compliance: Array, probe: Array, by_stress: Array, figures: Mapping[str, float]
-) -> CondensedBody:
-    """A body with its compliance, as it was found now or before; all else is the mesh's own."""
-    places = system.basis.doflocs[:, system.contact[0]]
-    return CondensedBody(
-        body,
-        system.material,
-        freeze(places[0]),
-        freeze(places[1]),
-        freeze(surface_weights(system.basis, system.contact)),
-        freeze(compliance),
-        freeze(probe),
-        freeze(by_stress),
-        {**figures, "degrees_of_freedom": float(system.basis.N)},
-    )
 
 
 def displacement_fields(
@@ -561,10 +472,10 @@ def displacement_fields(
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, of_arc]))
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
-    if system.arc.size:
-        moved = displacements[system.contact.ravel()]
-        found = arc.contact_displacement(moved, displacements[system.arc.ravel()], cases)
-        displacements[: system.basis.N] += _rigid_part(system, found - moved)
+    if system.arc.size:  # the rigid motion that the contact nodes lack
+        motions, contact = rigid_motions(system.basis), system.contact.ravel()
+        lacking = arc.by_nodes.T @ displacements[system.arc.ravel()] - arc.tractions.T @ (arc.displacements @ cases)
+        displacements[: system.basis.N] += motions @ np.linalg.lstsq(motions[contact], lacking, rcond=None)[0]
     n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
     tension = np.zeros((system.basis.nodal_dofs.shape[1], forces.shape[-1]))
     if len(displacements) > n_u:

@@ -1,4 +1,4 @@
-"""Energy balance and Coulomb certificates of one increment: checks that need no reference. Scaled, like `contact`.
+"""Energy balance and Coulomb certificates of increments: checks that need no reference. Scaled, like `contact`.
 
 With loads, forces and displacements taken at the middle of the increment the balance
 
@@ -20,25 +20,26 @@ subscripts being derivatives by the loads. The sum over the nodes is the work of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, Rate
+from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign, violations
 
 Array = NDArray[np.float64]
+States = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
-class IncrementEnergy:
-    """Energies of one increment (over P^2/E*), and the dissipation of each node (n,).
+class Energies:
+    """Energies of m increments (over P^2/E*), each (m,), and the dissipation of their nodes (m, n).
 
     Attributes
     ----------
-    dissipation : (n,) f p |ds| of each sliding node, p being the mean of the increment, and what the curve of the loads adds
+    dissipation : f p |ds| of each sliding node, p being the mean of the increment, and what the curve of the loads adds
     loop : integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q d(eps) of half-planes)
     external : work of P, Q, bulk stresses and tilt along the chord
     curve : what the curve of the loads adds to it, all of it friction work
@@ -47,109 +48,124 @@ class IncrementEnergy:
     layer : change of the energy of the penalty layer
     interface : trapezoidal work of shear less that of pressure
     end_of_step : the same with the forces at the end of the increment
-    step_error : bound of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide in it
+    step_error : bound of the error of the dissipation, see `step_errors`
     """
 
     dissipation: Array
-    loop: float
-    external: float
-    external_end_of_step: float
-    curve: float
-    elastic: float
-    layer: float
-    interface: float
-    end_of_step: float
-    step_error: float
+    loop: Array
+    external: Array
+    external_end_of_step: Array
+    curve: Array
+    elastic: Array
+    layer: Array
+    interface: Array
+    end_of_step: Array
+    step_error: Array
 
 
-def elastic_energy(problem: ContactProblem, state: InterfaceState) -> float:
-    """Elastic energy of both bodies and of the layer between them."""
-    p, q = state.pressure, state.shear
-    gap_moved, slip_moved = problem.interface.moved(state.approach, state.shift)
-    gap_imposed, slip_imposed = problem.offsets(state.imposed)
-    gap_part = state.gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
-    slip_part = slip_moved + slip_imposed - state.slip  # T q - K p
-    return float(p @ gap_part + q @ slip_part) / 2
+def elastic_energies(problem: ContactProblem, states: Sequence[InterfaceState]) -> tuple[Array, Array]:
+    """Elastic energy (m,) of both bodies and of the layer between them, and that of the layer alone."""
+    values = np.stack([state.values for state in states])
+    slip, p, q, gap = nodal(values)
+    gap_moved, slip_moved = problem.interface.moved(values[:, 0, None], values[:, 1, None])
+    gap_imposed, slip_imposed = problem.offsets(np.array([state.imposed for state in states]))
+    gap_part = gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
+    slip_part = slip_moved + slip_imposed - slip  # T q - K p
+    layer = (p**2 @ problem.layer.normal + q**2 @ problem.layer.tangential) / 2
+    return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer)
 
 
-def layer_energy(problem: ContactProblem, state: InterfaceState) -> float:
-    """Elastic energy of the layer of the penalty method, pressed and sheared; 0 without one."""
-    layer = problem.layer
-    return float(layer.normal @ state.pressure**2 + layer.tangential @ state.shear**2) / 2
+def step_errors(friction: float, pressure: Array, slip: Array, before: States, after: States) -> Array:
+    """Bound (...) of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide in the increment.
+
+    `pressure` and `slip` are the changes of the increment, `before` and `after` the states, each (..., n).
+    """
+    sign = slip_sign(after)
+    starting = (sign != 0) & (sign != slip_sign(before))
+    return np.asarray(friction * np.where(starting, np.abs(pressure * slip), 0.0).sum(axis=-1) / 2)
 
 
-def increment_energy(
-    problem: ContactProblem, before: InterfaceState, after: InterfaceState, enclosed: Array | None
-) -> IncrementEnergy:
-    """Energies between two states that follow each other; `enclosed`: see `path`, over the units of the loads."""
-    slip, gap = after.slip - before.slip, after.gap - before.gap
-    approach, shift = after.approach - before.approach, after.shift - before.shift
-    mean_p, mean_q = (before.pressure + after.pressure) / 2, (before.shear + after.shear) / 2
-    mean_load = (before.tangential_load + after.tangential_load) / 2
-    imposed = after.imposed - before.imposed
-    faces = problem.interface
-    work_of_imposed = float(faces.work_of_imposed(mean_p, mean_q) @ imposed)
-    sign = slip_sign(after.state)
+def increment_energies(
+    problem: ContactProblem, states: Sequence[InterfaceState], solved: Sequence[States], enclosed: Array | None = None
+) -> Energies:
+    """Energies of the increments between m + 1 states that follow each other.
+
+    Parameters
+    ----------
+    solved : (m,) of arrays (n,): the states of the nodes at the end of each increment, before an event changes them
+    enclosed : (k, k, m) see `path`, over the units of the loads
+    """
+    values, loads = np.stack([state.values for state in states]), np.array([state.loads for state in states])
+    p, q = nodal(values)[1:3]
+    mean_p, mean_q = (p[:-1] + p[1:]) / 2, (q[:-1] + q[1:]) / 2
+    mean_load, changes = (loads[:-1] + loads[1:]) / 2, np.diff(values, axis=0)
+    slip, pressure, _, gap = nodal(changes)
+    approach, shift = changes[:, 0], changes[:, 1]
+    imposed, faces = np.diff([state.imposed for state in states], axis=0), problem.interface
+    before, after = np.stack([state.state for state in states[:-1]]), np.stack(solved)
+
+    def work(loads: Array, p: Array, q: Array) -> Array:
+        of_imposed = (faces.work_of_imposed(p, q) * imposed).sum(axis=1)
+        return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
+
+    sign = slip_sign(after)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
-    loop = mean_load * shift + float(np.sum(dissipation - np.where(sign != 0, mean_q * slip, 0.0)))
-    loop += float(faces.work_of_imposed(0 * mean_p, mean_q)[:2] @ imposed[:2])
-    curve, starting = np.zeros_like(slip), sign != slip_sign(before.state)  # of what starts, the curve is left out
-    if enclosed is not None and not starting[sign != 0].all():
-        pairs = np.argwhere(np.tril(enclosed)).tolist()
-        rates = problem.rates(before.state, len(after.loads), {number for pair in pairs for number in pair})
-        of_normal = 0.0  # of the loads that the friction work along the curve leaves
-        for i, j in pairs:
-            one, other, area = rates[i], rates[j], float(enclosed[i, j])
-            exchanged = one.pressure * other.slip - other.pressure * one.slip
-            curve = curve + problem.friction * np.where(starting, 0.0, sign) * exchanged * area
-            of_normal += (_normal_work(problem, rates, i, j) - _normal_work(problem, rates, j, i)) * area
+    loop = mean_load[:, 1] * shift + (dissipation - np.where(sign != 0, mean_q * slip, 0.0)).sum(axis=1)
+    loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed)[:, :2].sum(axis=1)
+    curve = np.zeros_like(slip)
+    if enclosed is not None:
+        factor = np.where(sign == slip_sign(before), sign, 0) * problem.friction  # of what starts, the curve is left out
+        rows = np.flatnonzero(factor.any(axis=1))
+        for i, j in np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist():
+            area = enclosed[i, j, rows]
+            one, other = (
+                np.stack([problem.rates(states[row].state, len(enclosed), (i, j))[k] for row in rows.tolist()]) for k in (i, j)
+            )
+            (s_i, p_i, *_), (s_j, p_j, *_) = nodal(one), nodal(other)
+            curve[rows] += factor[rows] * (p_i * s_j - p_j * s_i) * area[:, None]
+            loop[rows] -= (_normal_work(problem, i, j, one, other) - _normal_work(problem, j, i, other, one)) * area
         curve = np.maximum(curve, -dissipation)  # friction only takes
-        loop += float(curve.sum()) - of_normal
-    changed = np.abs((after.pressure - before.pressure) * slip)[starting & (sign != 0)]
-    return IncrementEnergy(
+        loop += curve.sum(axis=1)
+    elastic, layer = elastic_energies(problem, states)
+    return Energies(
         dissipation=dissipation + curve,
         loop=loop,
-        external=(before.normal_load + after.normal_load) / 2 * approach + mean_load * shift + work_of_imposed,
-        external_end_of_step=after.normal_load * approach
-        + after.tangential_load * shift
-        + float(faces.work_of_imposed(after.pressure, after.shear) @ imposed),
-        curve=float(curve.sum()),
-        elastic=elastic_energy(problem, after) - elastic_energy(problem, before),
-        layer=layer_energy(problem, after) - layer_energy(problem, before),
-        interface=float(mean_q @ slip - mean_p @ gap),
-        end_of_step=float(after.shear @ slip - after.pressure @ gap),
-        step_error=problem.friction * float(changed.sum()) / 2,
+        external=work(mean_load, mean_p, mean_q),
+        external_end_of_step=work(loads[1:], p[1:], q[1:]),
+        curve=curve.sum(axis=1),
+        elastic=np.diff(elastic),
+        layer=np.diff(layer),
+        interface=(mean_q * slip - mean_p * gap).sum(axis=1),
+        end_of_step=(q[1:] * slip - p[1:] * gap).sum(axis=1),
+        step_error=step_errors(problem.friction, pressure, slip, before, after),
     )
 
 
-def _normal_work(problem: ContactProblem, rates: Mapping[int, Rate], i: int, j: int) -> float:
-    """Work per unit of load i times change of load j, but for that of shear: of P in the approach, of p in bulk stress and tilt."""
-    one, other = rates[i], rates[j]
-    change = np.array([float(j == 2), float(j == 3), other.tilt])
-    by_forces = problem.interface.work_of_imposed(one.pressure, one.shear)
-    by_forces[:2] -= problem.interface.work_of_imposed(0 * one.pressure, one.shear)[:2]
-    return float(i == 0) * other.approach + float(by_forces @ change)
+def _normal_work(problem: ContactProblem, i: int, j: int, one: Array, other: Array) -> Array:
+    """(m,) work per unit of load i times change of load j, without that of shear: P in the approach, p in bulk stress and tilt.
+
+    `one` and `other` (m, 3 + 4 n) are the derivatives of the values by the two loads.
+    """
+    _, p, q, _ = nodal(one)
+    by_pressure, by_both = problem.interface.work_of_imposed(p, 0 * q), problem.interface.work_of_imposed(p, q)
+    work = (i == 0) * other[:, 0] + by_both[..., 2] * other[:, 2]
+    return np.asarray(work + by_pressure[..., j - 2] if j in (2, 3) else work)
 
 
-def certificates(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> dict[str, float]:
-    """Violations of law and equilibrium at the end of an increment, over the largest nodal force and its work.
+def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
+    """Violations (m,) of law and equilibrium at the ends of increments, over the largest nodal force and its work.
 
     The force is at least a tenth of the mean one at the largest load: at the very first touch there is nothing but rounding.
     """
-    force = max(float(after.pressure.max(initial=0.0)), 0.1 / len(after.pressure))
-    found = violations(after.gap, after.pressure, after.shear, after.slip - before.slip, problem.friction)
-    normal_load, tangential_load = problem.interface.carried(after.pressure, after.shear)
-    equilibrium = max(abs(normal_load - after.normal_load), abs(tangential_load - after.tangential_load))
+    values, loads = np.stack([state.values for state in states]), np.array([state.loads for state in states])
+    slip, pressure, shear, gap = nodal(values)
+    force = np.maximum(pressure[1:].max(axis=1), 0.1 / pressure.shape[1])
+    found = violations(gap[1:], pressure[1:], shear[1:], np.diff(slip, axis=0), problem.friction)
+    carried = np.array(problem.interface.carried(pressure[1:].T, shear[1:].T))
+    equilibrium = np.abs(carried - loads[1:, :2].T).max(axis=0)
     if problem.moment_given:
-        moment = -float(problem.interface.work_of_imposed(after.pressure, after.shear)[2])
-        equilibrium = max(equilibrium, abs(moment - after.loads[4]))
-    return {
-        "equilibrium": equilibrium / max(after.normal_load, 1e-300),
-        "tension": found["tension"] / force,
-        "penetration": found["penetration"],
-        "gap_pressure": found["gap_pressure"] / force,
-        "cone": found["cone"] / force,
-        "slip_sign": found["slip_sign"] / force,
-        "creep": found["creep"],
-    }
+        moment = -problem.interface.work_of_imposed(pressure[1:], shear[1:])[:, 2]
+        equilibrium = np.maximum(equilibrium, np.abs(moment - loads[1:, 4]))
+    scaled = {name: found[name] / force for name in ("tension", "gap_pressure", "cone", "slip_sign")}
+    return {"equilibrium": equilibrium / np.maximum(loads[1:, 0], 1e-300), **found, **scaled}

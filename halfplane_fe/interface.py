@@ -19,7 +19,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
@@ -81,18 +82,19 @@ class Interface:
             imposed=None if self.imposed is None else freeze(self.imposed / [length * compliance, length * compliance, length]),
         )
 
-    def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
-        """What normal approach and shift of the upper body add to gap and slip, each (n,)."""
+    def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
+        """What normal approach and shift of the upper body, (..., 1) of many instants, add to gap and slip, each (..., n)."""
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
-    def carried(self, pressure: Array, shear: Array) -> tuple[float, float]:
-        """P and Q that nodal forces p and q carry."""
+    def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
+        """P and Q (...) that nodal forces p and q (n, ...) carry."""
         n_x, n_y = self.normals
-        return float(n_y @ pressure + n_x @ shear), 0.0 if self.guided else float(n_y @ shear - n_x @ pressure)
+        normal, tangential = n_y @ pressure + n_x @ shear, n_y @ shear - n_x @ pressure
+        return normal, 0 * tangential if self.guided else tangential
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """(3,) F = S q - G p, work of the loads per unit of e: -m_q/E' of the stress in a half-plane below, -M of the tilt."""
+        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of half-planes below, -M of tilt."""
         if self.imposed is None:
             return np.zeros(3)
         return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])
@@ -116,7 +118,7 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
     else:
         sides = _mortar(lower, upper)
-        by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
+        by_lower, by_upper = (csr_array(_flattened(part)) for part in (sides.lower, sides.upper))  # next to nothing but zeros
         total = by_lower @ _square(lower.compliance) @ by_lower.T + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]

@@ -58,8 +58,8 @@ def slip_sign(state: States) -> NDArray[np.int64]:
     return (state == SLIP_FORWARD).astype(np.int64) - (state == SLIP_REVERSE)
 
 
-def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, float]:
-    """How far an answer is from the law, each figure in the units of its own arguments (0 is perfect).
+def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, Array]:
+    """How far answers (..., n) are from the law, each figure (...) in the units of its own arguments (0 is perfect).
 
     Returns
     -------
@@ -70,11 +70,12 @@ def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array,
     limit = friction * pressure
     inside = np.abs(shear) < limit * (1 - 1e-9)
     closed = pressure > 0
-    return {
-        "tension": float(np.max(-pressure, initial=0.0)),
-        "penetration": float(np.max(-gap, initial=0.0)),
-        "gap_pressure": float(np.max(np.abs(gap * pressure), initial=0.0)),
-        "cone": float(np.max(np.abs(shear) - limit, initial=0.0)),
-        "slip_sign": float(np.max(-(shear * slip_increment)[closed], initial=0.0)),
-        "creep": float(np.max(np.abs(slip_increment[inside & closed]), initial=0.0)),
+    found = {
+        "tension": -pressure,
+        "penetration": -gap,
+        "gap_pressure": np.abs(gap * pressure),
+        "cone": np.abs(shear) - limit,
+        "slip_sign": np.where(closed, -(shear * slip_increment), 0.0),
+        "creep": np.where(inside & closed, np.abs(slip_increment), 0.0),
     }
+    return {name: np.max(values, axis=-1, initial=0.0) for name, values in found.items()}

@@ -17,11 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import InterfaceState
-from halfplane_fe.energy import IncrementEnergy
 from halfplane_fe.interface import Interface
-from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
-from scenes import SLIP_FORWARD, SLIP_REVERSE, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
 
 Array = NDArray[np.float64]
 
@@ -80,24 +78,17 @@ def _folded(matrix: Array, of_rows: float, of_columns: float) -> Array:
 def whole(run: PathRun, faces: Interface) -> PathRun:
     """A run of the half on all nodes of the faces."""
     place, share, sign = _images(faces)
+    half = len(faces.x) - len(faces.x) // 2
+    # Of each value of a state in the whole its place in the half, and what it is there times.
+    source = np.concatenate([np.arange(3), *(3 + place + number * half for number in range(4))])
+    factor = np.concatenate([np.ones(3), sign, share, share * sign, np.ones_like(share)])
+    turned = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def state(one: InterfaceState) -> InterfaceState:
-        states = one.state[place]
-        turned = (sign < 0) & (slip_sign(states) != 0)
-        states = np.where(turned, np.where(states == SLIP_FORWARD, SLIP_REVERSE, SLIP_FORWARD), states)
-        found = replace(one, slip=freeze(one.slip[place] * sign), state=freeze(states, np.int8))
-        if not len(one.pressure):  # dropped
-            return found
-        pressure, shear = freeze(one.pressure[place] * share), freeze(one.shear[place] * share * sign)
-        return replace(found, pressure=pressure, shear=shear, gap=freeze(one.gap[place]))
+        size = len(source) if one.whole else 3 + len(place)
+        values, states = one.values[source[:size]] * factor[:size], one.state[place]
+        values.flags.writeable = False
+        return replace(one, values=values, state=freeze(np.where(sign < 0, turned[states], states), np.int8))
 
-    def energy(one: IncrementEnergy) -> IncrementEnergy:
-        nodal = one.dissipation
-        return one if len(nodal) == 1 else replace(one, dissipation=nodal[place] * share)
-
-    return replace(
-        run,
-        states=[state(one) for one in run.states],
-        energies=[energy(one) for one in run.energies],
-        cycle_density=[density[place] * share for density in run.cycle_density],
-    )
+    densities = [density[place] * share for density in run.cycle_density]
+    return replace(run, states=[state(one) for one in run.states], cycle_density=densities)

@@ -66,6 +66,8 @@ def straight(leg: LoadSegment) -> bool:
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     """The two or five loads of a leg at an instant."""
     p, q = leg.loads(time)
+    if leg.bulk is None and leg.turning is None:
+        return float(p), float(q)
 
     def load(segment: LoadSegment | None, what: Combination) -> float:
         return 0.0 if segment is None else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
@@ -122,24 +124,23 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
 _GAUSS = np.polynomial.legendre.leggauss(8)
 
 
-def enclosed(leg: LoadSegment, start: float, end: float) -> Array | None:
-    """(m, m) integral of load i d load j along the leg from start to end, minus that along the chord; None of a straight leg.
+def enclosed(leg: LoadSegment, times: Array) -> Array | None:
+    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the chords; None of a straight leg.
 
     It is skew: the integral of d(i j) is the same along both.
     """
     if straight(leg):
         return None
-    parts = _parts(leg)
-    times = (start + end) / 2 + (end - start) / 2 * _GAUSS[0]
-    found = np.zeros((len(parts), len(parts)))
+    parts, start, end = _parts(leg), times[:-1, None], times[1:, None]
+    inside, share = (start + end) / 2 + (end - start) / 2 * _GAUSS[0], _GAUSS[1] * (end - start) / 2
+    found = np.zeros((len(parts), len(parts), len(start)))
     for i, (segment, what) in enumerate(parts):
-        if segment is None:
-            continue
-        above = segment.change_of(what, times, start) - float(segment.change_of(what, end, start)) / 2
-        for j, (other, along) in enumerate(parts[:i]):
-            if other is not None:
-                found[i, j] = float(np.sum(_GAUSS[1] * above * other.rate_of(along, times))) * (end - start) / 2
-                found[j, i] = -found[i, j]
+        if segment is not None:
+            above = segment.change_of(what, inside, start) - segment.change_of(what, end, start) / 2
+            for j, (other, along) in enumerate(parts[:i]):
+                if other is not None:
+                    found[i, j] = (share * above * other.rate_of(along, inside)).sum(axis=1)
+                    found[j, i] = -found[i, j]
     return found
 
 

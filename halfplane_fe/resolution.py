@@ -144,7 +144,7 @@ def _of_slip(seen: Seen) -> Iterator[str]:
 
 # Error of W on the coarse run over that of the answer falls as the square of the element; the difference of the two, divided so and
 # times this, is one share of the mesh in the uncertainty. With the scatter below it covers 86 random half-plane scenes; of the
-# 62 that slip, 4.4 times the true error in the median (benchmarks/uncertainty.py). Without the scatter, 8 covered 97 %, 4.3 times.
+# 62 that slip, 4.4 times the true error in the median (benchmarks/covered.py). Without the scatter, 8 covered 97 %, 4.3 times.
 # Linear elements and penalty layers have errors of their own: there the whole difference counts.
 _SAFETY = 4.0
 # Twice the scatter (root mean square) of W over where the edges stand in their elements, over A f^2 P^2 (h/a)^2: 0.005 to 0.015 at

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.energy import IncrementEnergy, certificates
-from halfplane_fe.path import scaled_loads, straight, stretches
-from halfplane_fe.stepping import follow
+from halfplane_fe.energy import certificates, increment_energies
+from halfplane_fe.path import enclosed, scaled_loads, straight, stretches
+from halfplane_fe.stepping import Increment, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
 Array = NDArray[np.float64]
@@ -40,7 +40,6 @@ _LEAST_DISSIPATION = 3e-3
 MOST_INSTANTS = 4000
 # Share of the first leg of the initial loading after which its line of action is read.
 _SOON = 1e-3
-_NONE = freeze(np.empty(0))
 # Share of the largest value within which two values are the same but for round-off.
 _SAME = 1e-12
 # A ratio of a geometric series stays; that of m = 1 rises by a factor of 1 + 2/[k (k-2)] from one revolution to the next. Half-way
@@ -117,14 +116,15 @@ class PathRun:
     """What a load path left behind; the first of `states` is the unloaded one.
 
     A path of straight legs with more than `MOST_INSTANTS` increments is thinned while it is followed. The dropped states are left
-    without pressure, shear and gap, whose arrays are empty, and their energies with the sum of the dissipation in place of that of
-    each node. Between the rows every second, fourth, ... state stays; of the rows too, where these alone are too many.
+    without pressure, shear and gap. Between the rows every second, fourth, ... state stays; of the rows too, where these alone are
+    too many.
 
     Attributes
     ----------
     states : (n_steps + 1)
     bounded : whether states may be dropped
-    energies, iterations, checks : (n_steps), of each increment
+    blocks : energies (but for those of each node) and checks by name, (k,) of the k increments of each stretch
+    iterations : (n_steps), of each increment
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
@@ -136,9 +136,8 @@ class PathRun:
 
     states: list[InterfaceState]
     bounded: bool = False
-    energies: list[IncrementEnergy] = field(default_factory=list)
+    blocks: list[dict[str, Array]] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
-    checks: list[dict[str, float]] = field(default_factory=list)
     density: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
     cycle_density: list[Array] = field(default_factory=list)
@@ -151,6 +150,10 @@ class PathRun:
     _whole: int = 1
     _stride: int = 1
     _corner_stride: int = 1
+
+    def column(self, name: str) -> Array:
+        """(n_steps,) one energy or check of all increments."""
+        return np.concatenate([block[name] for block in self.blocks]) if self.blocks else np.zeros(0)
 
     @property
     def trend(self) -> Trend:
@@ -172,27 +175,44 @@ class PathRun:
     @property
     def kept(self) -> NDArray[np.int64]:
         """Indices of the states that are whole, the first and the last among them."""
-        return np.flatnonzero([len(state.pressure) > 0 for state in self.states])
+        return np.flatnonzero([state.whole for state in self.states])
 
-    def corner(self) -> None:
-        """The last state is the end of a stretch: a turning point, a vertex of a polygon, a row of a record."""
-        self._corners[len(self.states) - 1] = len(self._corners)
-
-    def thin(self) -> None:
-        """Drop the state before the last, or others, where too many are whole; the last is the history of the next increment."""
-        before = len(self.states) - 2
-        if self.states[before].normal_load > self.states[self._largest].normal_load:
-            self._largest = before
-        if not self.bounded or self._drop(before):
+    def take(self, problem: ContactProblem, increments: Sequence[Increment], leg: LoadSegment, units: tuple[float, ...]) -> None:
+        """Add the increments of a stretch with their energies and checks; all of them or, where Ctrl-C comes in between, none."""
+        if not increments:
             return
-        self._whole += 1
-        while self._whole > MOST_INSTANTS and max(self._stride, self._corner_stride) < len(self.states):
-            # Three quarters of the room are for the ends of the stretches.
-            if 4 * len(self._corners) > 3 * MOST_INSTANTS * self._corner_stride:
-                self._corner_stride *= 2
-            else:
-                self._stride *= 2
-            self._whole -= sum(self._drop(int(index)) for index in self.kept[:-1])
+        states = [self.states[-1], *(one.state for one in increments)]
+        area = enclosed(leg, np.array([state.time for state in states]))
+        if area is not None:
+            area = area / np.multiply.outer(units[: len(area)], units[: len(area)])[:, :, None]
+        energies = vars(increment_energies(problem, states, [one.solved for one in increments], area)).copy()
+        nodes = energies.pop("dissipation")
+        block = certificates(problem, states) | energies | {"dissipation": nodes.sum(axis=1)}
+        vars(self).update(
+            states=self.states + states[1:],
+            blocks=[*self.blocks, block],
+            iterations=self.iterations + [one.iterations for one in increments],
+            density=self.density + nodes.sum(axis=0),
+        )
+        if self.bounded:
+            self._thin(len(self.states) - len(states))
+
+    def _thin(self, before: int) -> None:
+        """Drop states since that one, or others, where too many are whole; the last is the history of the next increment."""
+        self._corners[len(self.states) - 1] = len(self._corners)  # a turning point, a vertex of a polygon, a row of a record
+        for index in range(before, len(self.states) - 1):
+            if self.states[index].normal_load > self.states[self._largest].normal_load:
+                self._largest = index
+            if self._drop(index):
+                continue
+            self._whole += 1
+            while self._whole > MOST_INSTANTS and max(self._stride, self._corner_stride) < len(self.states):
+                # Three quarters of the room are for the ends of the stretches.
+                if 4 * len(self._corners) > 3 * MOST_INSTANTS * self._corner_stride:
+                    self._corner_stride *= 2
+                else:
+                    self._stride *= 2
+                self._whole -= sum(self._drop(int(earlier)) for earlier in self.kept[:-1] if earlier <= index)
 
     def _drop(self, index: int) -> bool:
         """Whether this state is not to be kept; if so, it is whole no more. The largest P and the ends of the last cycle stay."""
@@ -201,9 +221,8 @@ class PathRun:
         number = self._corners.get(index)
         if (index % self._stride if number is None else number % self._corner_stride) == 0:
             return False
-        self.states[index] = replace(self.states[index], pressure=_NONE, shear=_NONE, gap=_NONE)
-        energy = self.energies[index - 1]
-        self.energies[index - 1] = replace(energy, dissipation=energy.dissipation.sum(keepdims=True))
+        state = self.states[index]
+        self.states[index] = replace(state, values=freeze(state.values[: 3 + len(state.state)]))
         return True
 
 
@@ -260,7 +279,7 @@ def run_path(
             return run
         for number in range(cycles):
             before = run.states[-1]
-            run.cycle_starts.append(len(run.energies))
+            run.cycle_starts.append(len(run.iterations))
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
             run.cycle_density.append(run.density)
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
@@ -272,8 +291,7 @@ def run_path(
     except ConvergenceError as failure:
         run.failure = failure
     except KeyboardInterrupt:
-        _drop_unfinished(run)
-        run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.energies)} steps")
+        run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.iterations)} steps")
     return run
 
 
@@ -285,19 +303,12 @@ def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceSt
     return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
 
 
-def _drop_unfinished(run: PathRun) -> None:
-    """Leave only steps of which everything is there: an interrupt falls between any two instructions."""
-    whole = min(len(run.energies), len(run.iterations), len(run.checks), len(run.states) - 1)
-    del run.energies[whole:], run.iterations[whole:], run.checks[whole:], run.states[whole + 1 :]
-    run.cycle_starts[:] = [start for start in run.cycle_starts if start <= whole]
-
-
 def _follow_legs(
     problem: ContactProblem, run: PathRun, legs: tuple[LoadSegment, ...], steps: float, pace: Pace, progress: Progress, text: str
 ) -> None:
     longest = max(leg.end - leg.start for leg in legs)
     pieces = [piece for leg in legs for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)]
-    duration = legs[-1].end - legs[0].start
+    duration, units = legs[-1].end - legs[0].start, pace.units(problem.moment_given)
     run.density = np.zeros_like(problem.height)
     # What the tolerance refers to: the dissipation of the revolution before, or the one expected, or a share of f^2 P^2/E*.
     unit = max(problem.friction**2, 1e-300)
@@ -310,18 +321,15 @@ def _follow_legs(
         return pace.step_tolerance * reference * time / duration
 
     def said() -> str:
-        return f"{text}, {len(run.energies)} steps, {problem.work['contact iterations']} contact iterations"
+        return f"{text}, {len(run.iterations)} steps, {problem.work['contact iterations']} contact iterations"
 
     for done, piece in enumerate(pieces):
         progress(done, len(pieces), said())
-        for increment in follow(problem, run.states[-1], piece, pace.units(problem.moment_given), allowed):
-            run.checks.append(certificates(problem, run.states[-1], increment.solved))
-            run.energies.append(increment.energy)
-            run.iterations.append(increment.iterations)
-            run.states.append(increment.state)
-            run.density = run.density + increment.energy.dissipation
-            run.thin()
-        run.corner()
+        found: list[Increment] = []
+        try:
+            found += follow(problem, run.states[-1], piece, units, allowed)
+        finally:
+            run.take(problem, found, piece.leg, units)
     progress(len(pieces), len(pieces), said())
 
 

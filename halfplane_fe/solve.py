@@ -336,7 +336,7 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
     if not needs_shear(scene):
         return 0.0
     first = run.cycle_starts[-1] if run.cycle_starts else 0
-    steps = sum(energy.step_error for energy in run.energies[first:])
+    steps = float(run.column("step_error")[first:].sum())
     element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.dissipation * scales.modulus / scales.load**2
@@ -414,7 +414,7 @@ def _work(
         "condensations": problem.work["condensations"],
         "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
         "contact nodes": len(condensed[0].x),
-        "steps solved": len(run.energies),
+        "steps solved": len(run.iterations),
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
@@ -428,7 +428,7 @@ def _work(
     if _on_half(scene, problem.interface):
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
-        skipped["tangential problem"] = (len(run.energies), "no shear can arise")
+        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[_CURED]:
         skipped["the mesh's part of N - T"] = (
             1,
@@ -437,7 +437,7 @@ def _work(
             else "an end of a face or a base is within ten nodes: W is of first order in the element",
         )
     if problem.tangential and not problem.work["slip iterations"]:
-        skipped["slip iterations"] = (len(run.energies), "no node left stick")
+        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
         skipped["revolutions"] = (scene.cycles - run.steady_from - 1, "the revolution before ended as it started")
     if dropped := len(run.states) - len(run.kept):

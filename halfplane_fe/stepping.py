@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
-from halfplane_fe.energy import IncrementEnergy, increment_energy
-from halfplane_fe.path import Stretch, enclosed, scaled_loads
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
+from halfplane_fe.energy import step_errors
+from halfplane_fe.path import Stretch, scaled_loads
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 
 Array = NDArray[np.float64]
@@ -36,24 +36,29 @@ _JUMPY = (
     "contact: the interface jumped from one solution to another in {count} increments, the last at time {time:.6g}, however short "
     "they are; mesh the softer body as finely as the other one (upper_ratio)"
 )
+# Secants before an event is bracketed instead.
+_MOST_SECANTS = 8
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
 _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
 
 @dataclass(frozen=True, eq=False)
 class Increment:
-    """One accepted increment: the state that was solved, the state it leaves behind as history, and how it was found.
-
-    The two states differ at events only: there a node that touches or lets go has changed sides at the very end.
+    """One accepted increment: the state that it leaves behind as history, and how it was found.
 
     Attributes
     ----------
-    event : what the increment ends with, "regular", "touch" or "release"
+    state : at its end
+    solved : (n,) states of the nodes that were solved for. They differ from those of `state` at events only: there a node that
+        touches or lets go has changed sides at the very end
+    step_error : see `energy.step_errors`
+    iterations : of the active set
+    event : what the increment ends with
     """
 
-    solved: InterfaceState
     state: InterfaceState
-    energy: IncrementEnergy
+    solved: NDArray[np.int8]
+    step_error: float
     iterations: int
     event: Event
 
@@ -83,8 +88,7 @@ def follow(
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
-            duration = attempt.solved.time - history.time
-            error = attempt.energy.step_error
+            duration, error = attempt.state.time - history.time, attempt.step_error
             if error > allowed(duration):
                 if refused[0] == history.time and error > _JUMP * refused[1]:
                     jumps = True
@@ -117,55 +121,69 @@ def _attempt(
     def loads_at(time: float) -> tuple[float, ...]:
         return scaled_loads(stretch.leg, time, units)
 
-    regular = stretch.ends[0] - stretch.start
     event, time = next_event(problem, history, loads_at, end)
     try:
         solved, iterations = problem.equilibrium(history, time, loads_at(time))
     except ConvergenceError:
-        if time - history.time < _SHORTEST * regular:
+        if time - history.time < _SHORTEST * (stretch.ends[0] - stretch.start):
             raise
         problem.work["increments halved, not converged"] += 1
         return time
-    solved = up_to_event(history, solved)
-    area = enclosed(stretch.leg, history.time, time)
-    if area is not None:
-        area /= np.multiply.outer(units[: len(area)], units[: len(area)])
-    energy = increment_energy(problem, history, solved, area)
-    return Increment(solved, landed(solved, event), energy, iterations, event)
+    states = up_to_event(history, solved)
+    error = 0.0
+    if not np.array_equal(states, history.state):
+        slip, pressure, _, _ = nodal(solved.values - history.values)
+        error = float(step_errors(problem.friction, pressure, slip, history.state, states))
+    return Increment(landed(replace(solved, state=states), event), states, error, iterations, event)
 
 
 def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
     held = problem.holding(history, end, loads_at(end))
-    fractions: dict[Event, tuple[float, int]] = {
-        "touch": _first_crossing(history.gap, held.gap, ~history.closed),
-        "release": _first_crossing(history.pressure, held.pressure, history.closed),
-    }
-    event = min(fractions, key=lambda name: fractions[name][0])
-    share, node = fractions[event]
+    touch = _first_crossing(history.gap, held.gap, ~history.closed)
+    release = _first_crossing(history.pressure, held.pressure, history.closed)
+    event: Event = "touch" if touch <= release else "release"
+    share, node = min(touch, release)
     if share >= 1.0:
         return "regular", end
     if len(history.loads) == 2:
-        start_load, end_load = loads_at(history.time)[0], loads_at(end)[0]
-        wanted = start_load + share * (end_load - start_load)
+        wanted = history.loads[0] + share * (held.loads[0] - history.loads[0])
+        if not min(history.loads[0], held.loads[0]) < wanted < max(history.loads[0], held.loads[0]):
+            return "regular", end
 
         def left(time: float) -> float:
             return loads_at(time)[0] - wanted
 
-        if not min(start_load, end_load) < wanted < max(start_load, end_load):
-            return "regular", end
     else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
-        name, moving = ("gap" if event == "touch" else "pressure"), np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
-        before, rates = float(getattr(history, name)[node]), problem.rates(history.state, len(history.loads), moving)
-        by_load = [float(getattr(rates[number], name)[node]) for number in moving]
+        moving = np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
+        rates, part = problem.rates(history.state, len(history.loads), moving), 3 if event == "touch" else 1
+        by_load = [float(nodal(rates[number])[part, node]) for number in moving]
+        before = float(nodal(history.values)[part, node])
 
         def left(time: float) -> float:
             return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
 
-    time = float(brentq(left, history.time, end, xtol=1e-15, rtol=8.9e-16))
-    if not history.time < time < end:
-        return "regular", end
-    return event, time
+    time = _zero(left, history.time, end, share)
+    return (event, time) if history.time < time < end else ("regular", end)
+
+
+def _zero(function: Callable[[float], float], low: float, high: float, share: float) -> float:
+    """Where a function that is next to linear is zero, near that share of the way; by secants, and bracketed where they miss."""
+    before, time = low, low + share * (high - low)
+    value_before, value = function(low), function(time)
+    for _ in range(_MOST_SECANTS):
+        if value in (0.0, value_before):
+            return time
+        step = -value * (time - before) / (value - value_before)
+        if abs(step) <= 4e-16 * abs(time):
+            return time
+        before, value_before, time = time, value, time + step
+        if not low <= time <= high:
+            break
+        value = function(time)
+    if not function(low) * function(high) < 0:
+        return high
+    return float(brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 
 
 def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tuple[float, int]:
@@ -178,17 +196,18 @@ def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tu
     return float(shares[first]), int(falling[first])
 
 
-def up_to_event(history: InterfaceState, solved: InterfaceState) -> InterfaceState:
-    """`solved` with nodes that are at their event on the side where they have been: there, within rounding, the law takes either.
+def up_to_event(history: InterfaceState, solved: InterfaceState) -> NDArray[np.int8]:
+    """(n,) solved states, nodes that are at their event on the side where they have been: within rounding the law takes either.
 
     A node that let go in its increment has slid for all of it, and one labelled open would lose the friction work.
     """
+    changed = _marginal(solved) & (solved.closed != history.closed)
+    if not changed.any():
+        return solved.state
     slip = solved.slip - history.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
-    changed = _marginal(solved) & (solved.closed != history.closed)
-    states = np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state)
-    return replace(solved, state=freeze(states, np.int8))
+    return freeze(np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state), np.int8)
 
 
 def _marginal(state: InterfaceState) -> NDArray[np.bool_]:

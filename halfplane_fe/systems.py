@@ -1,4 +1,33 @@
-"""Linear systems of the active set: forces that meet the equalities of given node states, factors kept and counted."""
+"""Linear systems of the active set: forces that meet the equalities of given node states, for many sets from few factors.
+
+Like bodies (`NestedFactor`): solutions of M_AA f = b for many sets A of nodes from one Cholesky factor of M.
+
+With the nodes ordered from the middle of the contact outwards, M = L L^T, the factor of the first k of them is the leading block of
+L: every contact and every stick zone that is symmetric about the middle needs no factorisation of its own. Any other set is such a
+prefix P with a few nodes D too many and a few nodes E too few. With a reaction r on D that makes f vanish there,
+
+    M_PP f_P + M_PE f_E = b_P + I_D r,    M_EP f_P + M_EE f_E = b_E,    f_D = 0,
+
+which is m = |D| + |E| columns of triangular solves, C = [I_D, -M_PE], and one m by m system:
+
+    (C^T M_PP^-1 C - diag(0, M_EE)) (r, f_E) = -C^T M_PP^-1 b_P - (0, b_E).
+
+Unlike bodies (`CoupledFactor`): normal and tangential problem in one system, for many sets of node states.
+
+Unknowns z = (p, q, delta, U); each node has two rows, by its state:
+
+    open    p = 0,             q = 0
+    stick   gap = 0,           slip = known
+    slip    gap = 0,           q - (+-f) p = 0
+
+and two rows for the loads; U = 0 is the second where Q is zero by symmetry. A state of a node is a choice of rows, so that the
+matrix A of a set differs from that of a base set, A_0, in a few rows R alone (Sherman-Morrison-Woodbury). With E the unit columns
+of those rows and R_1 the rows as the set has them,
+
+    z = A_0^-1 (b - E E^T b) + A_0^-1 E y,    (R_1 A_0^-1 E) y = b_R - R_1 A_0^-1 (b - E E^T b),
+
+which is a column A_0^-1 e of the base for each changed row, kept with it, and one small system.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +37,38 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cholesky
+from scipy.linalg.lapack import dgetrf, dgetrs, dtrtrs
 
-from halfplane_fe.active_subsets import CoupledFactor, NestedFactor, SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
-from scenes import STICK
+from scenes import OPEN, STICK, ConvergenceError
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 States = NDArray[np.int8]
+Factors = tuple[Array, NDArray[np.int32]]
+
+# Bytes of what sets add to the factors, and of factors of coupled systems: a cycle meets the same sets again and again.
+_PREFIX_BYTES, _COUPLED_BYTES = 100_000_000, 300_000_000
+# Rows in which a set may differ from its base: beyond that the set becomes a base itself.
+_MOST_ROWS = 48
+
+
+class SingularSet(ArithmeticError):
+    """A set of node states that leaves the bodies free to move: no answer, try another set."""
+
+
+def _lu(matrix: Array) -> Factors:
+    factors, pivots, info = dgetrf(matrix)
+    if info > 0:
+        raise SingularSet(f"pivot {info} is zero")
+    return factors, pivots
+
+
+def _lu_solve(factors: Factors, right: Array) -> Array:
+    return np.asarray(dgetrs(*factors, right)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,58 +82,360 @@ class Layer:
     tangential: Array
 
 
-class Forces(NamedTuple):
-    """Nodal forces (n,) and rigid displacements that go with them."""
+# ------------------------------------------------------------------------------------------------------------- like bodies
+@dataclass(eq=False)
+class _Correction:
+    """From a prefix of `size` nodes to a set: C, M_PP^-1 C and the factors of the m by m system, None where m is 0.
 
-    pressure: Array
-    shear: Array
-    approach: float
-    shift: float
+    `dropped` (in the prefix) and `added` (beyond it) are places in the order of elimination; `latest` is a right-hand side with its
+    solution, `by_border` that of the border.
+    """
+
+    size: int
+    dropped: Indices
+    added: Indices
+    columns: Array
+    solved: Array
+    factors: Factors | None
+    by_border: Array | None = None
+    latest: tuple[Array, Array] | None = None
+
+
+class NestedFactor:
+    """One Cholesky factor of a symmetric positive definite matrix, serving any subset of its rows.
+
+    Parameters
+    ----------
+    matrix : (n, n)
+    x : (n,) places of the nodes, contact and stick zone lying about 0
+    border : (n,) a right-hand side that every set is solved for
+    work : counts "factorisations" (of n^3) and "factor updates" (of m n^2)
+
+    Raises
+    ------
+    ConvergenceError
+        If the matrix is not positive definite.
+
+    >>> factor = NestedFactor(np.array([[2.0, 1.0], [1.0, 4.0]]), np.array([0.0, 1.0]), np.ones(2), Counter())
+    >>> factor.solve(np.array([False, True]), np.array([8.0]))
+    array([2.])
+    """
+
+    def __init__(self, matrix: Array, x: Array, border: Array, work: Counter[str]) -> None:
+        self._order = np.argsort(np.abs(x), kind="stable")
+        self._matrix, self._border, self._work = matrix, border, work
+        try:
+            lower = cholesky(matrix[np.ix_(self._order, self._order)], lower=True, check_finite=False)
+        except LinAlgError as reason:
+            raise ConvergenceError(f"contact: the compliance of the contact nodes is not positive definite: {reason}") from reason
+        self._lower = np.asfortranarray(lower)  # so that its leading columns go to LAPACK without a copy
+        self._work["factorisations"] += 1
+        self._kept: dict[bytes, _Correction] = {}
+        self._bytes = 0
+
+    def solve(self, active: Mask, known: Array) -> Array:
+        """f (n_active,) with M_AA f = known, rows by ascending node number; that of the latest `known` of a set is kept.
+
+        The initial gap comes again with every load on a set of closed nodes.
+        """
+        return self._known(self._correction(active), active, known)
+
+    def bordered(self, active: Mask, known: Array, total: float) -> tuple[Array, float]:
+        """f (n_active,) and d with M_AA f - b d = known and b f = total, b the border."""
+        correction, border = self._correction(active), self._border[active]
+        if correction.by_border is None:
+            correction.by_border = self._solve(correction, np.where(active, self._border, 0.0))[active]
+        by_border = correction.by_border
+        if not known.any():
+            displacement = total / float(border @ by_border)
+            return displacement * by_border, displacement
+        by_known = self._known(correction, active, known)
+        displacement = (total - float(border @ by_known)) / float(border @ by_border)
+        return by_known + displacement * by_border, displacement
+
+    def _known(self, correction: _Correction, active: Mask, known: Array) -> Array:
+        if correction.latest is None or not np.array_equal(correction.latest[0], known):
+            right = np.zeros(len(active))
+            right[active] = known
+            correction.latest = known, self._solve(correction, right)[active]
+        return correction.latest[1]
+
+    def _solve(self, correction: _Correction, right: Array) -> Array:
+        """The solution (n,) of a right-hand side (n,) that is zero off the set, as it is itself."""
+        self._work["linear solves"] += 1
+        right, found = right[self._order], np.zeros_like(right)
+        base = self._prefix_solve(right[: correction.size])
+        if correction.factors is not None:
+            lacking = -(correction.columns.T @ base)
+            lacking[len(correction.dropped) :] -= right[correction.added]
+            extra = _lu_solve(correction.factors, lacking)
+            base += correction.solved @ extra
+            base[correction.dropped] = 0.0
+            found[self._order[correction.added]] = extra[len(correction.dropped) :]
+        found[self._order[: correction.size]] = base
+        return found
+
+    def _prefix_solve(self, right: Array) -> Array:
+        """M_PP^-1 right, P the first len(right) nodes of the order."""
+        if not right.size:
+            return right
+        columns = self._lower[:, : len(right)]
+        return np.asarray(dtrtrs(columns, dtrtrs(columns, right, lower=1)[0], lower=1, trans=1)[0])
+
+    def _correction(self, active: Mask) -> _Correction:
+        """That of the prefix which differs least from the set."""
+        key = active.tobytes()
+        if (known := self._kept.get(key)) is not None:
+            return known
+        wanted = active[self._order]
+        differing = np.concatenate([[0], np.cumsum(~wanted)]) + np.concatenate([np.cumsum(wanted[::-1])[::-1], [0]])
+        size = int(np.argmin(differing))
+        dropped, added = np.flatnonzero(~wanted[:size]), size + np.flatnonzero(wanted[size:])
+        columns, factors = np.zeros((size, len(dropped) + len(added)), order="F"), None
+        columns[dropped, np.arange(len(dropped))] = 1.0
+        columns[:, len(dropped) :] = -self._matrix[np.ix_(self._order[:size], self._order[added])]
+        solved = self._prefix_solve(columns)
+        if columns.shape[1]:
+            self._work["factor updates"] += 1
+            small = columns.T @ solved
+            small[len(dropped) :, len(dropped) :] -= self._matrix[np.ix_(self._order[added], self._order[added])]
+            factors = _lu(small)
+        if self._bytes > _PREFIX_BYTES:
+            self._kept.clear()
+            self._bytes = 0
+        self._bytes += 2 * columns.nbytes + 32 * len(active)
+        self._kept[key] = _Correction(size, dropped, added, columns, solved, factors)
+        return self._kept[key]
+
+
+# ----------------------------------------------------------------------------------------------------------- unlike bodies
+class Rows(NamedTuple):
+    """What the rows of a set of states are: which nodes are closed, which stick, and q over p of the others."""
+
+    closed: Mask
+    stick: Mask
+    traction: Array
+
+
+class _Change(NamedTuple):
+    """From a base to a set: the changed rows, A_0^-1 E and the factors of the small system, None where nothing changes."""
+
+    rows: Indices
+    columns: Array
+    factors: Factors | None
 
 
 @dataclass(eq=False)
+class _Base:
+    """A set with factors of its own; A_0^-1 e of rows, (2 n + 2,), and the sets that were reached from it."""
+
+    kinds: NDArray[np.int8]  # (2 n,) of its rows
+    rows: Rows
+    factors: Factors
+    nbytes: int
+    columns: dict[int, Array] = field(default_factory=dict)
+    changes: dict[bytes, _Change] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class CoupledFactor:
+    """Solves the coupled system of any set of states.
+
+    Attributes
+    ----------
+    interface : normals and coupling
+    normal, tangential : (n, n) compliance of interface and layer
+    friction : coefficient f
+    work : counts "linear solves", "factorisations" (of n^3) and "factor updates" (of m n^2)
+    """
+
+    interface: Interface
+    normal: Array
+    tangential: Array
+    coupling: Array
+    friction: float
+    work: Counter[str]
+
+    def __post_init__(self) -> None:
+        self._bases: list[_Base] = []  # what was used last comes last
+
+    def solve(self, states: States, gap: Array, slip: Array, loads: tuple[float, float]) -> tuple[Array, Array, float, float]:
+        """p, q, approach and shift with the given gap at closed nodes and the given slip at sticking ones, each (n,).
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        self.work["linear solves"] += 1
+        rows = Rows(states != OPEN, states == STICK, np.asarray(slip_sign(states) * self.friction))
+        base, change = self._reached(states, rows)
+        right = np.concatenate([np.where(rows.closed, gap, 0.0), np.where(rows.stick, slip, 0.0), loads])
+        wanted = right[change.rows]
+        right[change.rows] = 0.0
+        found = self._solve(base, right[:, None])[:, 0]
+        if change.factors is not None:
+            lacking = wanted - self._values(rows, change.rows, found[:, None])[:, 0]
+            found += change.columns @ _lu_solve(change.factors, lacking)
+        n = len(states)
+        pressure = np.where(rows.closed, found[:n], 0.0)
+        shear = np.where(rows.stick, found[n : 2 * n], rows.traction * pressure)
+        return pressure, shear, float(found[-2]), float(found[-1])
+
+    def _reached(self, states: States, rows: Rows) -> tuple[_Base, _Change]:
+        """A base and how to get from it to a set: kept, from the base nearest to it, or by making it a base."""
+        key = states.tobytes()
+        for number, base in enumerate(self._bases):
+            if (known := base.changes.get(key)) is not None:
+                self._bases.append(self._bases.pop(number))
+                return base, known
+        if not rows.stick.any():  # not left to the factors: an update of a base makes a pivot of rounding from one that is zero
+            raise SingularSet("no node sticks: the bodies slide on each other")
+        kinds = np.concatenate([rows.closed, states], dtype=np.int8, casting="unsafe")
+        apart = [np.flatnonzero(base.kinds != kinds) for base in self._bases]
+        near = min(range(len(apart)), key=lambda number: len(apart[number]), default=-1)
+        if near >= 0 and len(apart[near]) <= _MOST_ROWS:
+            base, changed = self._bases.pop(near), apart[near]
+        else:
+            own = _lu(self._matrix(rows))
+            base, changed = _Base(kinds, rows, own, own[0].nbytes), np.empty(0, dtype=np.int64)
+            self.work["factorisations"] += 1
+        self._bases.append(base)
+        columns, factors = np.empty((len(kinds) + 2, 0)), None
+        if len(changed):
+            self.work["factor updates"] += 1
+            missing = [row for row in changed.tolist() if row not in base.columns]
+            units = np.zeros((len(kinds) + 2, len(missing)))
+            units[missing, np.arange(len(missing))] = 1.0
+            base.columns.update(zip(missing, self._solve(base, units).T, strict=True))
+            columns = np.stack([base.columns[row] for row in changed.tolist()], axis=1)
+            factors = _lu(self._values(rows, changed, columns))
+            base.nbytes += units.nbytes + columns.nbytes
+        if base.nbytes > _COUPLED_BYTES:
+            base.changes.clear()
+            base.nbytes = base.factors[0].nbytes + columns.nbytes + sum(column.nbytes for column in base.columns.values())
+        base.changes[key] = change = _Change(changed, columns, factors)
+        while len(self._bases) > 1 and sum(one.nbytes for one in self._bases) > _COUPLED_BYTES:
+            self._bases.pop(0)
+        return base, change
+
+    def _matrix(self, rows: Rows) -> Array:
+        """Rows: gap of closed nodes, slip of sticking ones, the two loads; columns: p, q of the same, approach, shift."""
+        closed, stick, traction = rows
+        n_x, n_y = self.interface.normals
+        by_pressure = self.normal - self.coupling.T * traction  # gap by p, sliding nodes taking their q along
+        slip_by_pressure = self.coupling - self.tangential * traction
+        n, m = int(closed.sum()), int(stick.sum())
+        matrix = np.zeros((n + m + 2, n + m + 2), order="F")
+        matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
+        matrix[:n, n : n + m] = -self.coupling.T[np.ix_(closed, stick)]
+        matrix[:n, n + m], matrix[:n, n + m + 1] = -n_y[closed], n_x[closed]
+        matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
+        matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
+        matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
+        matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
+        if self.interface.guided:
+            matrix[n + m + 1, n + m + 1] = 1.0
+        else:
+            matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
+        return matrix
+
+    def _solve(self, base: _Base, right: Array) -> Array:
+        """A_0^-1 right, both (2 n + 2, k)."""
+        closed, stick, traction = base.rows
+        n, traction = len(closed), traction[:, None]
+        pressure, shear = np.where(closed[:, None], 0.0, right[:n]), np.where(stick[:, None], 0.0, right[n : 2 * n])
+        i, j = (np.flatnonzero(known.any(axis=1)) for known in (pressure, shear))  # few, or none
+        gap, slip, loads = right[:n].copy(), right[n : 2 * n].copy(), right[2 * n :].copy()
+        n_x, n_y = self.interface.normals
+        if len(i):
+            gap -= self.normal[:, i] @ pressure[i]
+            slip -= self.coupling[:, i] @ pressure[i]
+            loads -= np.stack([n_y[i] @ pressure[i], 0 * right[0] if self.interface.guided else -n_x[i] @ pressure[i]])
+        if len(j):
+            gap += self.coupling[j].T @ shear[j]
+            slip += self.tangential[:, j] @ shear[j]
+            loads -= np.stack([n_x[j] @ shear[j], 0 * right[0] if self.interface.guided else n_y[j] @ shear[j]])
+        found = _lu_solve(base.factors, np.vstack([gap[closed], slip[stick], loads]))
+        n_closed = int(closed.sum())
+        pressure[closed] = found[:n_closed]
+        shear[stick] = found[n_closed:-2]
+        return np.vstack([pressure, shear + traction * pressure, found[-2:]])
+
+    def _values(self, rows: Rows, changed: Indices, found: Array) -> Array:
+        """The changed rows of a set times `found` (2 n + 2, k)."""
+        n = len(rows.closed)
+        pressure, shear, rigid = found[:n], found[n : 2 * n], found[2 * n :]
+        n_x, n_y = self.interface.normals
+        i, j = changed[changed < n], changed[changed >= n] - n
+        gap = self.normal[i] @ pressure - self.coupling.T[i] @ shear + np.stack([-n_y[i], n_x[i]], axis=1) @ rigid
+        slip = self.coupling[j] @ pressure - self.tangential[j] @ shear + np.stack([n_x[j], n_y[j]], axis=1) @ rigid
+        normal = np.where(rows.closed[i, None], gap, pressure[i])
+        tangential = np.where(rows.stick[j, None], slip, shear[j] - rows.traction[j, None] * pressure[j])
+        return np.vstack([normal, tangential])
+
+
+# ----------------------------------------------------------------------------------------------------------- all equations
+@dataclass(eq=False)
 class Systems:
-    """Compliance of interface and layer, with the factors that serve every set of nodes."""
+    """Compliance of interface and layer, with the factors that serve every set of nodes.
+
+    `tangential_too` is False where there can be no shear: that half is then skipped.
+    """
 
     interface: Interface
     layer: Layer
     friction: float
     work: Counter[str] = field(default_factory=Counter)
+    tangential_too: bool = True
 
     def __post_init__(self) -> None:
         self.normal = self.interface.normal + np.diag(self.layer.normal)
         self.tangential = self.interface.tangential + np.diag(self.layer.tangential)
         self._nests: dict[str, NestedFactor] = {}
-        coupling, parts = self.interface.coupling, (self.interface, self.normal, self.tangential)
-        self._coupled = None if coupling is None else CoupledFactor(*parts, coupling, self.friction, self.work)
+        self._coupled = None
+        if self.tangential_too and self.interface.coupling is not None:
+            parts = self.interface, self.normal, self.tangential, self.interface.coupling
+            self._coupled = CoupledFactor(*parts, self.friction, self.work)
 
-    def gap(self, height: Array, forces: Forces) -> Array:
-        """Gap of the law, h - n_y delta + n_x U + N p - K^T q."""
-        gap = height + self.interface.moved(forces.approach, forces.shift)[0] + self.normal @ forces.pressure
-        return gap if self.interface.coupling is None else gap - self.interface.coupling.T @ forces.shear
+    def values(self, states: States, height: Array, slip: Array, loads: tuple[float, float]) -> Array:
+        """(3 + 4 n,) values of an InterfaceState of given states over an initial gap, sticking nodes at a known slip.
 
-    def slip(self, forces: Forces) -> Array:
-        """Slip of the law, n_y U + n_x delta + K p - T q."""
-        slip = self.interface.moved(forces.approach, forces.shift)[1] - self.tangential @ forces.shear
-        return slip if self.interface.coupling is None else slip + self.interface.coupling @ forces.pressure
+        Gap and slip are those of the law, h - n_y delta + n_x U + N p - K^T q and n_y U + n_x delta + K p - T q; no tilt.
+        """
+        if self._coupled is not None:
+            pressure, shear, approach, shift = self._coupled.solve(states, -height, slip, loads)
+        else:
+            pressure, approach = self.pressure_alone(states != OPEN, height, loads[0])
+            shear, shift = np.zeros_like(pressure), 0.0
+            if self.tangential_too:
+                shear, shift = self._shear_alone(states, pressure, slip, loads[1])
+        found = np.empty(3 + 4 * len(height))
+        found[:3] = approach, shift, 0.0
+        slips, found_pressure, found_shear, gaps = found[3:].reshape(4, -1)
+        found_pressure[:], found_shear[:] = pressure, shear
+        gaps[:], slips[:] = self.interface.moved(approach, shift)
+        gaps += height
+        if pressure.any():
+            gaps += self.normal @ pressure
+        if shear.any():
+            slips -= self.tangential @ shear
+        if (coupling := self.interface.coupling) is not None:
+            gaps -= coupling.T @ shear
+            slips += coupling @ pressure
+        return found
 
     def pressure_alone(self, closed: Mask, height: Array, load: float) -> tuple[Array, float]:
         """Pressure with n_y p = load, and approach, that close the given nodes over `height`, in which a known shift is."""
         return self._bordered("normal", closed, -height, load)
 
-    def shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
+    def _shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
         """Shear and shift of flat faces at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
-        sliding = slip_sign(states) * self.friction * pressure
-        stick = states == STICK
-        known = -known_slip - self.tangential @ sliding
-        held, shift = self._bordered("tangential", stick, known, load - float(sliding.sum()))
+        sliding, known = slip_sign(states) * self.friction * pressure, -known_slip
+        if sliding.any():
+            known = known - self.tangential @ sliding
+        held, shift = self._bordered("tangential", states == STICK, known, load - float(sliding.sum()))
         return held + sliding, shift
-
-    def both(self, states: States, height: Array, slip_before: Array, loads: tuple[float, float]) -> Forces:
-        """Normal and tangential problem of unlike bodies in one system: p of closed nodes, q of sticking ones, approach, shift."""
-        if self._coupled is None:
-            raise ValueError("like bodies have no coupled system")
-        return Forces(*self._coupled.solve(states, -height, slip_before, loads))
 
     def held(self, stick: Mask, known: Array) -> Array:
         """Shear (n_stick,) of the sticking nodes with T_SS q = known there."""
@@ -91,12 +445,8 @@ class Systems:
         """Forces f on the active nodes and rigid displacement d with matrix f - n_y d = known there, n_y f = total."""
         if not active.any():
             raise SingularSet(f"no node holds the {name} load")
-        nested, border = self._nested(name), self.interface.normals[1][active]
-        by_border = nested.by_border(active)
-        by_known = nested.solve(active, known[active]) if known[active].any() else np.zeros_like(by_border)
-        displacement = (total - float(border @ by_known)) / float(border @ by_border)
         forces = np.zeros(len(active))
-        forces[active] = by_known + displacement * by_border
+        forces[active], displacement = self._nested(name).bordered(active, known[active], total)
         return forces, displacement
 
     def _nested(self, name: str) -> NestedFactor:

@@ -16,6 +16,8 @@ Report = Callable[[int, int | None, str], None]
 
 # Without a terminal a line of progress every so many seconds: enough to see life in a log, not enough to fill it.
 _LINE_EVERY = 2.0
+# Seconds after which the first twentieth of a part is enough to foretell the rest.
+_FORETOLD = 60.0
 
 
 class TimeLeft:
@@ -36,7 +38,8 @@ class TimeLeft:
         if total is None or done < self._done or total != self._total or not done:
             self._begun = now
         self._done, self._total = done, total or 0
-        if not done or not total or now <= self._begun:
+        # The first steps of a part are no measure of the rest: for a work of one minute they foretold 23.
+        if not done or not total or now <= self._begun or (20 * done < total and now - self._begun < _FORETOLD):
             return ""
         left = (now - self._begun) / done * (total - done)
         return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"

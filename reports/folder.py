@@ -21,7 +21,7 @@ MANIFEST = "manifest.json"
 _PAGE = "report.html"
 # Files are moved in milliseconds: who has not done so after so many seconds is stopped.
 _PATIENCE = 60.0
-_RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 # The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
@@ -41,13 +41,15 @@ def default_folder(name: str) -> Path:
     return Path("out") / (re.sub(r"[^\w.-]+", "-", name).strip("-.") or "scene")
 
 
-def claim(out: str | Path) -> Path:
+def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
     """`out` as a path that results can be written to; it is not made yet. What killed runs left in it and beside it is removed.
+
+    `names` are files that will be written there.
 
     Raises
     ------
     InputError
-        Where it is a file, can't be made or written to, or holds a report that is not ours.
+        Where it is a file, can't be made or written to, or holds one of `names` that is not ours.
     """
     folder = Path(out)
     try:
@@ -55,12 +57,12 @@ def claim(out: str | Path) -> Path:
             raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
         for place in (folder, _above(folder)):
             remove_left_behind(place)
-        remove(*_staging(folder))
+        remove(_staging(folder))
         with (
             suppress(FileNotFoundError),
             _alone_in(folder, out),
         ):  # what is in a folder that is not there yet, others put there rightly
-            _refuse_foreign(folder, _RESULTS, out)
+            _refuse_foreign(folder, names, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     output_folder.set(folder)
@@ -95,12 +97,12 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     """
     folder, moving = claim(out), False
     try:
-        staging, held = _staging(folder)
+        staging = _staging(folder)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     results = staging / "results"
     with ExitStack() as at_the_end:
-        at_the_end.callback(remove, staging, held)
+        at_the_end.callback(remove, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
@@ -154,8 +156,8 @@ def _above(folder: Path) -> Path:
     return next(path for path in Path(os.path.abspath(folder)).parents if path.exists())
 
 
-def _staging(folder: Path) -> tuple[Path, int | None]:
-    """A new empty folder of the user alone, from which files can be moved to `folder`, and its lock; OSError if that can't be.
+def _staging(folder: Path) -> Path:
+    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if that can't be.
 
     Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """

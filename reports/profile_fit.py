@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
@@ -13,12 +14,12 @@ import semi_analytic
 from reports.checking import largest_contact
 from reports.units import minus, number, units
 from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, Scene, TimeSeriesLoad
-from scenes.fitting import resampled
-from scenes.measured import Fitted
+from scenes.fitting import less_smoothed, resampled
+from scenes.profiles import Fitted
 
 # Other measurements that the noise could have given. Twice their standard deviation is known to 7 %, and a normal spread lies
 # within it in 95 %.
-RESAMPLES = 100
+_RESAMPLES = 100
 # Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer record.
 _MARCHES, _MOST_ROWS = 30, 2_000
 # Standard deviations of a slope: chance alone gives so much in one case of 16,000. Share of the rows' own lean below which a shift
@@ -61,8 +62,11 @@ def fit_of(scene: Scene) -> Fitted | None:
     return getattr(scene.profile, "fitted", None)
 
 
-def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> FitUncertainty:
+def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) -> FitUncertainty:
     """W, a and p0 with their 95 % uncertainty: of what other noise on the fitted curve changes, 2 standard deviations and the mean.
+
+    In place of the mean, if it is more: the change by a tenth of the smoothing. The curve that gets the noise has lost already what
+    smoothing takes from the rows.
 
     Raises
     ------
@@ -74,12 +78,14 @@ def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> 
     marched = not isinstance(scene.load, EllipseLoad) or scene.load.has_bulk_or_tilt
     skipped = marched and isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS
     count = min(resamples, _MARCHES) if marched and not skipped else resamples
-    first, rows = _values(scene, marched, skipped), []
-    for keys in resampled(scene.profile, count, seed):
-        try:
-            rows.append(_values(scene.vary(profile={**keys, "fitted": None}), marched, skipped))
-        except InputError:  # a contact wider than the rows
-            continue
+
+    def others(keys: dict[str, Any] | None) -> NDArray[np.float64] | None:
+        with contextlib.suppress(InputError):  # a contact wider than the rows
+            return None if keys is None else _values(scene.vary(profile={**keys, "fitted": None}), marched, skipped)
+        return None
+
+    first, closer = _values(scene, marched, skipped), others(less_smoothed(scene.profile))
+    rows = [found for keys in resampled(scene.profile, count, seed) if (found := others(keys)) is not None]
     if len(rows) < max(2, count // 2):
         raise InputError(
             f"{scene.name}: of {count} other measurements with this noise only {len(rows)} can carry the load: measure a wider "
@@ -87,7 +93,8 @@ def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> 
         )
     changes = np.array(rows) - first
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is smoothed, has some.
-    spread = 2 * np.std(changes, axis=0) + np.abs(np.mean(changes, axis=0))
+    own = np.abs(np.mean(changes, axis=0))
+    spread = 2 * np.std(changes, axis=0) + (own if closer is None else np.maximum(own, np.abs(closer - first)))
     work, half, peak = (Spread(value, float(size)) for value, size in zip(first.tolist(), spread, strict=True))
     return FitUncertainty(None if skipped else work, half, peak, count, count - len(rows), seed)
 
@@ -185,7 +192,7 @@ def lean(scene: Scene) -> Spread | None:
     return Spread(slope, 2 * noise / float(np.sqrt(square)))
 
 
-def uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
+def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
     """The three values, with what makes them uncertain."""
     _, length, stress = units(scene)
 
@@ -214,7 +221,7 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
         found = fit_uncertainty(scene)
     except InputError as fault:
         return (*fit_in_words(scene, half_width), f"The uncertainty from the noise has no value: {fault}."), None
-    return (*fit_in_words(scene, half_width), uncertainty_in_words(scene, found)), found
+    return (*fit_in_words(scene, half_width), _uncertainty_in_words(scene, found)), found
 
 
 def content(scene: Scene) -> dict[str, Any] | None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -20,18 +21,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.charts.table import markdown_table
+from reports.charts.templating import template
 from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
+from reports.comparison import words
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
-from reports.comparison.words import (
-    CLAIM,
-    bodies_in_words,
-    idealisation,
-    question,
-    sentence,
-    tolerance_of,
-    unlike_materials,
-    value_of,
-)
 from reports.console import say
 from reports.staging import replace_text
 from reports.units import energy_unit, minus, units
@@ -41,11 +34,11 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison
 
 FOLDER = Path(__file__).with_name("published")
-TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
-ROLLER = TRUTHS.with_name("roller.json")
+_TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
+ROLLER = _TRUTHS.with_name("roller.json")
 # Largest difference from the frozen values before they count as stale, before the defaults of `difference`.
-STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
-EXACT = 1e-12  # tolerance of half-plane theory
+_STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
+_EXACT = 1e-12  # tolerance of half-plane theory
 
 
 @dataclass(frozen=True)
@@ -69,7 +62,7 @@ class External:
 # Rigid parabola on a bonded layer (no half-plane): tests/layer_truth.py, Fourier integrals; a is 1 mm by the choice of the load.
 # Tolerances: two elements of the contact edge (a/160), and what the library's Hertz scenes state for a peak.
 _BY_FOURIER = "Fourier integrals for a bonded layer (Johnson 1985, section 5.8)"
-LAYER = (
+_LAYER = (
     External("halfplane_fe.largest_half_width", "1.0", 0.0125, _BY_FOURIER),
     External("halfplane_fe.largest_pressure", "15.14298214", 2e-4, _BY_FOURIER),
 )
@@ -128,7 +121,7 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
     from reports.comparison.metrics import compliance
     from scenes import Hertz
 
-    truths = json.loads(TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
+    truths = json.loads(_TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
     known: list[tuple[str, str, str, str]] = []  # quantity, value, metric whose tolerance finite elements have, source
     if "reference" in truths:
         source = "half-plane theory in 30-digit arithmetic, an independent evaluation (benchmarks/regress.py)"
@@ -140,11 +133,11 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
         known.append(("largest_pressure", repr(2 * largest_load / (math.pi * half_width)), "peak_pressure", "Hertz: 2 P/(π a)"))
     for quantity, value, metric, source in known:
         if quantity != "largest_pressure":  # of theory it is that of its points, which may miss the peak
-            yield External(f"semi_analytic.{quantity}", value, EXACT, source)
+            yield External(f"semi_analytic.{quantity}", value, _EXACT, source)
         if scene.bodies.half_planes:
             yield External(f"halfplane_fe.{quantity}", value, float(scene.tolerances.limit(metric) or 0.0), source)
     if scene.name == "layer":
-        yield from LAYER
+        yield from _LAYER
     if scene.load.has_bulk_or_tilt:
         works = (one for one in scene.expected if one.quantity == "dissipation")
         yield from (External(_key(one), repr(one.value), one.tolerance, one.source) for one in works)
@@ -184,7 +177,7 @@ def stored_content(comparison: Comparison) -> dict[str, Any]:
 
 def frozen(name: str, stored: Mapping[str, Any]) -> Findings:
     """The frozen figures of a scene, for a comparison with those of now."""
-    return Findings(f"values.json: {name}", load_scene(name), stored["frozen"], {}, tolerances=STALE)
+    return Findings(f"values.json: {name}", load_scene(name), stored["frozen"], {}, tolerances=_STALE)
 
 
 def values() -> dict[str, Any]:
@@ -210,7 +203,6 @@ _QUANTITIES = {
     "moment": "moment of the pressure about x = 0",
     "lower_face_displacement": "displacement of the lower face's middle along y",
 }
-_HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")
 _ENGINES = ("semi_analytic", "halfplane_fe")
 
 
@@ -218,31 +210,21 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
     """The page of a scene."""
     scene = load_scene(name)
     found = metrics(scene, stored)
-    parts = [
-        f"# {scene.title or name}",
-        "<!-- written by `make publish`: edit the code, not this page -->",
-        sentence(scene.purpose) + (f" Source: {sentence(scene.source)}" if scene.source else ""),
-        question(scene),
-        " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)))),
-        f"**{_lead(scene, found, stored)}**",
-        f"![Tractions at the largest load and the loop of the last cycle, both engines]({name}.svg)",
-        f"Largest normal load {stored['largest_normal_load']:.6g}; left, where it acts; right, the last cycle. "
-        "Broad pale lines: half-plane theory, at the points of the finite elements; thin dark ones: finite elements.",
-        "## Finite elements against half-plane theory",
-        markdown_table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None])),
-        "<details><summary>Metrics without a tolerance</summary>",
-        markdown_table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None])]),
-        "</details>",
-        "## Against others: closed forms and published values",
-        markdown_table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
-        *_causes(scene, stored["frozen"]),
-        "## Our own frozen values",
-        "They say that nothing moved, not that it is right.",
-        markdown_table(("figure", *map(name_of, _ENGINES)), _frozen_rows(scene, stored["frozen"])),
-        f"`halfplane run {name}` makes the whole report. {CLAIM}",
-        "[All scenes](README.md)",
-    ]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    cells = [(m.label, words.value_of(m), m.unit, words.tolerance_of(m), m.verdict or "–") for m in found]
+    return _written(
+        scene=scene,
+        stored=stored,
+        found=found,
+        half_planes=are_half_planes(scene),
+        bodies=" ".join(filter(None, (of(scene) for of in (words.bodies_in_words, words.unlike_materials, words.idealisation)))),
+        heads=("metric", "discrepancy", "as a share", "tolerance", "accurate"),
+        judged=[row for row, m in zip(cells, found, strict=True) if m.tolerance is not None],
+        others=[row[:3] for row, m in zip(cells, found, strict=True) if m.tolerance is None],
+        external=_external_rows(scene, stored),
+        roller=_causes(scene, stored["frozen"]),
+        engines=[name_of(engine) for engine in _ENGINES],
+        frozen=_frozen_rows(scene, stored["frozen"]),
+    )
 
 
 def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
@@ -252,20 +234,16 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
         scene = load_scene(name)
         found = {metric.key: metric for metric in metrics(scene, stored)}
         met = [metric.accurate for metric in found.values() if metric.tolerance is not None and metric.accurate is not None]
-        cells = [f"{value_of(found[key])}" for key in ("peak_pressure", "shear", "dissipation")]
-        bodies = "half-planes" if scene.bodies.half_planes else "real bodies"
-        missed = [e["key"] for e in stored["external"] if _off(scene, stored, External(**e)) == "outside"]
-        rows.append((f"[{name}]({name}.md)", scene.title, bodies, *cells, f"{sum(met)} of {len(met)}", str(len(missed))))
-    heads = ("scene", "title", "bodies", "peak p", "q, L2", "dissipation", "tolerances met", "external values missed")
-    intro = (
-        "Every scene of the library through both engines, with their default settings. The columns in per cent are finite elements "
-        "against half-plane theory, worst instant of the last cycle; dissipation in A f² P_ref² where the reference has none. With "
-        "real bodies the two answer different questions on purpose, and a tolerance missed is a finding about the idealisation.\n\n"
-        "`make publish` writes this folder; [values.json](values.json) holds every number on these pages, and a test fails "
-        "where the code gives another one. No uncertainty was requested, so each verdict is by |E| alone. "
-        "The columns *external* and *frozen*: [regression.md](../../docs/regression.md)."
-    )
-    return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{markdown_table(heads, rows)}\n"
+        cells = [words.value_of(found[key]) for key in ("peak_pressure", "shear", "dissipation")]
+        kind = "half-planes" if scene.bodies.half_planes else "real bodies"
+        missed = [row for row in _external_rows(scene, stored) if row[5] == "outside"]
+        rows.append((f"[{name}]({name}.md)", scene.title, kind, *cells, f"{sum(met)} of {len(met)}", str(len(missed))))
+    return _written(rows=rows)
+
+
+def _written(rows: Sequence[Sequence[str]] = (), **content: Any) -> str:
+    text = template("published.md").render(words=words, table=markdown_table, rows=rows, **content).strip()
+    return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 
 def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
@@ -283,23 +261,8 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
     return found
 
 
-def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> str:
-    outside = [f"{m.label[:1].lower()}{m.label[1:]} ({value_of(m)} {m.unit})" for m in found if m.accurate is False]
-    laws = "both answers obey every law of contact" if stored["admissible"] else "a law of contact is violated"
-    if not outside:
-        return f"Within all tolerances of the scene; {laws}."
-    why = "" if are_half_planes(scene) else ": a finding about the idealisation"
-    return f"Outside tolerance in {', '.join(outside)}{why}; {laws}."
-
-
-def _metric_rows(found: Sequence[Metric]) -> Iterator[tuple[str, ...]]:
-    for metric in found:
-        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), metric.verdict or "–"
-
-
 def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
-    for entry in stored["external"]:
-        external = External(**entry)
+    for external in (External(**entry) for entry in stored["external"]):
         engine, _, quantity = external.key.partition(".")
         off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
         yield (
@@ -308,84 +271,57 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
             external.value if len(external.value) < 20 else f"{external.value[:20]}…",
             minus(f"{off:+.1e}"),
             f"{external.tolerance:.3g}",
-            _off(scene, stored, external),
+            verdict_on(off, external.tolerance),
             external.source,
         )
 
 
-def _causes(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[str]:
-    """Why the published values of the roller differ from ours, as benchmarks/third.py measured it with CalculiX; else nothing."""
+def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any] | None:
+    """Why the published values of the roller differ from ours, as benchmarks/third.py measured it with CalculiX."""
     kept = json.loads(ROLLER.read_text(encoding="utf-8"))
     cases = {name.partition(": ")[2]: case for name, case in kept.items() if name.partition(": ")[0] == scene.name}
     if not cases:
-        return
+        return None
     base, large, coarse = (cases[name] for name in ("as exported", "large displacements", "elements of 1.5 mm"))
-    keys = {"displacement": "lower_face_displacement", "stress": "largest_pressure"}
 
-    def change(case: Mapping[str, float], key: str, of: Mapping[str, float] = base) -> float:
-        return case[key] / of[key] - 1
+    def change(case: Mapping[str, float], key: str) -> str:
+        return "" if case is base else _per_cent(case[key] / base[key] - 1)
 
-    yield "### Why they differ"
-    yield (
-        "The published values are the references of Code_Aster's test SSNP154. Its manual V6.03.154 names Konter's benchmark 1 as "
-        "their source and finds the quadratic ones in agreement with MSC.Marc; Konter's own tables we have not seen. Their model: "
-        "the whole cylinder, a point force at its top, the base of the block fixed, elements of 1.5 mm on its face, large "
-        "displacements, two increments. They give the displacement of the block's face under the roller, and the Cauchy stress "
-        "σ_yy there, extrapolated from the elements. Our model: half a cylinder, bonded to a rigid plane at its middle, small "
-        "displacements, the pressure of the contact itself."
-    )
-    yield f"{base['code']} on the exported deck (linear elements of a/40), one change at a time, at the same point:"
-    heads = ("change", "displacement [mm]", "by", "σ_yy [MPa]", "by")
-    rows = [
+    found: dict[str, Any] = {"code": base["code"], "coarse": change(coarse, "stress")}
+    found["pressure"] = change(large, "pressure per undeformed length")
+    found["rows"] = [
         (
             name,
-            f"{case['displacement']:.4f}".replace("-", "−"),
-            "" if case is base else _per_cent(change(case, "displacement")),
-            f"{-case['stress']:.0f}".replace("-", "−"),
-            "" if case is base else _per_cent(change(case, "stress")),
+            minus(f"{case['displacement']:.4f}"),
+            change(case, "displacement"),
+            minus(f"{-case['stress']:.0f}"),
+            change(case, "stress"),
         )
         for name, case in cases.items()
     ]
-    yield markdown_table(heads, rows)
-    ours = {key: figures[f"halfplane_fe.{quantity}"] or math.nan for key, quantity in keys.items()}
-    mended = {key: value * (1 + change(large, key)) for key, value in ours.items()}
-    published = {
-        (key, kind): next(one.value for one in scene.expected if one.quantity == quantity and f"{kind} elements" in one.source)
-        for key, quantity in keys.items()
-        for kind in ("quadratic", "linear")
-    }
-    left = {key: _per_cent(value / published[key, "quadratic"] - 1) for key, value in mended.items()}
-    apart = published["stress", "linear"] / published["stress", "quadratic"] - 1
-    yield (
-        f"Large displacements change the displacement by {_per_cent(change(large, 'displacement'))} and the stress by "
-        f"{_per_cent(change(large, 'stress'))}. With these changes ours are {mended['displacement']:.4f} mm and "
-        f"{mended['stress']:.0f} MPa, {left['displacement']} and {left['stress']} from the published quadratic elements. ".replace(
-            "-", "−"
+    for key, quantity in (("displacement", "lower_face_displacement"), ("stress", "largest_pressure")):
+        published = {one.source: one.value for one in scene.expected if one.quantity == quantity}
+        quadratic, linear = (
+            next(value for source, value in published.items() if f"{kind} elements" in source) for kind in ("quadratic", "linear")
         )
-        + f"Linear elements of 1.5 mm change the stress by {_per_cent(change(coarse, 'stress'))}; the published linear elements "
-        f"differ from the quadratic ones by {_per_cent(apart)}. The contact pressure that CalculiX prints changes by "
-        f"{_per_cent(change(large, 'pressure per undeformed length'))} with large displacements: it is per undeformed length, and "
-        "the face is shortened."
-    )
+        mended = (figures[f"halfplane_fe.{quantity}"] or math.nan) * (1 + (large[key] / base[key] - 1))
+        found[key] = {"change": change(large, key), "mended": mended, "left": _per_cent(mended / quadratic - 1)}
+        found["apart"] = _per_cent(linear / quadratic - 1)  # of the stress in the end
+    return found
 
 
 def _per_cent(share: float) -> str:
-    return f"{round(share, 4) + 0.0:+.2%}".replace("%", " %").replace("-", "−")
-
-
-def _off(scene: Scene, stored: Mapping[str, Any], external: External) -> str:
-    off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
-    return verdict_on(off, external.tolerance)
+    return minus(f"{round(share, 4) + 0.0:+.2%}".replace("%", " %"))
 
 
 def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[tuple[str, ...]]:
     _, length, stress = units(scene)
     unit = dict.fromkeys(("dissipation", "loop_work", "bulk_work"), energy_unit(scene)) | {"largest_pressure": stress}
     pulled = any(value for key, value in figures.items() if key.endswith(".bulk_work"))
-    for quantity, words in (_QUANTITIES | ({"loop_work": "closed integral of Q dU − m_q dε"} if pulled else {})).items():
+    for quantity, named in (_QUANTITIES | ({"loop_work": "closed integral of Q dU − m_q dε"} if pulled else {})).items():
         keys = [f"{engine}.{quantity}" for engine in _ENGINES]
         if any(key in figures for key in keys):
-            yield f"{words} [{unit.get(quantity, length)}]", *(_number(figures.get(key)) for key in keys)
+            yield f"{named} [{unit.get(quantity, length)}]", *(_number(figures.get(key)) for key in keys)
     for count in COUNTS:
         keys = [f"{engine}.counts.{count.replace(' ', '_')}" for engine in _ENGINES]
         if any(key in figures for key in keys):
@@ -399,7 +335,7 @@ def _number(value: float | None) -> str:
 # ------------------------------------------------------------------------------------------------------------- the command
 
 
-def publish(names: Sequence[str]) -> int:
+def _publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
     from reports.page.figures import published
 
@@ -413,14 +349,14 @@ def publish(names: Sequence[str]) -> int:
     kept = dict(sorted(kept.items()))
     content = {"written by": "make publish", "settings": "both engines' defaults", "scenes": kept}
     replace_text(FOLDER / "values.json", json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
-    write_pages(kept)
+    _write_pages(kept)
     for path in FOLDER.iterdir():
         if path.suffix in (".md", ".svg") and path.stem not in (*kept, "README"):
             path.unlink()
     return moved
 
 
-def write_pages(scenes: Mapping[str, Mapping[str, Any]]) -> None:
+def _write_pages(scenes: Mapping[str, Mapping[str, Any]]) -> None:
     """The pages and their index, from the stored numbers: enough where only words have changed."""
 
     for name, stored in scenes.items():
@@ -441,17 +377,17 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 def main(arguments: Sequence[str]) -> int:
     """Publish the whole library or the scenes named; with --pages write the pages again from values.json."""
-    if not TRUTHS.exists():
+    if not _TRUTHS.exists():
         say("reports are published from a checkout: benchmarks/regress.json is not there")
         return 2
     if list(arguments) == ["--pages"]:
-        write_pages(values()["scenes"])
+        _write_pages(values()["scenes"])
         return 0
     if unknown := set(arguments) - set(scene_names()):
         say(f"no such scene in the library: {', '.join(sorted(unknown))}")
         return 2
     names = tuple(arguments) or scene_names()
-    moved = publish(names)
+    moved = _publish(names)
     say(f"{FOLDER.name}: {len(names)} scenes, {moved} moved; look at `git diff` before you commit")
     return 0
 

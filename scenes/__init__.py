@@ -4,8 +4,8 @@ The question::
 
     scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files and the library
     bodies.py       materials, shapes, faces as they are made
-    profiles.py     h(x) by formulas and Python functions
-    measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
+    profiles.py     h(x) by formulas, through measured rows, by Python functions
+    measured.py     tables of numbers, from files, in the scene's units
     fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk stress and tilt beside P and Q
     reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
@@ -25,8 +25,18 @@ Its files and the answer::
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError, ProfileDataError
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LineOfAction, PolygonLoad, TimeSeriesLoad, Wave, WaveSum
-from scenes.measured import Tabulated
-from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge, fit_profile
+from scenes.profiles import (
+    CallableProfile,
+    Compound,
+    EvenPolynomial,
+    FlatRounded,
+    Hertz,
+    PowerLaw,
+    Profile,
+    Tabulated,
+    Wedge,
+    fit_profile,
+)
 from scenes.scene import (
     Expected,
     Friction,

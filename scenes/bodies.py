@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from scenes.frozen import Frozen, Positive
-from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.profiles import Profile
 
 Array = NDArray[np.float64]
 
@@ -185,13 +185,7 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
 
 def face_of(shape: Shape, profile: Profile) -> Face:
     """The face of a body: flat, an arc, a flat with arcs, or the profile itself."""
-    if isinstance(shape, Cylinder):
-        return Face(lambda x: arc_depth(x, shape.radius), (0.0, shape.radius))
-    if not isinstance(shape, Pad):
+    if not isinstance(shape, Cylinder | Pad):
         return Face(np.zeros_like, flat=True)
-    if isinstance(profile, Hertz):
-        return Face(lambda x: arc_depth(x, profile.radius), (0.0, profile.radius))
-    if isinstance(profile, FlatRounded):
-        b = profile.flat_half_length
-        return Face(lambda x: arc_depth(x, profile.radius, b), (b, profile.radius))
-    return Face(profile.height)
+    arc = profile.arc if isinstance(shape, Pad) else (0.0, shape.radius)
+    return Face(profile.height) if arc is None else Face(lambda x: arc_depth(x, arc[1], arc[0]), arc)

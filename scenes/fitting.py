@@ -18,6 +18,7 @@ Gauss and Newton on what is left of the rows (variable projection, Golub and Per
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass, replace
 from typing import Any
@@ -128,21 +129,31 @@ def resampled(profile: Any, count: int, seed: int = 0) -> list[dict[str, Any]]:
     profile : one with `fitted`
     count, seed : how many, and of the random numbers
     """
-    fitted = profile.fitted
-    x, random = fitted.rows.values[:, 0], np.random.default_rng(seed)
-    x = x[np.argsort(np.abs(x - fitted.centre), kind="stable")[: len(x) - fitted.left_out]] if fitted.left_out else x
-    # From the middle on, so that rows of both sides are taken for such whatever their noise.
-    x = np.sort(x) - fitted.centre
-    curve = fitted.offset + profile.height(x)
-    given = {"kind": fitted.kind, "noise": fitted.noise, "weight": fitted.weight}
-    given["centre"] = None if fitted.centre_fitted else 0.0
-    found = []
-    for _ in range(count):
-        try:
-            found.append(fitted_keys(x, curve + fitted.noise * random.standard_normal(len(x)), **given))
-        except RowError:  # noise alone bent the rows down
-            continue
-    return found
+    fitted, x, _ = _fitted_rows(profile)
+    curve, random = fitted.offset + profile.height(x), np.random.default_rng(seed)
+    others = (_again(fitted, x, curve + fitted.noise * random.standard_normal(len(x))) for _ in range(count))
+    return [keys for keys in others if keys is not None]
+
+
+def less_smoothed(profile: Any) -> dict[str, Any] | None:
+    """Keys of the profile that the same rows give with a tenth of the smoothing; None where there was none."""
+    fitted, x, h = _fitted_rows(profile)
+    return _again(fitted, x, h, 0.1) if fitted.weight else None
+
+
+def _fitted_rows(profile: Any) -> tuple[Any, Array, Array]:
+    """What is known of a fit, and its rows; x from the middle on, so that rows of both sides are such whatever their noise."""
+    fitted, (x, h) = profile.fitted, profile.fitted.rows.values.T
+    used = np.sort(np.argsort(np.abs(x - fitted.centre), kind="stable")[: len(x) - fitted.left_out])
+    return fitted, x[used] - fitted.centre, h[used]
+
+
+def _again(fitted: Any, x: Array, h: Array, smoothing: float = 1.0) -> dict[str, Any] | None:
+    """Keys of the same fit to other rows; None where noise alone bent them down."""
+    centre, weight = None if fitted.centre_fitted else 0.0, smoothing * fitted.weight
+    with contextlib.suppress(RowError):
+        return fitted_keys(x, h, kind=fitted.kind, noise=fitted.noise, centre=centre, weight=weight)
+    return None
 
 
 def _begins_in_the_middle(h: Array) -> bool:

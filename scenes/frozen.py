@@ -70,6 +70,8 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
             return f"unknown key {key} = {shown(value)};{hint}{more}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {listed} lists the keys{more}"
+        case "key_missing":
+            return f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists the keys{more}"
         case "missing":
             rule = "a point is [P, Q]"
         case "union_tag_not_found":
@@ -159,6 +161,8 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
 
     keys_listed: ClassVar[str] = "`halfplane schema`"
     """Where a user finds the keys."""
+    written: ClassVar[tuple[str, ...]] = ()
+    """Keys that were written with the others and are not right for other values."""
 
     def vary(self, /, **changes: Any) -> Self:
         """A checked copy with other values; the only way to change a scene, or a part of one, from Python.
@@ -186,7 +190,8 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The keys that were given, those of `changes` in their place; raw, for the check that follows."""
-        data = {name: value for name, value in self if name == "kind" or name in self.model_fields_set}
+        given = self.model_fields_set - {*self.written}
+        data = {name: value for name, value in self if name == "kind" or name in given}
         for name, value in changes.items():
             old = getattr(self, name, None)
             kind = getattr(old, "kind", None)
@@ -198,7 +203,7 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
-        hidden = {*dir(BaseModel), "merged", "keys_listed"}
+        hidden = {*dir(BaseModel), "merged", "keys_listed", "written"}
         return sorted(name for name in super().__dir__() if name not in hidden and not name.startswith("_"))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

@@ -19,7 +19,7 @@ from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.measured import READING, read_for
-from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
@@ -221,18 +221,17 @@ class Scene(Frozen):
     @model_validator(mode="after")
     def _faces_make_the_profile(self) -> Self:
         radius = self.bodies.relative_radius()
-        if radius is not None and not (isinstance(self.profile, Hertz) and abs(self.profile.radius / radius - 1) <= 1e-9):
+        arc = self.profile.arc
+        if radius is not None and not (self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9):
             raise ValueError(
                 f"profile is not that of the cylinders: it is kind = 'hertz' with radius = {radius:.12g} "
                 "(1/R is the sum of 1/radius over the cylinders)"
             )
         for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
-            if isinstance(body, Pad) and isinstance(self.profile, Hertz | FlatRounded):
-                reach = self.profile.radius + (self.profile.flat_half_length if isinstance(self.profile, FlatRounded) else 0.0)
-                if body.width / 2 >= reach:
-                    raise ValueError(
-                        f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at {2 * reach:g}: make it less"
-                    )
+            if isinstance(body, Pad) and arc and body.width / 2 >= sum(arc):
+                raise ValueError(
+                    f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at {2 * sum(arc):g}: make it less"
+                )
         return self
 
     @property

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import elementwise
 
 from scenes import Elastic, EllipseLoad, InadmissibleLoadError, InputError, Materials, Profile, Scene, freeze, sampled
 from scenes.frozen import validated
@@ -231,8 +232,6 @@ def _inverse(
     work : (k,) coefficients and the numbers of their members -> W (k,)
     least, no_slip : (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
-    from scipy.optimize import elementwise
-
     try:
         wanted = np.asarray(target, dtype=float)
         whole = np.broadcast_shapes(wanted.shape, shape)

@@ -19,8 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial, chebyshev, polynomial
-from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from scenes import (
     CallableProfile,
@@ -41,7 +41,7 @@ from scenes.chebyshev import NODES, Pieces, clenshaw, halved, series, tail
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
-from semi_analytic.punch_superposition import ContactLaw, PunchSuperposition
+from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
 from semi_analytic.quadrature import Rule, panels
 from semi_analytic.tilted_profile import ConvexProfile, CurvedProfile, PiecewiseParabola, TiltedProfile
 
@@ -187,27 +187,58 @@ def _bends_down(x: float) -> InputError:
     )
 
 
-def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Array], value: Array, guess: Array) -> Array:
-    """The x > 0 at which a rising function has a `value` >= 0, to round-off: Newton's method between logarithms.
+# Of ln d between two places at which an inverse is known, and how far they reach beside the unit of length.
+_STEP, _BELOW, _ABOVE = 0.05, 1e-22, 1e15
+# Of ln d: the next step of Newton's method would be about the square of this one, less than round-off.
+_STILL = 3e-9
 
-    Arrays of one shape; 0 for a value of 0, NaN where 60 steps do not find it.
 
-    >>> float(rising_root(lambda x: x**3, lambda x: 3 * x**2, np.array(8.0), np.array(1.0)))
+def inverse_of(load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf) -> Function:
+    """The advance d(P) of a rising law P(d), to round-off: Newton's method between logarithms, from a cubic through P and dP/da.
+
+    Parameters
+    ----------
+    unit : a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is tabulated, beyond P is a power of d
+    corner : an advance at which P is less smooth
+
+    >>> float(inverse_of(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
     2.0
     """
-    wanted = np.where(value > 0, value, 1.0)
-    x = np.where(value > 0, guess, 1.0)
-    for _ in range(60):
-        now = function(x)
-        steepness = x * slope(x) / np.where(now > 0, now, 1.0)
-        step = np.log(wanted / np.where(now > 0, now, wanted)) / np.where(steepness > 0, steepness, 1.0)
-        x = x * np.exp(np.clip(step, -3.0, 3.0))
-        # The next step would be about the square of this one: less than round-off.
-        if np.all(np.abs(step) < 3e-9):
-            break
-    else:
-        x = np.where(np.abs(step) < 3e-9, x, np.nan)
-    return np.where(value > 0, x, 0.0)
+
+    @cache
+    def table() -> tuple[Array, Array, CubicHermiteSpline, Array]:
+        d = np.append(np.exp(np.arange(math.log(_BELOW * unit), math.log(min(_ABOVE * unit, extent)), _STEP)), [corner, extent])
+        d = np.unique(d[(d > 0) & np.isfinite(d)])
+        with np.errstate(all="ignore"):
+            force = load(d)
+            some = np.flatnonzero((force > 1e-290) & (force < 1e290))
+            x, first = np.unique(np.log(force[some]), return_index=True)
+            d = d[some[first]]
+            slope, chord = np.exp(x) / (d * stiffness(d)), np.diff(np.log(d)) / np.diff(x)
+        # As long as no slope is more than three times a chord beside it the cubic rises.
+        slope = np.fmin(slope, 3 * np.minimum(np.append(chord, np.inf), np.append(np.inf, chord)))
+        return x, d, CubicHermiteSpline(x, np.log(d), slope), slope
+
+    def advance(force: Array) -> Array:
+        x, ends, cubic, slope = table()
+        wanted = np.where(force > 0, force, 1.0)
+        log = np.log(wanted)
+        below, above = np.minimum(log - x[0], 0.0), np.maximum(log - x[-1], 0.0)
+        d = np.exp(cubic(log - below - above) + slope[0] * below + slope[-1] * above)
+        number, within = np.searchsorted(x[1:-1], log), below == above
+        low, high = np.where(within, ends[number], d / 2), np.where(within, ends[number + 1], d * 2)
+        for _ in range(60):
+            now = load(d)
+            low, high = np.where(now < wanted, d, low), np.where(now < wanted, high, d)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = np.log(wanted / now) * now / (d * stiffness(d))
+            after = d * np.exp(np.clip(step, -1.0, 1.0))
+            d = np.where((after >= low) & (after <= high), after, np.sqrt(low * high))
+            if np.all((np.abs(step) < _STILL) | (high <= low * (1 + 1e-15))):
+                break
+        return np.where(force > 0, d, 0.0)
+
+    return advance
 
 
 # --- power laws and their sums
@@ -261,7 +292,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         raise InputError(
             f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory here needs one contact"
         )
-    powers = np.flatnonzero(loads > 0)
+    first = int(np.flatnonzero(loads > 0)[0])
 
     def load(a: Array) -> Array:
         square = np.square(a / length)
@@ -271,13 +302,8 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         t = a / length
         return np.asarray(2 * t / length * polynomial.polyval(t * t, loads * k))
 
-    def advance(p: Array) -> Array:
-        # From the nearest single power.
-        guess = np.minimum.reduce([length * np.power(p / loads[j], 1 / (2 * j + 2)) for j in powers])
-        return rising_root(load, stiffness, p, np.maximum(guess, np.finfo(float).tiny))
-
     several = sum(rise != 0 for rise in rises) > 1
-    return ContactLaw(load, advance, stiffness, power=2.0 * (powers[0] + 1), bends_anywhere=several)
+    return ContactLaw(load, inverse_of(load, stiffness, length), stiffness, power=2.0 * (first + 1), bends_anywhere=several)
 
 
 # --- flat and rounded
@@ -307,41 +333,6 @@ def load_function(tau: ArrayLike) -> Array:
     return np.where(shallow, total * small * square, closed)
 
 
-def inverse_load_function(value: ArrayLike) -> Array:
-    """Tau of F(tau) = value >= 0, to round-off: a fit good to 5e-7, then one step of Halley's method, which cubes that.
-
-    >>> round(float(inverse_load_function(np.pi / 2 - 1)), 12)
-    1.0
-    """
-    y = np.asarray(value, dtype=float)
-    small, wide = np.cbrt(1.5 * y), np.sqrt(y * (2 / np.pi))
-    part = np.minimum(small, _SMALL_END)
-    inverse = 1 / np.maximum(wide, 1 / _WIDE_END)
-    tau = np.where(y < _SPLIT, small * polyval(part * part, _SMALL_FIT), wide * polyval(inverse, _WIDE_FIT))
-    fault = load_function(tau) - y
-    angle = np.arctan(tau)
-    slope, bend = 2 * tau * angle, 2 * (angle + tau / (1 + tau * tau))
-    below = 2 * slope * slope - fault * bend
-    return tau - 2 * fault * slope / np.where(below > 0, below, 1.0)
-
-
-def _fits() -> tuple[Array, Array]:
-    """Polynomials of tau/(1.5 y)^(1/3) in (1.5 y)^(2/3) below the split, of tau/sqrt(2 y/pi) in the inverse of that root above."""
-    place = (1 - np.cos(np.pi * np.arange(401) / 400)) / 2
-    inner = 1e-3 + place * (_SMALL_TAU - 1e-3)
-    square = np.cbrt(1.5 * load_function(inner)) ** 2
-    outer = _SMALL_TAU / (1e-6 + (1 - 1e-6) * place)
-    wide = np.sqrt(load_function(outer) * (2 / np.pi))
-    fits = (Polynomial.fit(square, inner / np.sqrt(square), 7), Polynomial.fit(1 / wide, outer / wide, 9))
-    return tuple(fit.convert().coef for fit in fits)  # type: ignore[return-value]
-
-
-_SMALL_TAU = 1.4
-_SPLIT = float(load_function(_SMALL_TAU))
-_SMALL_END, _WIDE_END = float(np.cbrt(1.5 * _SPLIT)), float(np.sqrt(np.pi / (2 * _SPLIT)))
-_SMALL_FIT, _WIDE_FIT = _fits()
-
-
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
     """Of a flat face of half-length b with parabolic edges of radius R (Ciavarella, Hills and Monno 1998; phi_0 is arccot tau):
 
@@ -356,16 +347,13 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
     def tau(d: Array) -> Array:
         return np.sqrt(d / b * (2 + d / b))
 
-    def advance(p: Array) -> Array:
-        square = np.square(inverse_load_function(p / unit))
-        return b * square / (1 + np.sqrt(1 + square))
+    def load(d: Array) -> Array:
+        return unit * load_function(tau(d))
 
-    return ContactLaw(
-        load=lambda d: unit * load_function(tau(d)),
-        advance=advance,
-        stiffness=lambda d: modulus / radius * (b + d) * np.arctan(tau(d)),
-        least=b,
-    )
+    def stiffness(d: Array) -> Array:
+        return modulus / radius * (b + d) * np.arctan(tau(d))
+
+    return ContactLaw(load, inverse_of(load, stiffness, b), stiffness, least=b)
 
 
 # --- two curvatures
@@ -383,8 +371,7 @@ def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inn
     1.0
     """
     b, tip = inner_half_length, modulus / inner_radius
-    inner, outer = tip * b * b / 2, modulus / outer_radius * b * b / 2
-    corner = inner * np.pi / 2
+    outer = modulus / outer_radius * b * b / 2
 
     def load(a: Array) -> Array:
         end = np.minimum(a, b)
@@ -396,39 +383,7 @@ def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inn
         t = np.sqrt((a - end) * (a + end))
         return a * (tip * np.arctan2(end, t) + modulus / outer_radius * np.arctan2(t, end))
 
-    def beyond(square: Array) -> Array:
-        """P - P(b) from (t/b)^2: the tip's part is pi/2 t^2 - F(t) where t is small, with its own digits where it is large."""
-        t = np.sqrt(square)
-        flat = load_function(t)
-        return inner * np.where(t < 1, np.pi / 2 * square - flat, (1 + square) * np.arctan2(1, t) + t - np.pi / 2) + outer * flat
-
-    def rate(square: Array) -> Array:
-        angle = np.arctan(np.sqrt(square))
-        return inner * (np.pi / 2 - angle) + outer * angle
-
-    def rough(share: Array) -> Array:
-        """(t/b)^2 for small and for large loads."""
-        return share if math.isfinite(outer_radius) else share + np.square(share / 2)
-
-    def quotient(root: Array) -> Array:
-        share = root**2
-        return rising_root(beyond, rate, (inner + outer) * share, rough(share)) / rough(share)
-
-    ends = 2.0 ** np.arange(-2, 12)
-
-    @cache
-    def table() -> Pieces:
-        return halved(quotient, np.concatenate([[0.0], ends]), 1e6)
-
-    def advance(p: Array) -> Array:
-        rest = np.maximum(p - corner, 0.0)
-        share = rest / (inner + outer)
-        root = np.sqrt(share)
-        guess = rough(share) * np.where(root < ends[-1], table()(np.minimum(root, ends[-1])), 1.0)
-        square = rising_root(beyond, rate, rest, guess)
-        return np.where(p <= corner, np.minimum(np.sqrt(4 * p / (np.pi * tip)), b), b * np.sqrt(1 + square))
-
-    return ContactLaw(load, advance, stiffness, breaks=(b,))
+    return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, breaks=(b,))
 
 
 # --- measured rows
@@ -672,20 +627,6 @@ class _Stretch:
         power = max(self.power - order * (2 if self.rooted else 1), 0.0)  # of dP/da of a sharp wedge 0, to round-off
         return inside * np.minimum(u / first, 1.0) ** power
 
-    def distance(self, load: Array) -> Array:
-        """u of a load."""
-        edges = self.loads.edges
-        marks = self.loads(edges)
-        low = edges[0] * (load / marks[0]) ** (1 / self.power) if edges[0] else np.zeros(load.shape)
-        guess = np.where(load < marks[0], low, np.maximum(np.interp(load, marks, edges), edges[1] / 4))
-        # Counted from where the stretch begins, so that the root of the difference keeps its digits.
-        bottom = float(marks[0]) if edges[0] == 0 else 0.0
-
-        def rate(u: Array) -> Array:
-            return self.at(u, 1) * (2 * u if self.rooted else 1.0)
-
-        return rising_root(lambda u: self.at(u, 0) - bottom, rate, np.maximum(load - bottom, 0.0), guess)
-
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     """Of a slope h'(x) given by a Python function: P and dP/da by quadrature, kept as piecewise Chebyshev series.
@@ -717,6 +658,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
                 result[here] = stretch.at(np.sqrt(above) if stretch.rooted else above, order)
         return result
 
+    inverse = inverse_of(partial(at, order=0), partial(at, order=1), profile.extent, extent=profile.extent - least)
+
     def advance(p: Array) -> Array:
         most = float(np.max(p, initial=0.0))
         if most > carried * (1 + 1e-12):
@@ -724,16 +667,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
                 f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider contact, the extent carries "
                 f"{carried:.6g}"
             )
-        different, fold = np.unique(p.ravel(), return_inverse=True)
-        ends = [float(stretch.loads(stretch.loads.edges[-1])) for stretch in stretches]
-        number = np.minimum(np.searchsorted(ends, different), len(ends) - 1)
-        d = np.empty(different.shape)
-        for k, stretch in enumerate(stretches):
-            here = number == k
-            if np.any(here):
-                u = stretch.distance(different[here])
-                d[here] = (stretch.begin - least) + (u**2 if stretch.rooted else u)
-        return d[fold].reshape(p.shape)
+        return inverse(p)
 
     sample = np.unique(np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges]))
     rates = at(sample - least, 1)

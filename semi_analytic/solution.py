@@ -33,6 +33,7 @@ from scenes import (
     NotFoundError,
     Record,
     Scene,
+    TimeSeriesLoad,
     Work,
     freeze,
     scene_of,
@@ -59,7 +60,7 @@ from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
-from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
@@ -151,7 +152,7 @@ def _remembered(
     elif family is not None:
         path = history_of(family.path, friction, scene.cycles, asked)
     else:
-        path = own_series(scene, asked) or history_of(scene.load.path(), friction, scene.cycles, asked)
+        path = _path_of(scene, asked)
     pointwise, left_out = not wanted.isdisjoint(POINTWISE), 0
     if asked is None:
         asked, left_out = path.default_times(cycles == "steady", pointwise)
@@ -356,15 +357,24 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     InputError, InadmissibleLoadError
         As `solve`.
     """
-    contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    contact = contact_of(scene.profile, scene.material)
     if scene.unsymmetric:
         raise InputError("load: stress inside the bodies is for scenes without bulk stress and tilt, and for symmetric profiles")
-    series = own_series(scene, time)
-    if series is None:
-        return contact, history_of(scene.load.path(), friction, scene.cycles, time).snapshot(time)
+    path = _path_of(scene, time)
+    if isinstance(path, History):
+        return contact, path.snapshot(time)
     point, fold = folded(np.zeros(1))
     request = Request(contact, composite_modulus(scene.material), time, point, point, fold, frozenset({"shear"}))
-    return contact, _along_series(series, request).snapshot
+    return contact, _along_series(path, request).snapshot
+
+
+def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
+    """The scene's own path, followed by straight steps where no leg is curved: on a curved one some sum of P and Q turns round."""
+    if not isinstance(scene.load, TimeSeriesLoad):
+        path = scene.load.path()
+        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
+            return history_of(path, scene.friction.coefficient, scene.cycles, time)
+    return own_series(scene, time)
 
 
 # --------------------------------------------------------------------------------------- what a path leaves for an answer
@@ -497,9 +507,7 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            leans = isinstance(contact, TiltedProfile)
-            parts = works_over_time(ellipse, contact) if leans else dissipation_of(ellipse, contact, careful=True)
-            works[number] = unit * float(sum(part[0] for part in parts)), 0.0
+            works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
             own = float(split.error / split.total) if split.error else 0.0

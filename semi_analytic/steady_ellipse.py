@@ -55,8 +55,9 @@ Indices = NDArray[np.intp]
 PHASES = ("E-G", "I-J", "J-M")
 # Pieces of phases and points at once: arrays of some megabytes.
 _PIECES, _POINTS = 1024, 500
-# A piece has converged at this share of W, or after a few halvings at this share of P0^2; it is halved so often at most.
-_CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-10, 3, 1e-14, 15
+# A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or less (10 times as much where
+# P hardly grows), or after a few halvings this share of P0^2; it is halved so often at most.
+_CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,17 +201,17 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     phase, member, begin, end = (np.concatenate(part) for part in zip(*pieces, strict=True))
     works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
     for level in range(_HALVINGS + 1):
-        values = np.empty((3, len(member)))
+        values = np.empty((2, len(member)))
         for number, name in enumerate(PHASES):
             those = np.flatnonzero(phase == number)
             for here in (those[k : k + _PIECES] for k in range(0, len(those), _PIECES)):
                 s, weight = graded(begin[here], end[here])
                 rate, slipped, load = phase_of(name, e.take(member[here, None]), s)
                 terms = weight * rate * contact.dissipation_kernel(load, np.minimum(slipped, load))
-                values[:, here] = [2**k * np.sum(terms[:, :: 2**k], axis=1) for k in range(3)]
+                values[:, here] = [k * np.sum(terms[:, ::k], axis=1) for k in (1, 2)]
         size = size if level else np.asarray(np.bincount(member, values[0], len(size)), dtype=float)
-        error = quadrature_error(values, size[member])
-        done = ~(error > _CONVERGED) | ((level >= _FEW) & (error * size[member] <= _NOTHING * np.square(e.mean[member])))
+        error = np.abs(values[0] - values[1])
+        done = ~(error > _CONVERGED * size[member]) | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
         np.add.at(works, (phase[done], member[done]), values[0, done])
         phase, member, begin, end = (part[~done] for part in (phase, member, begin, end))
         middle = (begin + end) / 2
@@ -274,18 +275,16 @@ _TINY, _FLOOR = 1e-100, 1e-200
 # ------------------------------------------------------------------------------------------- any profile, over the contact
 # Nodes and pieces at once, in arrays that fit into the cache.
 _ELEMENTS = 32768
-# A piece has converged at this share of W, or where W is less than a share of P0^2, of that; if careful the second ones hold. Its
-# nodes are doubled up to so many.
-_SETTLED, _NO_WORK, _MOST_NODES = (1e-11, 1e-15), (1e-3, 0.0), (4096, 512)
-# Share of P0 below which P - P_c would not keep ten digits, or thirteen, as a difference of loads; share of the larger of u and v
-# below which the smaller one would not leave W so many.
-_SHALLOW, _UNLIKE = (1e-5, 2e-2), (0.0, 2e-2)
+# A piece has converged at this share of W, or where W is less than a share of P0^2, of that. Its nodes are doubled up to so many.
+_SETTLED, _NO_WORK, _MOST_NODES = 1e-11, 1e-3, 4096
+# Share of P0 below which P - P_c would not keep ten digits as a difference of loads.
+_SHALLOW = 1e-5
 
 
-def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> Array:
+def dissipation_of(e: Ellipses, contact: Contact) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
 
-    To ten digits, or to thirteen if `careful`; over time where a difference of loads would not leave P - P_c as many.
+    To ten digits; over time where a difference of loads would not leave P - P_c as many.
 
     Between two of the half-widths at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is
     flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
@@ -302,7 +301,7 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
     chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
     if len(e.mean) > chunk:
         parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
-        return np.concatenate([dissipation_of(part, contact, careful=careful) for part in parts], axis=1)
+        return np.concatenate([dissipation_of(part, contact) for part in parts], axis=1)
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
     events = contact.advance(np.clip(loads, loads[0], loads[-1]))
     ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
@@ -322,22 +321,19 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
         sums = sums / 2 + weights @ terms
         if count == 16:
             trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])
-            size = np.maximum(np.bincount(member, trail[0], len(size)), _NO_WORK[careful] * np.square(e.mean))
+            size = np.maximum(np.bincount(member, trail[0], len(size)), _NO_WORK * np.square(e.mean))
         else:
             trail = np.stack([np.sum(sums, axis=0), *trail[:2]])
-        left = quadrature_error(trail, size[member]) > _SETTLED[careful]
+        left = quadrature_error(trail, size[member]) > _SETTLED
         for direction in range(2):
             np.add.at(works[direction], member[~left], sums[direction, ~left])
         member, low, high, loops = member[left], low[left], high[left], loops.take(left)
         sums, trail = sums[:, left], trail[:, left]
-        if count == _MOST_NODES[careful]:
+        if count == _MOST_NODES:
             works[:, member] = np.nan
             break
         count *= 2
-    unlike = np.minimum(e.u, e.v) < _UNLIKE[careful] * np.maximum(e.u, e.v)
-    # Fifteen digits may be more than P(a) itself has.
-    rough = careful & np.isnan(np.sum(works, axis=0))
-    shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike | rough)
+    shallow = np.flatnonzero(e.deepest <= _SHALLOW * e.mean)
     exact = np.array(works_over_time(e.take(shallow), contact))
     # What is known to a share of P0^2 only is better than nothing.
     works[:, shallow] = np.where(np.isfinite(exact), exact, works[:, shallow])
@@ -537,9 +533,9 @@ _NEAR_RULE = tuple((float(node), float(weight * (1 - node))) for node, weight in
 
 
 class LamTable:
-    """Lam of one contact whose P(a) has no corners, between two loads: polynomials in P on sixteen cells of every octave.
+    """Lam of a flat and rounded face, between two loads: polynomials in P on sixteen cells of every octave.
 
-        Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln(a/a(0)) = dJ/dP
+        Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln a = dJ/dP
         where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
 
     The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13.
@@ -548,12 +544,10 @@ class LamTable:
     def __init__(self, contact: Contact, first: int, last: int) -> None:
         """From 2^first to 2^(last + 1)."""
         self._first = (1023 + first) << _CELL_BITS
-        octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 2, :_CELLS])
+        octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
-        area = contact.dissipation_kernel(load, load)
-        # One octave on the loads are twice as much.
-        load, area, double = load[:-_CELLS], area[:-_CELLS], area[_CELLS:]
-        log = (double - area - contact.dissipation_kernel(2 * load, load)) / load
+        contact = replace(contact, datum_length=contact.least / 2)  # L = ln(a/b) keeps its digits beside the flat
+        area, log = -contact.log_distance(load), -contact.log_ratio(load)
         # Of a short way about the load Lam is half of its square times L', but for a share of 3e-14.
         way = 1e-6 * load
         with np.errstate(all="ignore"):

@@ -1,4 +1,4 @@
-"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz tests and benchmarks/faults.py."""
+"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz tests and benchmarks/jobs.py."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from reports.scoring.solution import contact_solution, whole_path
 from reports.sweep.store import canonical, checksum, read_index
 from reports.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text
-from scenes.measured import FitKind
+from scenes.profiles import FitKind
 from score_results import exact, mesh, pressure_at, rows, shear_at, written
 
 DATA = Path(__file__).parent / "data"
@@ -174,7 +174,7 @@ def _stored_result(path: Path) -> object:
 
 def _condensed(path: Path) -> object:
     """The store of condensed bodies takes what it can't read as not there: it is not a user's file."""
-    return halfplane_fe.store._read(path, *condensed_body(), 1000.0, Counter())
+    return halfplane_fe.store._read(path, *condensed_body(), Counter())
 
 
 ENTRANCES: dict[str, Callable[[Path], object]] = {

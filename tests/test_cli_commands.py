@@ -88,6 +88,7 @@ SPOILT = {
     "study.toml": STUDY,
     "file": "mine",
     "taken/report.html": "mine",
+    "taken/README.md": "mine",
     "folder.toml/empty": "",
     "far.toml": (ABAQUS / "mapping.toml").read_text(encoding="utf-8").replace("1.4978", "14.978"),
     "tiny.toml": "factors.load = 1e-300",
@@ -128,6 +129,7 @@ REFUSED = {
     "run hertz-paper --quiet --element-size 0.5": "element_size = 0.5 is refused",
     "run hertz-paper --order two": "--order",
     "run hertz-paper --method magic": "--method",
+    "run hertz-paper --pdf": "--pdf: print report.html from a browser",
     "run hertz-paper --vtu soon": "--vtu soon",
     "run hertz-paper --third-limit 10": "it goes with --third calculix",
     "run hertz-paper --plots gif": '"pdf", "svg", "png"',
@@ -165,6 +167,7 @@ REFUSED = {
     "advise cylinder-roller-frictionless": "no map is of frictionless",
     "advise blocks --limit 0": "is a share above 0 and below 1",
     "map atlantis": "there is none; known: block",
+    "map unlike --out taken --quiet": "README.md is there already and halfplane did not write it",  # before its sweeps
     "map all --pages --out maps": "no map has its tables here",
     "paper --out taken --quiet": "halfplane did not write it",
     "sweep study.toml --workers 0 --out out": "--workers 0: at least 1",  # it meant all cores, and said nothing
@@ -544,7 +547,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (tmp_path / page["page"]).exists()
 
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.pages.write", lambda folder, there: written.append(folder))
+    monkeypatch.setattr("reports.maps.pages.write", written.append)
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     assert (code, found["studies"], [Path(found["page"]).parent]) == (0, {}, written)  # pages alone run none
 
@@ -820,6 +823,8 @@ def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next() -> None:
     left = TimeLeft(iter([0.0, 10.0, 12.0, 14.0, 20.0, 21.0]).__next__)
     found = [left.words(done, 5) for done in (0, 1, 2, 0, 1)]
     assert found == ["", "8 s left", "6 s left", "", "4 s left"]
+    early, late = (TimeLeft(iter([0.0, 0.0, seconds]).__next__) for seconds in (50.0, 70.0))
+    assert [(one.words(0, 100), one.words(1, 100)) for one in (early, late)] == [("", ""), ("", "116 min left")]
     assert TimeLeft(iter([0.0, 1.0]).__next__).words(3, None) == ""  # nothing is said of work without a total
 
 

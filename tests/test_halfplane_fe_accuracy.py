@@ -328,64 +328,6 @@ def test_a_sequence_of_another_order_would_fail_that_test():
             check_order(name, at, spoilt)
 
 
-# -------------------------------------------------------------------------------------- orders over the cycle of the paper
-
-
-# Refined together: every element of the surface and the growth into the depth. Where in an element an edge stands is chance,
-# moves an error by a factor of up to two and W from one sign to the other; each rung of the ladder is therefore the root-mean-
-# square over seven meshes of nearly its size (three will do for p, q, a and c) (and, for p, q, a and c, over the instants of the
-# last cycle). The dissipation is compared with that of the polygon of the run's own increments, so that increments do not count.
-QUANTITIES = ("p", "q", "a", "c", "W")
-# Elements of a rung's meshes over its own number.
-SPREAD = (1.0, 1.06, 1.13, 1.2, 1.27, 1.34, 1.42)
-# What to expect: a square root inside an element costs quadratic ones all but one order, linear ones, whose p is smoother, less;
-# W gains by errors of either sign, on the finest meshes less (a/160 to a/640: 1, since a node touches as a whole).
-EXPECTED = {2: {"p": 1.0, "q": 1.0, "a": 0.8, "c": 1.1, "W": 1.7}, 1: {"p": 1.4, "q": 1.0, "a": 1.2, "c": 1.1, "W": 1.4}}
-ROOM = 0.5
-
-
-@functools.cache
-def cycle_errors(elements: float, order: int) -> dict[str, float]:
-    """Errors on one mesh of `elements` a half-width: relative L2 of p, q over f p, half-widths a and c over a, W."""
-    scene = load_scene("hertz-paper")
-    mesh = MeshSettings(
-        element_size=1 / elements, edge_element_size=1 / elements, growth=min(1.0, 3.2 / elements), far_radius=6.0, order=order
-    )
-    answer = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=48, step_tolerance=float("inf")))
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    work = semi_analytic.solve(scene, x=[0.0], fields="dissipation").dissipation  # increments follow the curve of the loads
-    cycle = answer.last_cycle
-
-    def norm(values: np.ndarray) -> np.ndarray:
-        return np.sqrt(np.trapezoid(values[cycle] ** 2, answer.x, axis=1))
-
-    pressure, a = norm(exact.pressure), answer.scales.half_width
-    return {
-        "p": rms(norm(answer.pressure - exact.pressure) / pressure),
-        "q": rms(norm(answer.shear - exact.shear) / pressure) / scene.friction.coefficient,
-        "a": rms((answer.contact_half_width - exact.contact_half_width)[cycle]) / a,
-        "c": rms((answer.stick_half_width - exact.stick_half_width)[cycle]) / a,
-        "W": answer.dissipation / work - 1,
-    }
-
-
-CUTS = (16, 32, 64)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("name", QUANTITIES)
-def test_elements_converge_at_their_order(name, order):
-    """Of p, q, a, c, W over the cycle under uniform refinement, and monotone; with a floor under the error it is another order."""
-    spread = SPREAD if name == "W" else SPREAD[::3]
-    found = [rms([cycle_errors(n * share, order)[name] for share in spread]) for n in CUTS]
-    apart = lambda errors: abs(order_of([1 / n for n in CUTS], errors) - EXPECTED[order][name])  # noqa: E731
-    assert np.all(np.diff(found) < 0), found
-    assert apart(found) <= ROOM, found
-    floor = {"p": 0.02, "q": 0.05, "a": 0.01, "c": 0.03}.get(name)
-    assert floor is None or apart([error + floor for error in found]) > ROOM
-
-
 # ------------------------------------------------------------------------------------------------------- testing the testers
 
 

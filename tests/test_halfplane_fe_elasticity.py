@@ -145,12 +145,12 @@ def test_both_modes_of_a_half_give_the_compliance_of_the_whole(kind, monkeypatch
     whole = condense(mesh, material, DATUM)
     assert whole.diagnostics["sparse_factorisations"] == 2
     np.testing.assert_allclose(by_half.compliance, whole.compliance, rtol=0, atol=2e-12 * np.abs(whole.compliance).max())
-    free = by_half.probe - whole.probe  # but for a rigid motion of a half-disc, which the loads on its arc do not see
-    basis = elasticity.assemble(mesh, material).basis
-    if "far_field" in mesh.supports:
-        rigid = elasticity.rigid_motions(basis)
-        free[: basis.N] -= rigid @ np.linalg.lstsq(rigid, free[: basis.N], rcond=None)[0]
-    np.testing.assert_allclose(free[: basis.N], 0.0, rtol=0, atol=2e-11 * np.abs(whole.probe[: basis.N]).max())
+    if "guided" not in kind:  # and that of a solution which is not condensed at all; walls hold end nodes there
+        forces = np.random.default_rng(1).standard_normal((2, len(whole.x)))
+        moved = displacement_fields(whole, forces[..., None], DATUM)[1]
+        expected = np.einsum("injm,jm->in", by_half.compliance, forces)
+        found, limit = moved[elasticity.assemble(mesh, material).contact, 0], 1e-6 if "far_field" in mesh.supports else 2e-11
+        np.testing.assert_allclose(found, expected, rtol=0, atol=limit * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.49])

@@ -336,8 +336,8 @@ def test_what_only_creeps_sticks(loads, slip, seen):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
     rest, slip = untouched(np.zeros(2), 0.0), np.array(slip)
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
-    before = replace(rest, tangential_load=1.0, slip=np.array([0.0, 1.0]), state=np.array([STICK, FORWARD], dtype=np.int8))
-    after = replace(before, normal_load=loads[0], tangential_load=1.0 + loads[1], slip=before.slip + slip, state=senses)
+    before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
+    after = replace(before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1]))
     states = [rest, before, after]
     assert visible_states(states, [], 0.5)[2].tolist() == list(seen)
 

@@ -64,7 +64,16 @@ def block(material, height, order):
     inverse[np.ix_(free, free)] = np.linalg.inv((fold.T @ stiffness @ fold)[np.ix_(free, free)])
     n, flat = top.shape[1], top.ravel()
     compliance = inverse[np.ix_(flat, flat)].reshape(2, n, 2, n)
-    return CondensedBody(BodyMesh("block", mesh, GRADING, {}), material, x[top[0]], 0 * x[top[0]], traction[top[0]], compliance)
+    return CondensedBody(
+        BodyMesh("block", mesh, GRADING, {}),
+        material,
+        x[top[0]],
+        0 * x[top[0]],
+        traction[top[0]],
+        compliance,
+        np.zeros((2, len(x[top[0]]))),
+        {},
+    )
 
 
 @pytest.mark.parametrize(("order", "upper"), [(1, SOFT), (2, SOFT), (2, STEEL)], ids=["linear", "quadratic", "like bodies"])
@@ -353,9 +362,7 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
     # A sticking node keeps the slip of the history: with minus what the other boundaries do, the faces meet as they were made, once
     # the upper body has come back by the shift that is planted here.
-    start = dataclasses.replace(
-        untouched(problem.height, 0.0), slip=n_y * SHIFT - slip, state=np.full(len(zero), SurfaceState.STICK, np.int8)
-    )
+    start = untouched(problem.height, 0.0).changed(slip=n_y * SHIFT - slip, state=np.full(len(zero), SurfaceState.STICK))
     wanted = PRESSURE * interface.weights
     state, _ = problem.equilibrium(start, 1.0, interface.carried(wanted, 0 * wanted))
     assert np.all(state.state == SurfaceState.STICK)

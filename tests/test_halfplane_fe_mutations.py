@@ -16,7 +16,7 @@ import pytest
 
 import halfplane_fe
 from problems import COARSE, FEW_STEPS, PROBLEMS, errors, fe_run, law_violations, problems, step_at
-from scenes import ConvergenceError, SurfaceState, freeze, load_scene
+from scenes import ConvergenceError, SurfaceState, load_scene
 from tolerances import TOLERANCES
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
@@ -110,7 +110,7 @@ def in_first_revolution(name):
 def sliding(self, history, time, loads):
     """q replaced by p: every closed node carries f p, whatever Q is."""
     state, iterations = EQUILIBRIUM(self, history, time, loads)
-    return replace(state, shear=freeze(np.sign(loads[1]) * self.friction * state.pressure)), iterations
+    return state.changed(shear=np.sign(loads[1]) * self.friction * state.pressure), iterations
 
 
 # First branches alone would not see a lost memory: that is why the table of problems has half reversals in it.

@@ -55,7 +55,7 @@ def test_a_row_changed_by_hand_or_missed_is_seen(claims, kept: dict) -> None:
     forged = json.loads(json.dumps(kept))
     _, title, what = claims.TEN[0]
     next(row for row in forged[title]["rows"] if row["what"] == what)["measured"] = 1e-3
-    assert claims.ten_of(forged) not in claims.PAGE.read_text("utf-8")
+    assert "\n".join(claims.ten_of(forged)) not in claims.PAGE.read_text("utf-8")
     assert body(claims.page_of(forged)) not in claims.PAGE.read_text("utf-8")
     assert f"| {title} | {what} | 0.001 | 1e-12 | **no** |" in claims.page_of(forged)
     for section in forged.values():  # all missed: the page says how many it does not show

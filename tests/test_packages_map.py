@@ -116,25 +116,25 @@ def tool(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
     """The table of licences is that of what is installed; requirements have lower bounds; all that is installed is pinned."""
-    licences, installed, pins = (tool(name) for name in ("licences", "installed", "pins"))
-    assert licences.PAGE.read_text(encoding="utf-8") == licences.page()
-    assert {"numpy", "gmsh", "markupsafe"} <= licences.closure().keys()
-    assert "not stated" not in licences.page()
-    lowest = installed.lowest()
+    packages = tool("packages")
+    assert packages.LICENCES.read_text(encoding="utf-8") == packages.licences()
+    assert {"numpy", "gmsh", "markupsafe"} <= packages.closure().keys()
+    assert "not stated" not in packages.licences()
+    lowest = packages.lowest()
     assert len(lowest) >= 16
     assert all(pin.count("==") == 1 for pin in lowest)
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    oldest, *_, newest = pins.pythons()
+    oldest, *_, newest = packages.pythons()
     assert project["project"]["requires-python"] == f">={oldest}"
     assert project["tool"]["mypy"]["python_version"] == oldest
     assert "target-version" not in project["tool"]["ruff"]  # ruff takes requires-python
     assert f"Any Python from {oldest} to {newest}" in (ROOT / "README.md").read_text(encoding="utf-8")
 
     # On the newest Python too, where a requirement may hold that the oldest does not have.
-    pinned = {licences.plain(word): word.partition("==")[2] for word in pins.pinned()}
+    pinned = {packages.plain(word): word.partition("==")[2] for word in packages.pinned()}
     others = {"halfplane", "pip", "setuptools"}
-    ours = {licences.plain(found.name): found.version for found in distributions() if found.name not in others}
+    ours = {packages.plain(found.name): found.version for found in distributions() if found.name not in others}
     assert {name: pinned.get(name) for name in ours} == ours
 
 
@@ -146,17 +146,17 @@ def test_installed_packages_fit_together() -> None:
 
 def test_every_command_runs_from_an_installed_wheel(tmp_path: Path, tool: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """On the coarsest mesh."""
-    installed, coarse = tool("installed"), " ".join((*COARSE, "--quiet"))
-    commands = {words.replace(installed.COARSE, coarse): code for words, code in installed.COMMANDS.items()}
-    monkeypatch.setattr(installed, "COMMANDS", commands)
-    assert installed.every_command(tmp_path / "environment", tmp_path / "there") == []
+    packages, coarse = tool("packages"), " ".join((*COARSE, "--quiet"))
+    commands = {words.replace(packages.COARSE, coarse): code for words, code in packages.COMMANDS.items()}
+    monkeypatch.setattr(packages, "COMMANDS", commands)
+    assert packages.every_command(tmp_path / "environment", tmp_path / "there") == []
 
 
 @pytest.mark.slow
 # The lower bounds are older than Python 3.14, so without wheels for it.
-@pytest.mark.parametrize("kind", ["--pinned", *(["--lowest"] if sys.version_info < (3, 14) else [])])
+@pytest.mark.parametrize("kind", ["pinned", *(["lowest"] if sys.version_info < (3, 14) else [])])
 def test_the_wheel_runs_outside_the_checkout(kind: str, tmp_path: Path) -> None:
-    command = [sys.executable, str(BENCHMARKS / "installed.py"), kind, str(tmp_path / "environment")]
+    command = [sys.executable, str(BENCHMARKS / "packages.py"), kind, str(tmp_path / "environment")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -35,7 +35,7 @@ from reports.maps.corrections import (
 )
 from reports.maps.laws import MAPS, PUBLISHED, STUDIES, Line, bound, errors, figures, lines, read
 from reports.sweep import load_study
-from scenes import Block, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
+from scenes import Block, Bodies, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -175,7 +175,8 @@ def test_kernel_is_that_of_the_profile() -> None:
 # ------------------------------------------------------------------------------------------------------------ corrections
 def blocks(base: str, height: float, aspect: float) -> Scene:
     """The scene `blocks` at another size."""
-    return pages.blocks(load_scene("blocks"), base, height, aspect)
+    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
+    return load_scene("blocks").vary(bodies=Bodies(lower=block, upper=block))
 
 
 def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:
@@ -388,7 +389,7 @@ FINE = MeshSettings(element_size=0.025, edge_element_size=0.005, growth=0.1)
 # Measured: W -8.8 % (advised -8.1 +- 0.9), p0 +1.73 (+1.8 +- 0.2) of the designer's scene: block, arc and unlike materials at once,
 # in no map. Pads: W -1.472 and -2.519 (-1.473 and -2.525 +- 0.01), p0 +0.246 and +0.440 (+0.23 and +0.40 +- 0.04).
 ADVISED = {
-    "the designer's scene": (pages.designers_scene(), MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.3)),
+    "the designer's scene": (load_scene(pages.DESIGNER), MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.3)),
     "a stiff pad": (without_beta(True, 0.04), FINE),
     "a soft pad": (without_beta(False, 0.04), FINE),
 }

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from reports.charts.marks import Band, Curve, Note
@@ -270,27 +269,12 @@ def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
     canvas = FigureCanvasAgg(drawn)
     drawn.draw_without_rendering()
     width, height = canvas.get_width_height()
-    boxes = [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in texts(drawn)]
+    boxes = [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in drawn.findobj(Text) if text.get_text()]
     for number, (word, box) in enumerate(boxes):
         assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= -1, word
         for other, beside in boxes[number + 1 :]:
             apart = box.x1 - 1 <= beside.x0 or beside.x1 - 1 <= box.x0 or box.y1 - 1 <= beside.y0 or beside.y1 - 1 <= box.y0
             assert apart, (word, other)
-
-
-def texts(figure: Figure) -> list[Text]:
-    """Every text that is drawn: matplotlib keeps labels of ticks beyond the axes too, and all of axes that are switched off."""
-    ticks: list[Text] = []
-    kept: list[Text] = []
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            ticks += [tick.label1 for tick in (*axis.majorTicks, *axis.minorTicks)]
-            if axes.get_visible() and axes.axison:
-                kept += [tick.label1 for tick in axis.get_major_ticks() if low - 1e-9 <= tick.get_loc() <= high + 1e-9]
-    known = {id(text) for text in ticks}
-    rest = [text for text in figure.findobj(Text) if id(text) not in known and (text.axes is None or text.axes.get_visible())]
-    return [text for text in (*rest, *kept) if text.get_text().strip() and text.get_visible()]
 
 
 def test_command(report: PaperReport, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -229,6 +229,22 @@ def test_a_solvers_own_times_are_given_up_for_the_loads_unless_the_mapping_vouch
         score_file(path, Mapping.model_validate({"columns": {"time": "time"}}), HERTZ.scene)
 
 
+@pytest.mark.usefixtures("undiagnosed")
+def test_step_times_that_happen_to_lie_on_the_path_are_named_as_a_likely_cause(tmp_path: Path) -> None:
+    """At constant P the pressure can't tell; a report of Abaqus counts its times within each step."""
+    solution, words = exact("cattaneo-mindlin"), "times counted within each step of the file are a likely cause"
+    path, table = solution.scene.load.path(), rows(solution).drop(columns=["P", "Q"])
+    within = np.repeat(path.cycle_start + path.period * np.linspace(0.1, 0.4, 25), len(X))
+    for own, vouched, told in (
+        (table.assign(time=within), {}, True),
+        (table.assign(time=within), {"columns": {"time": "time"}}, False),
+        (table, {}, False),
+        (table.assign(shear=-table["shear"]), {}, False),  # another fault, which has words of its own
+    ):
+        found = score_file(written(own, tmp_path / "result.csv"), Mapping.model_validate(vouched), solution.scene)
+        assert any(words in sentence for sentence in found.guesses) == told, (vouched, told)
+
+
 def test_times_printed_to_six_digits_still_hold_a_whole_cycle() -> None:
     printed = [float(f"{t:.6g}") for t in HERTZ.time]
     assert printed[0] != HERTZ.time[0]
@@ -773,6 +789,15 @@ def loop_written(path: Path, u, q, head="U,Q", **more):
     np.savetxt(path, np.column_stack([u, q]), delimiter=",", header=head, comments="", fmt="%.9g", **more)
 
 
+def test_units_of_the_headings_are_turned_into_those_of_the_scene(tmp_path):
+    u, q, _ = rows_of(WIDE, 0.5, 200, 2.0)
+    loop_written(tmp_path / "loop.csv", 1e3 * u, q, "U [um],Q [kN/m]")
+    found = read_loop(tmp_path / "loop.csv", Mapping(), WIDE)
+    np.testing.assert_allclose(found.shift, u, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(found.load, q, rtol=1e-7, atol=1e-6)
+    assert "The column 'U [um]' is in um: times 0.001" in found.said
+
+
 def test_the_command_writes_a_page_and_its_json(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     u, q, _ = rows_of(WIDE, 0.5, 2000, 10.0, 0.02)
@@ -802,7 +827,8 @@ LOOP_FAULTS = {
     "no U": ("a,Q", lambda u, q: (u, q), (), "no column for the relative displacement"),
     "no Q": ("U,b", lambda u, q: (u, q), (), "no column for tangential_load"),
     "two Q": ("Q,Ft [N/mm]", lambda u, q: (u, q), (), "no column for the relative displacement"),
-    "other unit": ("U [um],Q", lambda u, q: (u, q), (), "the column 'U [um]' is in um, and the scene in mm: state factors.length"),
+    "unit": ("U [V],Q", lambda u, q: (u, q), (), "the column 'U [V]' is in V, and the scene in mm: state factors.length"),
+    "force": ("U,Q [kN]", lambda u, q: (u, q), (), "the column 'Q [kN]' is in kN, and the scene in N/mm: state factors.load"),
     "too few": ("U,Q", lambda u, q: (u[:20], q[:20]), (), "20 rows are too few for a loop"),
     "no cycle": ("U,Q", lambda u, q: (u[:110], q[:110]), (), "its "),
     "flat": ("U,Q", lambda u, q: (0 * u, q), (), "U is the same in every row"),

@@ -913,9 +913,9 @@ FRD_FAULTS = [
     (f" -1{40:10d}{number(0)}{number(1)}", f" -1{3:10d}{number(0)}{number(1)}", 5, "every node once"),
     (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
     (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
-    (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of an element"),
+    (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of a record"),
     (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
-    (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off, 2 lines into the block"),
+    (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off after 2 of 2 records of block CONTACT"),
     (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
     (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),
 ]

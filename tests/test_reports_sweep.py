@@ -7,7 +7,6 @@ import math
 import os
 import random
 import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -37,9 +36,9 @@ from reports.cli import main
 from reports.comparison import compare
 from reports.sweep import running, solving
 from reports.sweep.page import draw, state_of, write_page
-from reports.sweep.running import SCHEDULER_GONE, Processes, crew_of, prepare, run
+from reports.sweep.running import Processes, prepare, run, workers_of
 from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import STATUS, Claims, Planned, Store, StoreError, at_work, done, read_index
+from reports.sweep.store import STATUS, Locks, Planned, Store, StoreError, done, read_index
 from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
@@ -50,6 +49,7 @@ COARSE = {"mesh.element_size": 0.25, "mesh.edge_element_size": 0.125, "mesh.orde
 BLOCKS = {"scene": "blocks", "engines": ["fe", "exact"], "set": COARSE | {"solver.steps_per_cycle": 24}}
 BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
 STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
+SPAN = {"start": 1, "stop": 2, "count": 300}
 SEVEN = {"axes": [F | {"linear": {"start": 1, "stop": 2, "count": 7}}]}
 
 
@@ -231,7 +231,10 @@ def test_the_figures_are_those_of_the_engines() -> None:
     assert [note for note in answer["record"]["notes"] if note.startswith("half-plane theory: Dundurs' beta = -0.14")]
 
 
-def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone() -> None:
+def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HALFPLANE_CACHE", str(tmp_path))
     asked = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
     solving._scales_of.cache_clear()
     three, one = (asked(axes=[F | {"values": frictions}]) for frictions in ([0.9, 1.5, 3.0], [1.5]))
@@ -309,7 +312,7 @@ def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(mon
 
 
 class Bench(Processes):
-    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die.
+    """Works at once, in this process; `fault` sees the frictions of a task and may let its worker die.
 
     With `at_once` the pool is found broken as a task is handed out.
     """
@@ -340,19 +343,16 @@ class Bench(Processes):
             future.set_exception(fault)
         return future
 
-    def blame(self, fault: BaseException) -> str:
-        return SCHEDULER_GONE if isinstance(fault, CancelledError) else super().blame(fault)
-
 
 Sweep = Callable[..., pd.DataFrame]
 
 
 @pytest.fixture
 def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
-    """Runs seven points into `out`, by a crew."""
+    """Runs seven points into `out`, by a pool."""
 
-    def go(crew: Bench | None = None, folder: str = "out", **changes: Any) -> pd.DataFrame:
-        monkeypatch.setattr(running, "crew_of", lambda **_: crew or Bench())
+    def go(pool: Bench | None = None, folder: str = "out", **changes: Any) -> pd.DataFrame:
+        monkeypatch.setattr(running, "workers_of", lambda **_: pool or Bench())
         return run(study(**SEVEN | changes), tmp_path / folder)
 
     return go
@@ -367,58 +367,53 @@ def values(folder: Path) -> dict[float, float]:
 
 @pytest.fixture
 def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
-    """An undisturbed sweep."""
+    """An undisturbed sweep: each result is that of its point."""
     sweep(folder="truth")
     found = values(tmp_path / "truth")
     assert len(found) == 7
+    for friction in (1.0, 1.5):
+        scene = load_scene("hertz-paper").vary(friction=friction)
+        assert found[friction] == semi_analytic.solve(scene, cycles="steady").dissipation
     return found
 
 
-def test_each_result_is_that_of_its_point(tmp_path: Path, sweep: Sweep) -> None:
-    """Tasks of three points."""
-    crew = Bench()
-    sweep(crew, axes=[F | {"linear": {"start": 1, "stop": 2, "count": 17}}])
-    assert {len(frictions) for frictions in crew.handed} == {3, 2}
-    for friction, work in values(tmp_path / "out").items():
-        assert work == semi_analytic.solve(load_scene("hertz-paper").vary(friction=friction), cycles="steady").dissipation
-
-
-def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
+def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
     deaths = iter([True] * times)
     return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
 
 
 @pytest.mark.parametrize(
     ("fault", "times", "at_once"),
-    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 2, False)],
-    ids=["worker", "pool", "scheduler"],
+    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 1, False)],
+    ids=["worker", "pool", "cancelled"],
 )
 def test_what_dies_costs_nothing(
     fault: type[BaseException], times: int, at_once: bool, tmp_path: Path, truth: dict[float, float], sweep: Sweep
 ) -> None:
-    crew = dying(1.5, times, fault, at_once=at_once)
-    sweep(crew)
+    pool = dying(1.5, times, fault, at_once=at_once)
+    sweep(pool)
     assert values(tmp_path / "out") == truth
-    assert crew.started == 1 + times
-    assert list((tmp_path / "out" / "claims").iterdir()) == []
+    assert pool.started == 1 + times
 
 
 def test_a_point_that_kills_its_worker_fails_alone(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
-    crew = dying(1.5, 99)
-    table = sweep(crew)
-    assert values(tmp_path / "out") == {f: w for f, w in truth.items() if f != 1.5}
+    """Also one of a task of three; and the next sweep tries it again."""
+    pool = dying(1.5, 99)
+    table = sweep(pool, axes=[F | {"linear": {"start": 1, "stop": 2, "count": 19}}])
+    assert {len(frictions) for frictions in pool.handed} == {3, 1}
+    assert values(tmp_path / "out").items() >= {f: w for f, w in truth.items() if f != 1.5}.items()
     [failed] = table[table["status"] == "failed"].to_dict("records")
     assert failed["f"] == 1.5
     assert math.isnan(failed["exact.dissipation"])
     assert "died twice" in failed["reason"]
-    assert [1.5] in crew.handed  # the second time alone
-    sweep()  # and the next sweep tries it again
+    assert pool.handed.count([1.5]) == 1  # the second time alone
+    sweep()
     assert values(tmp_path / "out") == truth
 
 
 def test_what_can_not_go_on_ends_in_a_sentence(tmp_path: Path, sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match="scheduler was lost 6 times"):
-        sweep(dying(1.0, 99, CancelledError))
+    with pytest.raises(OSError, match="no such fault"):  # what is nobody's death passes through
+        sweep(dying(1.0, 1, partial(OSError, "no such fault")))
     monkeypatch.setattr(solving, "code_versions", lambda: {"code": "other"})
     with pytest.raises(InputError, match=r"code is .* here and other there"):
         sweep(folder="mixed")
@@ -429,13 +424,12 @@ def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep
     """After an interrupt, and with more values on an axis."""
     with pytest.raises(KeyboardInterrupt):
         sweep(dying(2.0, 1, KeyboardInterrupt))
-    assert list((tmp_path / "out" / "claims").iterdir()) == []
     assert (tmp_path / "out" / "index.csv").exists()
     kept = values(tmp_path / "out")
     assert 0 < len(kept) < 7
-    crew, idle, wider = Bench(), Bench(), Bench()
-    sweep(crew)
-    assert sum(map(len, crew.handed)) == 7 - len(kept)
+    pool, idle, wider = Bench(), Bench(), Bench()
+    sweep(pool)
+    assert sum(map(len, pool.handed)) == 7 - len(kept)
     sweep(idle)
     assert idle.handed == []
     assert values(tmp_path / "out") == truth
@@ -445,28 +439,27 @@ def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep
 
 
 def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
-    original = solving.exact_alone
+    original = solving.evaluate
 
-    def solve(point: Any) -> Any:
+    def evaluate(point: Any, fe: Any) -> Any:
         if point.scene.friction.coefficient == 1.5:
             raise ArithmeticError("no root")
-        return original(point)
+        return original(point, fe)
 
-    monkeypatch.setattr(solving, "exact_alone", solve)
+    monkeypatch.setattr(solving, "evaluate", evaluate)
     table = sweep()
     assert table["reason"][table["status"] == "failed"].tolist() == ["ArithmeticError: no root"]
     assert len(done(table)) == 6
 
 
-def test_points_that_differ_in_friction_alone_share_their_bodies_and_tasks_hold_each_point_once(tmp_path: Path) -> None:
-    heights = {"name": "h", "keys": ["bodies.lower.height", "bodies.upper.height"], "values": [5.0, 10.0]}
-    prepared = prepare(study(**BLOCKS_FE | {"axes": [heights, F | {"values": [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]}]}), tmp_path)
-    assert [[p.coordinates["h"] for p in group] for group in prepared.groups] == [[5.0] * 7, [10.0] * 7]
-    prepared.store.prepare()
-    handed = running._Sweep(prepared, Bench(), Claims(prepared.store), lambda *_: None, ()).pending
-    assert sorted(point.number for part in handed for point in part) == list(range(14))
-    assert all(len({point.coordinates["h"] for point in part}) == 1 for part in handed)
-    assert len(handed) >= 2 * 4
+def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tmp_path: Path) -> None:
+    for asked, most in ((blocks(**SEVEN | {"figures": ["fe.dissipation"]}), 4), (study(axes=[F | {"linear": SPAN}]), 50)):
+        for width in (1, 2, 100):
+            prepared = prepare(asked, tmp_path)
+            handed = running.tasks_of(prepared, width)
+            assert [point for part in handed for point in part] == list(prepared.points)
+            assert len(handed) >= min(len(prepared.points), 4 * width - 3)
+            assert max(map(len, handed)) <= most
 
 
 @pytest.mark.parametrize("how", ["digit", "cut", "empty", "binary", "swapped"])
@@ -485,10 +478,10 @@ def test_a_damaged_result_is_set_aside_and_made_again(how: str, tmp_path: Path, 
     one.write_bytes(spoilt)
     assert len(values(tmp_path / "truth")) == 6
     assert len(store.damaged()) == 1
-    crew = Bench()
-    sweep(crew, folder="truth")
+    pool = Bench()
+    sweep(pool, folder="truth")
     assert values(tmp_path / "truth") == truth
-    assert sum(map(len, crew.handed)) == 1
+    assert sum(map(len, pool.handed)) == 1
 
 
 @pytest.mark.usefixtures("truth")
@@ -531,7 +524,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
     assert values(out) == truth
 
 
-# ------------------------------------------------------------------------------------------------------------------ claims
+# ------------------------------------------------------------------------------------------------------------------- locks
 
 
 @pytest.fixture
@@ -546,57 +539,42 @@ def store(tmp_path: Path) -> Store:
 
 
 def test_a_point_of_a_living_sweep_is_left_to_it_and_one_of_a_dead_sweep_is_taken(store: Store) -> None:
-    words = "import sys, time\nfrom pathlib import Path\nfrom reports.sweep.store import Claims, Store\n"
-    words += f"claims = Claims(Store(Path(sys.argv[1])))\nprint(claims.take('{3:064x}'), flush=True)\ntime.sleep(60)"
+    third, fourth = ("3" * 64, "4" * 64)
+    words = "import sys, time\nfrom pathlib import Path\nfrom reports.sweep.store import Locks, Store\n"
+    words += f"locks = Locks(Store(Path(sys.argv[1])))\nprint(locks.take('{third}'), flush=True)\ntime.sleep(60)"
     owner = subprocess.Popen([sys.executable, "-c", words, store.folder], stdout=subprocess.PIPE, text=True, cwd=ROOT)
-    ours, other = Claims(store), Claims(store)
+    ours = Locks(store)
     try:
         assert owner.stdout is not None
         assert owner.stdout.readline() == "True\n"
-        assert not ours.take(f"{3:064x}")
-        assert ours.take(f"{4:064x}")
-        assert ours.take(f"{4:064x}")
-        assert not other.take(f"{4:064x}")
-        assert store.running() == {f"{3:064x}", f"{4:064x}"}
+        assert [ours.take(third), ours.take(fourth), ours.take(fourth)] == [False, True, True]
+        assert ours.others([third, fourth]) == {third}
     finally:
         owner.kill()
         owner.communicate()
-    assert ours.take(f"{3:064x}")
-    other.drop_all()
-    assert store.running() == {f"{3:064x}", f"{4:064x}"}
-    ours.drop_all()
-    store.prepare()  # what the dead sweep left
-    assert list(store.claims.iterdir()) == []
+    assert ours.take(third)
+    ours.close()
+    assert ours.take(third)  # and counts for nothing
 
 
-@pytest.mark.parametrize("instead", ["nothing", "a file"])
-def test_a_claim_is_let_go_of_though_the_store_is_gone(instead: str, store: Store) -> None:
-    """Else this fault hides the one that ended the sweep, with what it says of resuming."""
-    claims = Claims(store)
-    assert claims.take(f"{0:064x}")
-    shutil.rmtree(store.folder)
-    if instead == "a file":
-        store.folder.write_text("mine")
-    claims.drop_all()
-    assert store.running() == set()
-    assert not at_work(store.claims / f"{0:064x}")
-
-
-@pytest.mark.parametrize("lacks", ["locks", "links"])
-def test_without_locks_or_links_claims_hold_nobody_up(lacks: str, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    if lacks == "locks":
-        monkeypatch.setattr("reports.staging.fcntl", None)
-    else:
-        monkeypatch.setattr(Path, "symlink_to", raising(OSError(errno.EOPNOTSUPP, "Operation not supported")))
-    one, other = Claims(store), Claims(store)
-    assert one.take(f"{0:064x}")
-    assert other.take(f"{0:064x}")
-    assert store.running() == set()
+@pytest.mark.parametrize("lacks", ["locks", "a file for them", "a system that locks"])
+def test_without_locks_nobody_is_held_up(lacks: str, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    match lacks:
+        case "locks":
+            monkeypatch.setattr("fcntl.lockf", raising(OSError(errno.ENOLCK, "No locks available")))
+        case "a file for them":
+            (store.folder / "locks").unlink()
+        case _:
+            monkeypatch.setattr("reports.sweep.store.fcntl", None)
+    locks = Locks(store)
+    assert locks.take(f"{0:064x}")
+    assert locks.others([f"{0:064x}"]) == set()
+    locks.close()
 
 
 def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between the table and the times of its results: set aside by another process, or removed."""
-    monkeypatch.setattr(Store, "running", lambda asked: asked.path(f"{1:064x}").unlink() or set())
+    monkeypatch.setattr(Locks, "others", lambda *_: store.path(f"{1:064x}").unlink() or set())
     assert state_of(store)["points"] == {"done": 3, "failed": 0, "running": 0, "waiting": 0, "total": 3}
 
 
@@ -607,13 +585,13 @@ def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
     for number in range(3):
         os.utime(store.path(f"{number:064x}"), (0, 1000 + 10 * number))
     assert state_of(store)["seconds_left"] is None  # nobody is at work
-    monkeypatch.setattr(Store, "running", lambda _: {f"{5:064x}"})
+    monkeypatch.setattr(Locks, "others", lambda *_: {f"{5:064x}"})
     found = state_of(store)
     assert found["points"] == {"done": 3, "failed": 0, "running": 1, "waiting": 4, "total": 8}
     assert found["seconds_left"] == pytest.approx(5 * 10)
 
 
-# -------------------------------------------------------------------------------------------------------- crews and Ctrl-C
+# ------------------------------------------------------------------------------------------------------ workers and Ctrl-C
 
 
 @pytest.mark.parametrize(
@@ -628,21 +606,21 @@ def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
 )
 def test_options_that_do_not_fit_are_a_sentence(options: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        crew_of(**options)
+        workers_of(**options)
 
 
 def test_workers_hear_no_ctrl_c_from_birth() -> None:
     """A terminal sends it to them too: one that came while they were born ended in their tracebacks."""
-    crew = Processes(1)
-    crew.start()
+    pool = Processes(1)
+    pool.start()
     try:
-        assert signal.SIGINT in crew.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
+        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
     finally:
-        crew.stop(at_once=True)
+        pool.stop(at_once=True)
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
-def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_path: Path, sweep: Sweep) -> None:
+def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(sweep: Sweep) -> None:
     """Raised amid the locks of a pool, it left one locked now and then: the program never ended."""
     stopped, rounds = [], []
 
@@ -662,7 +640,6 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_pat
     with pytest.raises(KeyboardInterrupt):
         sweep(Busy())
     assert (rounds, stopped) == (["born"], [True])
-    assert list((tmp_path / "out" / "claims").iterdir()) == []
 
 
 # ------------------------------------------------------------------------------------------------- pages, pictures, notes
@@ -671,7 +648,7 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_pat
 def test_neglected_coupling_is_noted_in_store_table_and_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(running, "crew_of", lambda **_: Bench())
+    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
     axes = [F | {"key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
     (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes}), encoding="utf-8")
     note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
@@ -780,7 +757,6 @@ def same(home: Path, name: str, study: str = "study") -> None:
     assert len(found) == (8 if study == "blocks" else POINTS)
     lines = (home / name / "index.csv").read_text(encoding="utf-8").splitlines()
     assert [line.split(",")[0] for line in lines[1:]] == [str(number) for number in range(len(wanted))]
-    assert Store(home / name).running() == set()
     assert Store(home / name).damaged() == []
 
 
@@ -803,7 +779,6 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
             time.sleep(0.1)
         if how != signal.SIGKILL:
             assert f"halfplane sweep study.toml --workers 2 --out {store.name}" in err
-            assert list((store / "claims").iterdir()) == []
         assert kept < results(store) < POINTS
         kept = results(store)
     out, _ = finish(sweeping(home, "study.toml", "--out", "nine"))
@@ -813,23 +788,31 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
 
 @pytest.mark.slow
 def test_two_sweeps_at_once_on_one_store_and_one_more_that_is_killed(home: Path) -> None:
-    """None computed twice while its sweep lives; status and page are seen meanwhile."""
-    clients = [sweeping(home, "study.toml", "--out", "two", "--workers", "1") for _ in range(3)]
-    until(lambda: results(home / "two") >= 60, clients[0])
-    for client in clients:  # alive, so that their points are theirs; else a slow machine reads the state after the last point
-        client.send_signal(signal.SIGSTOP)
+    """None computed twice while its sweep lives; status and page are seen meanwhile.
+
+    The first is held still while it has points, so that the others meet them however slow the machine is.
+    """
+    words = ("study.toml", "--out", "two", "--workers", "1")
+    first = sweeping(home, *words)
+    until(lambda: results(home / "two") >= 1, first)
+    first.send_signal(signal.SIGSTOP)
+    before = results(home / "two")
+    second, third = sweeping(home, *words), sweeping(home, *words)
+    until(lambda: results(home / "two") > before, second)
+    third.kill()
+    third.communicate()
     found = json.loads(finish(sweeping(home, "status", "two", "--json"))[0])["result"]["points"]
-    assert found["done"] >= 60
+    assert found["done"] > before
     assert found["running"] > 0
     assert found["done"] + found["running"] + found["waiting"] == found["total"] == POINTS
     finish(sweeping(home, "report", "two"))
-    for client in clients:
-        client.send_signal(signal.SIGCONT)
     assert "<svg" in (home / "two" / "sweep.html").read_text(encoding="utf-8")
-    clients[2].kill()
-    clients[2].communicate()
-    errors = [finish(client)[1] for client in clients[:2]]
-    assert any("done by another sweep" in err for err in errors)
+    until(lambda: results(home / "two") > POINTS // 2, second)
+    time.sleep(5)
+    assert results(home / "two") < POINTS  # the second waits for the first
+    first.send_signal(signal.SIGCONT)
+    finish(first)
+    assert "done by another sweep" in finish(second)[1]
     same(home, "two")
 
 
@@ -902,6 +885,7 @@ def cluster(home: Path) -> Iterator[Cluster]:
 @needs_dask
 @pytest.mark.parametrize("who", ["scheduler", "worker"])
 def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, cluster: Cluster) -> None:
+    """A scheduler that is gone ends the sweep in a sentence, and the next run resumes it."""
     client = cluster.client(who)
     until(lambda: results(cluster.home / who) >= 50, client)
     if who == "worker":
@@ -909,10 +893,11 @@ def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, clu
     else:
         cluster.scheduler.kill()
         cluster.scheduler.wait()
-        time.sleep(1)
+        assert "the scheduler is gone; see to it, then start the sweep again" in finish(client, code=2)[1]
+        assert 50 <= results(cluster.home / who) < POINTS
         cluster.scheduler = cluster.schedule()
-    _, err = cluster.tended(client)
-    assert ("the scheduler is gone" in err) is (who == "scheduler")
+        client = cluster.client(who)
+    cluster.tended(client)
     same(cluster.home, who, "light")
 
 

@@ -365,7 +365,7 @@ def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> N
     assert loaded[:, 1].max() == pytest.approx(100.0)
     assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
     assert third.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
-    assert set(third.kept_json(third.ROLLER)) == set(third.ROLLERS)
+    assert set(third.stored(third.ROLLER)) == set(third.ROLLERS)
 
 
 def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:

@@ -1,12 +1,10 @@
-"""A report: strict JSON, a page that needs no network and runs no word from outside; PDF, notebook, charts."""
+"""A report: strict JSON, a page that needs no network and runs no word from outside; notebook, charts."""
 
 import csv
-import importlib.util
 import io
 import json
 import shutil
 import subprocess
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -18,21 +16,20 @@ from PIL import Image
 import semi_analytic
 from reports import Report, compare, write
 from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
-from reports.charts.plate import Cell, Key, Panel, Plate, arranged, stacks
-from reports.charts.publication import drawn, figure_of, write_plots
+from reports.charts.plate import Cell, Key, Panel, Plate, stacks
+from reports.charts.publication import drawn, write_plots
 from reports.charts.style import marked, style_of
 from reports.charts.table import harmless, table_text
 from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
 from reports.folder import MANIFEST
-from reports.page import pdf
-from reports.page.writing import draw
+from reports.page.figures import draw
 from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
-from scenes import InputError, Scene, load_scene, scene_names
+from scenes import Scene, load_scene, scene_names
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
@@ -209,32 +206,6 @@ def test_page_has_every_figure_with_words_for_it(page: Page) -> None:
     assert len(identities) == len(set(identities))
 
 
-class TestPdf:
-    """Made where typst is, refused in a sentence where it is not, words from outside as data and never as typst's language."""
-
-    def test_without_typst_the_extra_is_named(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(pdf, "find_spec", lambda name: None)
-        with pytest.raises(InputError, match=r"--pdf: it needs typst.*halfplane\[pdf\]"):
-            pdf.require_typst()
-
-    @pytest.mark.skipif(importlib.util.find_spec("typst") is None, reason="typst is not installed: pip install -e .[pdf]")
-    def test_a_pdf_is_written_beside_the_page_whatever_the_words(self, folder: Path, tmp_path: Path) -> None:
-        nasty = '#panic("typst read this") $x$ *b* `code` <label> @ref \\ // </text>'
-        truth = replace(TRUTH, scene=TRUTH.scene.vary(name=nasty, title=nasty, purpose=nasty))
-        comparison = compare(truth, with_fields(truth, shear=0.99 * truth.shear, engine=nasty))
-        write(comparison, tmp_path / "out", command=nasty, pdf=True)
-        content = (tmp_path / "out" / "report.pdf").read_bytes()
-        assert content.startswith(b"%PDF-")
-        assert len(content) > 50_000
-        assert not (folder / "report.pdf").exists()
-        # Of real bodies without a tolerance nothing is judged: it was an internal error.
-        blocks = with_fields(TRUTH, scene=TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={}))
-        unjudged = compare(blocks, blocks)
-        assert unjudged.verdict is None
-        write(unjudged, tmp_path / "open", pdf=True)
-        assert (tmp_path / "open" / "report.pdf").is_file()
-
-
 class TestNotebook:
     """Well-formed HTML in which every word from outside is escaped."""
 
@@ -386,26 +357,23 @@ def test_a_figure_alone_is_xml_with_its_words_and_its_colours() -> None:
 
 
 def test_files_of_publication_quality_are_of_the_same_figure(tmp_path: Path) -> None:
+    """A block, a dashed line and the map's pixels are where the SVG document has them, nested documents and clips included."""
     names = write_plots([plate("one")], tmp_path / "plots", ("pdf", "svg", "png"))
     assert names == ["one.pdf", "one.svg", "one.png"]
     assert (tmp_path / "plots" / "one.pdf").read_bytes().startswith(b"%PDF-")
-    assert ET.parse(tmp_path / "plots" / "one.svg").getroot().tag.endswith("svg")
-    image = Image.open(tmp_path / "plots" / "one.png").convert("RGB")
-    paper = arranged(plate())
-    assert image.size == pytest.approx((paper.width / 96 * 200, paper.height / 96 * 200), abs=2)
-    colours = {colour for _, colour in image.getcolors(10**7) or []}
-    assert {(0x12, 0x34, 0x56), (255, 0, 0), (0, 255, 0), (0xD5, 0x5E, 0x00)} <= colours
-    assert drawn(plate("one"), ("svg",))["svg"] == (tmp_path / "plots" / "one.svg").read_bytes()
-
-
-def test_both_engines_put_the_axes_at_one_place() -> None:
-    figure, paper = figure_of(plate()), arranged(plate())
-    for axes, (panel, left, top) in zip(figure.axes, paper.panels, strict=True):
-        a, b, c, d = panel.frame.box
-        box = axes.get_position()
-        found = (box.x0 * paper.width, (1 - box.y1) * paper.height, box.x1 * paper.width, (1 - box.y0) * paper.height)
-        assert found == pytest.approx((left + a, top + b, left + c, top + d))
-        assert axes.get_xlim() == pytest.approx((panel.x.low, panel.x.high))
+    text = (tmp_path / "plots" / "one.svg").read_bytes()
+    assert drawn(plate("one"), ("svg",))["svg"] == text == plate("one").svg().encode()
+    document, image = ET.fromstring(text), Image.open(tmp_path / "plots" / "one.png").convert("RGB")
+    size = tuple(float(document.attrib[side]) * 200 / 96 for side in ("width", "height"))
+    assert image.size == pytest.approx(size, abs=2)
+    places = (("plain", (0.205, 0.29), (0x12, 0x34, 0x56)), ("map", (0.1, 0.9), (0, 255, 0)), ("map", (0.9, 0.9), (255, 0, 0)))
+    for panel, (x, y), colour in places:
+        shown = next(one for one in plate().svg().split("<svg")[2:] if f"clip-{panel}" in one)
+        left, top = (float(shown.partition(f' {side}="')[2].partition('"')[0]) for side in "xy")
+        frame = next(one.frame for stack in stacks(plate()) for one in stack if one.name == panel)
+        at = (left + float(frame.x.place(x)), top + float(frame.y.place(y)))
+        assert image.getpixel(tuple(round(v * 200 / 96) for v in at)) == colour
+    assert (0xD5, 0x5E, 0x00) in {colour for _, colour in image.getcolors(10**7) or []}
 
 
 def test_every_figure_of_a_report_can_be_published_and_stands_alone(tmp_path: Path) -> None:
@@ -413,7 +381,7 @@ def test_every_figure_of_a_report_can_be_published_and_stands_alone(tmp_path: Pa
     plates = draw(Report(compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))))
     assert write_plots(plates, tmp_path, ("svg",)) == [f"{plate.name}.svg" for plate in plates]
     for plate in plates:
-        assert (tmp_path / f"{plate.name}.svg").stat().st_size > 3000
+        assert (tmp_path / f"{plate.name}.svg").stat().st_size > 2000
         alone = plate.svg()
         assert ET.fromstring(alone).tag.endswith("svg")
         assert not [word for word in ("var(", "<use", "class=", "data-", "{{") if word in alone.replace("data:image/png", "")]

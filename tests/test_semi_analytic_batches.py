@@ -407,7 +407,7 @@ def test_bad_parameters_are_the_members_own():
 
 
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
-    monkeypatch.setattr(steady_ellipse, "_SETTLED", (-1.0, -1.0))
+    monkeypatch.setattr(steady_ellipse, "_SETTLED", -1.0)
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
     assert np.isnan(batch.value[0])

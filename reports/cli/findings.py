@@ -23,34 +23,27 @@ from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
 # What this version writes. The numbers 1 and 2 of each are read.
-BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
+_BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST = 2
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
 COUNTS = (
-    "degrees of freedom",
-    "contact nodes",
-    "steps solved",
-    "contact iterations",
-    "linear solves",
-    "factorisations",
-    "slip quadratures",
-    "quadrature nodes",
+    *("degrees of freedom", "contact nodes", "steps solved", "contact iterations", "linear solves", "factorisations"),
+    *("slip quadratures", "quadrature nodes"),
 )
-# Of scenes with bulk stress, tilt or unequal sides.
-OF_BULK = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
-OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
+_OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
+_OF_BULK = ("bulk_work", "permanent_stick_left", "permanent_stick_right")  # of scenes with bulk stress, tilt or unequal sides
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
-DEFAULTS: tuple[tuple[str, float], ...] = (
+_DEFAULTS: tuple[tuple[str, float], ...] = (
     ("*.counts.*", 0.05),  # rounding decides whether an increment is halved, and the next ones follow
     ("metric.*", 1e-6),
     ("semi_analytic.*", 1e-9),
     ("*", 1e-6),
 )
 # Of two mirrored peaks rounding says which is the larger: the place of a peak is compared without its sign.
-MIRRORED = "metric.*_place"
+_MIRRORED = "metric.*_place"
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
-NOTHING = 1e-6
+_NOTHING = 1e-6
 SAME, DIFFERS, ONLY_A, ONLY_B = "same", "differs", "only in A", "only in B"
 
 
@@ -90,16 +83,19 @@ def read_findings(source: str | Path) -> Findings:
     path = Path(source)
     if not path.exists():
         raise InputError(f"{source}: there is no such file or folder")
-    if path.is_dir():
-        return _of_folder(path, str(source))
-    if path.suffix == ".nc":
-        return of_solution(_solution(path, source), str(source))
-    return of_content(_json(path, source), str(source))
+    if path.is_dir() and not (path / "comparison.json").exists():
+        return _of_answers(path, str(source))
+    if path.suffix != ".nc":
+        return of_content(_json(path / "comparison.json" if path.is_dir() else path, source), str(source))
+    try:
+        return of_solution(ContactSolution.load(path), str(source))
+    except (OSError, KeyError, ValueError, TypeError) as reason:
+        raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
     """The findings in what comparison.json, <engine>.json or a baseline hold."""
-    readers = {"baseline": _of_baseline, "comparison": _of_comparison, "solution": _of_answers}
+    readers = {"baseline": _of_baseline, "comparison": _of_comparison, "solution": _of_answer}
     stated = content.get("format")
     found = _FORMAT.fullmatch(stated) if isinstance(stated, str) else None
     if found is None:
@@ -118,8 +114,7 @@ def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
     from reports.comparison.content import solution_content, strict
 
-    content = strict(solution_content(solution, ()))
-    return _of_answers({**content, "scene": solution.scene.model_dump(mode="json")}, source)
+    return _of_answer({**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}, source)
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
@@ -132,65 +127,52 @@ def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, floa
     """
     if findings.unfinished:
         raise InputError(f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}")
-    content = {
-        "format": BASELINE,
-        "scene": findings.scene.model_dump(mode="json"),
-        "engines": findings.engines,
-        "tolerances": dict(tolerances),
-        "figures": findings.figures,
-    }
+    content = {"format": _BASELINE, "scene": findings.scene.model_dump(mode="json"), "engines": findings.engines}
+    content |= {"tolerances": dict(tolerances), "figures": findings.figures}
     replace_text(path, json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
 
 
-def physics(scene: Scene) -> dict[str, Any]:
-    """Every number and word of a scene that moves its answer, flat: "load.kind", "load.cycle[0][1]".
-
-    >>> from scenes import load_scene
-    >>> physics(load_scene("cattaneo-mindlin"))["load.cycle[0][0]"]
-    90.62286500739786
-    """
-    content = {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS}
-    return flat(content)
+def is_baseline(path: Path) -> bool:
+    """Whether a file says that it is a baseline, whole or spoilt."""
+    if not path.is_file():
+        return False
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return "halfplane baseline " in file.read(200)
 
 
-def flat(value: Any, name: str = "") -> dict[str, Any]:
-    """Nested mappings and lists as one mapping.
-
-    >>> flat({"load": {"cycle": [[1.0, 0.5]]}})
-    {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
-    """
-    if isinstance(value, Mapping):
-        # A file's rows are here; where they once lay is nobody's business.
-        entries = [(f"{name}.{key}" if name else str(key), entry) for key, entry in value.items() if key != "file"]
-    elif isinstance(value, list):
-        entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
-    else:
-        return {name: value}
-    return {key: part for entry_name, entry in entries for key, part in flat(entry, entry_name).items()}
+def _json(path: Path, source: str | Path) -> dict[str, Any]:
+    try:
+        content = parsed_json(text_of(path, "the file"))
+    except InputError:
+        raise
+    except ValueError as reason:
+        raise InputError(f"{source}: this can't be read as JSON: {first_line(reason)}") from reason
+    if not isinstance(content, dict):
+        raise InputError(f"{source}: this is JSON, but neither a run nor a baseline of halfplane")
+    return content
 
 
-def _of_folder(folder: Path, source: str) -> Findings:
-    if (folder / "comparison.json").exists():
-        return of_content(_json(folder / "comparison.json", source), source)
-    answers = [
-        content
-        for path in sorted(folder.glob("*.json"))
-        if str((content := _json(path, path)).get("format")).startswith("halfplane solution ")
-    ]
-    finished = [content for content in answers if content["converged"]]
+def _of_answers(folder: Path, source: str) -> Findings:
+    """Of a folder with engines' own answers."""
+    contents = [_json(path, path) for path in sorted(folder.glob("*.json"))]
+    answers = [content for content in contents if str(content.get("format")).startswith("halfplane solution ")]
     if not answers:
         raise InputError(f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an engine")
-    if not finished:
+    parts = [of_content(content, source) for content in answers if content["converged"]]
+    if not parts:
         raise InputError(f"{source}: it holds only the steps before an engine failed: {answers[0].get('message')}")
-    parts = [of_content(content, source) for content in finished]
-    if any(physics(part.scene) != physics(parts[0].scene) for part in parts):
+    if any(_physics(part.scene) != _physics(parts[0].scene) for part in parts):
         raise InputError(f"{source}: the engines in this folder answer different scenes; name the file of one of them")
-    return Findings(
-        source,
-        parts[0].scene,
-        {key: value for part in parts for key, value in part.figures.items()},
-        {key: value for part in parts for key, value in part.engines.items()},
-    )
+    return _together(source, parts, {})
+
+
+def _together(source: str, parts: Sequence[Findings], figures: Mapping[str, float | None]) -> Findings:
+    """Findings of several engines, after other figures of the same scene."""
+    whole, engines = dict(figures), dict[str, Mapping[str, Any]]()
+    for part in parts:
+        whole |= part.figures
+        engines |= part.engines
+    return Findings(source, parts[0].scene, whole, engines, tuple(words for part in parts for words in part.unfinished))
 
 
 def _of_baseline(content: Mapping[str, Any], source: str) -> Findings:
@@ -209,19 +191,13 @@ def _of_comparison(content: Mapping[str, Any], source: str) -> Findings:
     metrics |= {f"metric.{key}.finite": 0.0 for key, metric in content["metrics"].items() if not metric["finite"]}
     answers = {role: content[role] for role in ("reference", "result")}
     same = answers["reference"]["engine"] == answers["result"]["engine"]
-    parts = [_of_answers({**answer, "scene": content["scene"]}, source, role if same else "") for role, answer in answers.items()]
-    return Findings(
-        source,
-        parts[0].scene,
-        metrics | {key: value for part in parts for key, value in part.figures.items()},
-        {name: engine for part in parts for name, engine in part.engines.items()},
-        tuple(sentence for part in parts for sentence in part.unfinished),
-    )
+    parts = [_of_answer({**answer, "scene": content["scene"]}, source, role if same else "") for role, answer in answers.items()]
+    return _together(source, parts, metrics)
 
 
-def _of_answers(content: Mapping[str, Any], source: str, name: str = "") -> Findings:
+def _of_answer(content: Mapping[str, Any], source: str, name: str = "") -> Findings:
     name = name or _slug(content["engine"])
-    figures = {f"{name}.{key}": _number(content[key]) for key in (*OF_AN_ENGINE, *(key for key in OF_BULK if key in content))}
+    figures = {f"{name}.{key}": _number(content[key]) for key in (*_OF_AN_ENGINE, *(key for key in _OF_BULK if key in content))}
     figures |= {f"{name}.counts.{_slug(key)}": _number(content["counts"][key]) for key in COUNTS if key in content["counts"]}
     return Findings(
         source,
@@ -239,31 +215,29 @@ def _number(value: Any) -> float | None:
 
 
 def _slug(text: str) -> str:
-    """A key without blanks, which would have to be quoted on a command line.
-
-    >>> _slug("contact iterations")
-    'contact_iterations'
-    """
+    """A key without blanks, which would have to be quoted on a command line."""
     return re.sub(r"\W+", "_", text)
 
 
-def _json(path: Path, source: str | Path) -> dict[str, Any]:
-    try:
-        content = parsed_json(text_of(path, "the file"))
-    except InputError:
-        raise
-    except ValueError as reason:
-        raise InputError(f"{source}: this can't be read as JSON: {first_line(reason)}") from reason
-    if not isinstance(content, dict):
-        raise InputError(f"{source}: this is JSON, but neither a run nor a baseline of halfplane")
-    return content
+def _physics(scene: Scene) -> dict[str, Any]:
+    """Every number and word of a scene that moves its answer."""
+    return _flat({key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS})
 
 
-def _solution(path: Path, source: str | Path) -> ContactSolution:
-    try:
-        return ContactSolution.load(path)
-    except (OSError, KeyError, ValueError, TypeError) as reason:
-        raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
+def _flat(value: Any, name: str = "") -> dict[str, Any]:
+    """Nested mappings and lists as one mapping.
+
+    >>> _flat({"load": {"cycle": [[1.0, 0.5]]}})
+    {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
+    """
+    if isinstance(value, Mapping):
+        # A file's rows are here; where they once lay is nobody's business.
+        entries = [(f"{name}.{key}" if name else str(key), entry) for key, entry in value.items() if key != "file"]
+    elif isinstance(value, list):
+        entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
+    else:
+        return {name: value}
+    return {key: part for entry_name, entry in entries for key, part in _flat(entry, entry_name).items()}
 
 
 # -------------------------------------------------------------------------------------------------------------- differences
@@ -323,17 +297,39 @@ def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None 
     InputError
         For different scenes, no common engine, or a pattern that fits no key.
     """
-    _refuse_other_scene(a, b)
-    shared = _groups(a) & _groups(b)
-    keys = [key for key in {**a.figures, **b.figures} if _group(key) in shared]
+    if apart := _apart(_physics(a.scene), _physics(b.scene)):
+        named = "; ".join(f"{key} is {ours} and {theirs}" for key, ours, theirs in apart[:6])
+        more = f"; and {len(apart) - 6} more" if len(apart) > 6 else ""
+        raise InputError(f"{a.source} and {b.source} answer different scenes: {named}{more}")
+    # What a figure belongs to, the comparison or an engine, is the first word of its key.
+    groups = [{key.partition(".")[0] for key in one.figures} for one in (a, b)]
+    keys = [key for key in {**a.figures, **b.figures} if key.partition(".")[0] in groups[0] & groups[1]]
     if not keys:
-        raise InputError(f"{a.source} and {b.source} have no figure in common: {_engines(a)} and {_engines(b)}")
+        engines = (" and ".join(one.engines) or "no engine" for one in (a, b))
+        raise InputError(f"{a.source} and {b.source} have no figure in common: {' and '.join(engines)}")
     for pattern in tolerances or {}:
         if not any(fnmatchcase(key, pattern) for key in keys):
             raise InputError(f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}")
-    patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *DEFAULTS]
+    patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *_DEFAULTS]
     rows = tuple(_row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern))) for key in keys)
-    return Difference(a.source, b.source, a.scene.name or b.scene.name, rows, tuple(_notes(a, b)))
+    notes = [f"not compared, for it is only in A: {group}.*" for group in sorted(groups[0] - groups[1])]
+    notes += [f"not compared, for it is only in B: {group}.*" for group in sorted(groups[1] - groups[0])]
+    return Difference(a.source, b.source, a.scene.name or b.scene.name, rows, (*notes, *_notes(a, b)))
+
+
+def _apart(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
+    """Keys whose values are not the same, with both."""
+    pairs = ((key, ours.get(key, "absent"), theirs.get(key, "absent")) for key in {**ours, **theirs})
+    return [pair for pair in pairs if pair[1] != pair[2]]
+
+
+def _notes(a: Findings, b: Findings) -> Iterator[str]:
+    """What moves figures without being one (settings, versions), and engines that did not converge."""
+    for engine in sorted(a.engines.keys() & b.engines.keys()):
+        for key, ours, theirs in _apart(_flat(a.engines[engine]), _flat(b.engines[engine])):
+            yield f"{engine}: {key} is {ours} in A and {theirs} in B"
+    for letter, findings in (("A", a), ("B", b)):
+        yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 
 
 def tolerances_of(words: Sequence[str]) -> dict[str, float]:
@@ -344,37 +340,15 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
     """
     found = {}
     for word in words:
-        key, equals, text = word.rpartition("=")
+        key, _, text = word.rpartition("=")
         try:
             value = float(text)
         except ValueError:
             value = math.nan
-        if not (equals and key and value >= 0):
+        if not (key and value >= 0):
             raise InputError(f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)")
         found[key] = value
     return found
-
-
-def _refuse_other_scene(a: Findings, b: Findings) -> None:
-    ours, theirs = physics(a.scene), physics(b.scene)
-    apart = [key for key in {**ours, **theirs} if ours.get(key) != theirs.get(key)]
-    if apart:
-        named = "; ".join(f"{key} is {ours.get(key, 'absent')} and {theirs.get(key, 'absent')}" for key in apart[:6])
-        more = f"; and {len(apart) - 6} more" if len(apart) > 6 else ""
-        raise InputError(f"{a.source} and {b.source} answer different scenes: {named}{more}")
-
-
-def _group(key: str) -> str:
-    """What a figure belongs to: the comparison, or an engine."""
-    return key.partition(".")[0]
-
-
-def _groups(findings: Findings) -> set[str]:
-    return {_group(key) for key in findings.figures}
-
-
-def _engines(findings: Findings) -> str:
-    return " and ".join(findings.engines) or "no engine"
 
 
 def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
@@ -384,38 +358,11 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
         return Row(key, first, second, None, kind, tolerance, ONLY_A if key in a.figures else ONLY_B)
     if first is None or second is None:
         return Row(key, first, second, None, kind, tolerance, SAME if first is second else DIFFERS)
-    size = 1.0 if kind == "absolute" else max(abs(first), abs(second), _floor(key, a))
-    change = abs(second) - abs(first) if fnmatchcase(key, MIRRORED) else second - first
+    engine, _, quantity = key.partition(".")
+    size = 1.0 if kind == "absolute" else max(abs(first), abs(second))
+    if kind == "relative" and quantity in ("dissipation", "loop_work", "bulk_work"):
+        load = (a.figures[f"{engine}.largest_pressure"] or 0.0) * (a.figures[f"{engine}.largest_half_width"] or 0.0)
+        size = max(size, _NOTHING * energy_scale(a.scene, load))
+    change = abs(second) - abs(first) if fnmatchcase(key, _MIRRORED) else second - first
     apart = change / size if change else 0.0
     return Row(key, first, second, apart, kind, tolerance, SAME if verdict_on(apart, tolerance) is Verdict.WITHIN else DIFFERS)
-
-
-def _floor(key: str, findings: Findings) -> float:
-    """What a dissipation is at least taken relative to [energy / thickness]; 0 for all else."""
-    engine, _, quantity = key.partition(".")
-    if quantity not in ("dissipation", "loop_work", "bulk_work"):
-        return 0.0
-    load = (findings.figures[f"{engine}.largest_pressure"] or 0.0) * (findings.figures[f"{engine}.largest_half_width"] or 0.0)
-    return NOTHING * energy_scale(findings.scene, load)
-
-
-def _notes(a: Findings, b: Findings) -> Iterator[str]:
-    """What is not compared, what moves figures without being one (settings, versions), engines that did not converge."""
-    for letter, more, less in (("A", a, b), ("B", b, a)):
-        for group in sorted(_groups(more) - _groups(less)):
-            yield f"not compared, for it is only in {letter}: {group}.*"
-    for engine in sorted(a.engines.keys() & b.engines.keys()):
-        ours, theirs = flat(a.engines[engine]), flat(b.engines[engine])
-        for key in {**ours, **theirs}:
-            if ours.get(key) != theirs.get(key):
-                yield f"{engine}: {key} is {ours.get(key, 'absent')} in A and {theirs.get(key, 'absent')} in B"
-    for letter, findings in (("A", a), ("B", b)):
-        yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
-
-
-def is_baseline(path: Path) -> bool:
-    """Whether a file says that it is a baseline, whole or spoilt."""
-    if not path.is_file():
-        return False
-    with path.open(encoding="utf-8", errors="replace") as file:
-        return "halfplane baseline " in file.read(200)

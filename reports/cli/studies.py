@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _SHOWN, _NOTES = 20, 3
 
 sweep_app = App(name="sweep", help_epilogue="", group_commands=Group("Of a sweep that is there"))
-Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
+_Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
 
 
 @Parameter(name="*")
@@ -53,14 +53,14 @@ def sweep(
 def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict[str, Any] | None]:
     """Run a study, or resume it: the exit code, and how far it is. Without `tell` nothing is printed on stdout."""
     from reports.folder import claim, default_folder
-    from reports.sweep.running import crew_of, prepare, work
+    from reports.sweep.running import prepare, work, workers_of
     from reports.sweep.store import StoreError
     from reports.sweep.study import described
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
     workers = {name: getattr(options, name) for name in ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")}
-    crew_of(**workers)
+    workers_of(**workers)
     with stages.stage("checking the study", "points") as report:
         prepared = prepare(source, folder, lambda count: report(count, None, f"{count} points checked"))
     if tell and not options.json:
@@ -98,12 +98,10 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict
 
 
 def _announce(prepared: Prepared) -> None:
-    study, points, stored = prepared.study, len(prepared.points), len(prepared.points) - prepared.waiting
+    study, points, waiting = prepared.study, len(prepared.points), len(prepared.waiting)
     say(f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}")
-    if "fe" in study.engines and study.share_condensations and prepared.groups:
-        say(f"{len(prepared.groups)} groups of points share their condensed bodies")
-    if stored:
-        say(f"{stored} points have results already, {prepared.waiting} are left")
+    if waiting < points:
+        say(f"{points - waiting} points have results already, {waiting} are left")
     if damaged := prepared.store.damaged():
         say(f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}")
 
@@ -116,7 +114,7 @@ def _content(store: Store) -> dict[str, Any]:
 
 
 @sweep_app.command(help_epilogue="")
-def status(folder: Folder, /, *, json: Json = False) -> int:
+def status(folder: _Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
     from reports.sweep.store import Store
 
@@ -138,7 +136,7 @@ def status(folder: Folder, /, *, json: Json = False) -> int:
 
 
 @sweep_app.command(help_epilogue="")
-def report(folder: Folder, /, *, json: Json = False) -> int:
+def report(folder: _Folder, /, *, json: Json = False) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep.page import write_page
     from reports.sweep.store import Store
@@ -176,7 +174,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
     from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
-    from reports.maps.pages import present, write
+    from reports.maps.pages import require_free, write
     from reports.staging import replace_text
     from reports.sweep import read_index
     from scenes import InputError
@@ -185,6 +183,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
     folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
+    require_free(folder)
     for study in [study for one in wanted for study in one.studies] if not options.pages else ():
         store = options.stores / study
         if options.remake and store.exists():
@@ -196,7 +195,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         if code > NOT_CONVERGED or state is None:
             return code
         states[study] = state
-    write(folder, present(folder))
+    write(folder)
     page = folder / "README.md"
     if options.json:
         for state in states.values():

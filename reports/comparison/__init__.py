@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from reports.comparison.cycles import last_cycle, sample, sample_instants
 from reports.comparison.laws import Certificate, certificates
@@ -34,9 +34,6 @@ from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
-    from reports.scoring.diagnosis import Diagnosis
-    from reports.scoring.study import Study
-    from reports.third.calculix import ThirdSolver
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,17 +114,18 @@ class Report:
     comparison : what was compared; its metrics have the uncertainties of the budget
     budget : where the error of every metric comes from, where that was measured
     guesses : what was taken for granted of somebody else's result, to be read before anything else
-    diagnoses : the likely faults of somebody else's result, the strongest first
-    study : what the result's own coarser meshes say, where it came as a folder of them
-    third : the answer of another code to the same scene
+    diagnoses : the likely causes of somebody else's difference, `scoring.diagnosis.Diagnosis`, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them, a `scoring.study.Study`
+    third : the answer of another code to the same scene, a `third.calculix.ThirdSolver`
     """
 
     comparison: Comparison
     budget: ErrorBudget | None = None
     guesses: tuple[str, ...] = ()
-    diagnoses: tuple[Diagnosis, ...] = ()
-    study: Study | None = None
-    third: ThirdSolver | None = None
+    # What makes these compares by this module, so that it cannot import their types.
+    diagnoses: tuple[Any, ...] = ()
+    study: Any = None
+    third: Any = None
 
     @property
     def honest(self) -> str:

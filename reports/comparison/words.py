@@ -11,17 +11,12 @@ import numpy as np
 
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape, Wave, sampled
+from scenes import EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
     from reports.comparison.budget import Budget, ErrorBudget, Term
 
-THEORY = (
-    "Half-plane theory of partial slip under varying P and Q: M. Davies, J. R. Barber and D. A. Hills, “Energy dissipation in a "
-    "frictional incomplete contact with varying normal load”, Int. J. Mech. Sci. 55 (2012), doi:10.1016/j.ijmecsci.2011.11.006."
-)
-CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
 _SMALL = ("solver", "half-plane theory")
 SUPPORT_WORDS = {
@@ -31,32 +26,18 @@ SUPPORT_WORDS = {
     "half_plane": "joined to the half-plane around it",
     "pulled": "free, with the bulk stress on them",
 }
-_SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
-_BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
+
+
+def in_template(macro: str, *values: Any) -> str:
+    """A sentence of templates/words.txt."""
+    from reports.charts.templating import template
+
+    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
 
 
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    _, length, stress = units(scene)
-    match scene.profile:
-        case Hertz(radius=radius):
-            kind = "circular" if scene.bodies.faces_are_true else "parabolic"
-            shape = f"a {kind} profile of relative radius {number(radius)} {length}"
-        case FlatRounded(radius=radius, flat_half_length=half):
-            shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
-        case _:
-            shape = scene.profile.in_words(length)
-    upper, lower = (
-        f"E = {number(m.young_modulus)} {stress}, ν = {number(m.poisson_ratio)}"
-        for m in (scene.material.upper, scene.material.lower)
-    )
-    material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
-    what = "the path" if scene.load.path().period is None else "a cycle"
-    return (
-        f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
-        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}{bulk_and_tilt(scene)}. "
-        f"What do they transmit, where do they slip, and what does {what} dissipate?"
-    )
+    return in_template("question", scene, *units(scene)[1:], _loads(scene, load_unit(scene)), bulk_and_tilt(scene))
 
 
 def without_cycle(text: str, scene: Scene) -> str:
@@ -78,11 +59,7 @@ def without_cycle(text: str, scene: Scene) -> str:
 def _loads(scene: Scene, unit: str) -> str:
     load = scene.load
     if isinstance(load, EllipseLoad):
-        return (
-            f"the loads go round an ellipse, P = {number(load.mean_normal_load)} + "
-            f"{number(load.normal_amplitude)} cos t and Q = {number(load.mean_tangential_load)} + "
-            f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
-        )
+        return in_template("ellipse", load, unit)
     if not isinstance(load, PolygonLoad):
         return re.sub(r"(?<=\s)-(?=\d)", "−", load.in_words(unit))
     corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
@@ -137,58 +114,21 @@ def under_what(scene: Scene) -> str:
 def shape_words(shape: Shape, length: str) -> str:
     """A body with its sizes and supports.
 
+    >>> from scenes import Block
     >>> shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
     'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides guided by smooth walls'
     """
-    match shape:
-        case HalfPlane():
-            return "a half-plane"
-        case Cylinder(radius=radius):
-            return f"half of a solid cylinder of radius {number(radius)} {length}, bonded to a rigid plane at its middle"
-        case Block() | Pad():
-            face = " whose face is the true profile" if isinstance(shape, Pad) else ""
-            size = f"{number(shape.width)} {length} wide and {number(shape.height)} {length} high"
-            return f"a {shape.kind} {size}{face}, {_BASE[shape.base]}, {_SIDES[shape.sides]}"
+    return in_template("shape", shape, length)
 
 
 def bodies_in_words(scene: Scene) -> str:
     """Both bodies, what holds them, where the load acts and where the gap comes from."""
-    lower, upper = scene.bodies.lower, scene.bodies.upper
-    if scene.bodies.half_planes:
-        return "Both bodies are half-planes, and the profile is the gap between their flat faces."
-    length = units(scene)[1]
-    parts = f"The lower body is {shape_words(lower, length)}; the upper body is {shape_words(upper, length)}."
-    turns = "turns as the moment makes it" if scene.load.moment_given else "is tilted" if scene.load.tilt else "does not tilt"
-    load = "" if isinstance(upper, HalfPlane) else f" The loads act through what holds the upper body, which {turns}."
-    gap = (
-        "The gap is that of the faces as they are made"
-        if scene.bodies.faces_are_true
-        else "The profile is the gap between flat faces"
-    )
-    return f"{parts}{load} {gap}."
+    return in_template("bodies", scene, *(shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
 
 
 def idealisation(scene: Scene) -> str:
     """What the discrepancy of the two engines holds beside their errors; empty for half-planes for which theory is exact."""
-    if are_half_planes(scene):
-        return ""
-    if scene.bodies.half_planes:
-        return (
-            "The finite elements solve the half-planes with this coupling, half-plane theory without it: the discrepancy contains "
-            "that idealisation error, and a tolerance missed is a finding about the idealisation, not a fault of the engines."
-        )
-    causes = [
-        "the size of the bodies",
-        "their supports",
-        *(["the true shape of their faces"] if scene.bodies.faces_are_true else []),
-        *(["the coupling of normal and shear tractions by unlike materials"] if coupled(scene) else []),
-    ]
-    listed = ", ".join(causes[:-1]) + " and " + causes[-1]
-    return (
-        "The finite elements solve these real bodies, half-plane theory the half-planes that stand for them: the discrepancy "
-        f"contains the idealisation error ({listed}), and a tolerance missed is a finding about the idealisation, not a fault of "
-        "the engines."
-    )
+    return "" if are_half_planes(scene) else in_template("idealisation", scene, coupled(scene))
 
 
 def unlike_materials(scene: Scene) -> str:
@@ -197,64 +137,47 @@ def unlike_materials(scene: Scene) -> str:
         return ""
     from halfplane_fe.dundurs import dundurs
 
-    found = dundurs(scene.material)
-    neglect = (
-        ": half-plane theory as used here neglects the coupling of normal and shear tractions that goes with it"
-        if coupled(scene)
-        else ", so normal and shear tractions of half-planes are not coupled"
-        if scene.friction.coefficient
-        else ", which has nothing to couple without friction"
-    )
-    return (
-        f"Unlike materials: Dundurs' parameters are α = {signed(found.alpha)} (positive where the upper body is the more "
-        f"compliant) and β = {signed(found.beta)}{neglect}."
-    )
+    return in_template("unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient)
 
 
 # A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
 _ROUNDING = 1e-13
 
 
-def percent(value: float, *, signed: bool = True) -> str:
-    """Three significant digits in per cent; rounding, below 1e-13 of the whole, is 0.
+def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
+    """A value to so many significant digits, in per cent if it is a share of something; rounding, below 1e-13, is 0.
 
-    >>> percent(-0.00123456), percent(0.5, signed=False), percent(-1.87e-16), percent(float("nan"))
-    ('−0.123 %', '50 %', '0 %', 'not a number')
+    >>> shown(-0.00123456), shown(0.5, plus=False), shown(-1.87e-16), shown(float("nan")), shown(0.25, share=False)
+    ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
-    return _number(100 * _settled(value), signed) + (" %" if math.isfinite(value) else "")
-
-
-def _settled(value: float) -> float:
-    return 0.0 if abs(value) < _ROUNDING else value
-
-
-def _number(value: float, signed: bool) -> str:
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
-    sign = "" if value == 0 else "−" if value < 0 else "+" if signed else ""
-    return sign + minus(f"{abs(value):.3g}")
+    size = 0.0 if abs(value) < _ROUNDING else abs(value) * (100 if share else 1)
+    text = minus(f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}")
+    return ("" if not size else "−" if value < 0 else "+" if plus else "") + text + (" %" if share else "")
+
+
+def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
+    """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
+    return shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
-    if metric.value is None:
-        return "–"
-    signed = metric.definition.signed
-    return _number(_settled(metric.value), signed) if metric.absolute else percent(metric.value, signed=signed)
+    return "–" if metric.value is None else shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
 
 
 def unit_of(metric: Metric) -> str:
     """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
     counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(f" ({_number(count, signed=True)} {of})" for count, of in counts if count is not None)
+    return metric.unit + "".join(f" ({shown(count, share=False)} {of})" for count, of in counts if count is not None)
 
 
 def uncertainty_of(metric: Metric) -> str:
     """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
     if metric.uncertainty is None:
         return ""
-    size = metric.uncertainty * (1 if metric.absolute else 100)
-    return f"± {minus(f'{size:.2g}' if size < 99.5 else f'{size:.0f}')}{'' if metric.absolute else ' %'}"
+    return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
 def open_value_of(metric: Metric) -> str:
@@ -264,9 +187,7 @@ def open_value_of(metric: Metric) -> str:
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
-    if metric.tolerance is None:
-        return "–"
-    return f"{metric.tolerance:.3g}" if metric.absolute else f"{100 * metric.tolerance:.3g} %"
+    return "–" if metric.tolerance is None else shown(metric.tolerance, share=not metric.absolute, plus=False)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -299,10 +220,11 @@ def headline(report: Report) -> str:
     Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are finite elements/theory - 1.
     """
     comparison = report.comparison
-    shown = [comparison.metric(key) for key in ("dissipation", "largest_pressure")]
-    if shown[0].value is None or shown[0].absolute:
-        shown = [comparison.metric(key) for key in ("largest_pressure", "largest_half_width")]
-    metrics = [metric for metric in shown if metric.value is not None and math.isfinite(metric.value)]
+    work = comparison.metric("dissipation")
+    keys = (
+        ("largest_pressure", "largest_half_width") if work.value is None or work.absolute else ("dissipation", "largest_pressure")
+    )
+    metrics = [metric for metric in map(comparison.metric, keys) if metric.value is not None and math.isfinite(metric.value)]
     if not metrics:
         return "Neither dissipation nor pressure nor contact width can be compared: the notes below say why."
     ours = _both_ours(comparison)
@@ -311,7 +233,7 @@ def headline(report: Report) -> str:
     told = f"; {_stated(comparison) or 'no uncertainty was measured'}" if unknown else ""
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
-        parts = [f"{minus(f'{100 * _settled(size):.2g}')} % in the {_words_of(metric)}" for metric, size in sizes]
+        parts = [f"{shown(size, plus=False, digits=2)} in the {_words_of(metric)}" for metric, size in sizes]
         return f"The two solutions agree to {' and '.join(parts)}{under_what(comparison.scene)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
@@ -370,12 +292,12 @@ def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def said(report: Report) -> dict[str, Any]:
-    """What the page, the PDF and comparison.json say alike, by its name there."""
+    """What the page and comparison.json say alike, by its name there."""
     scene = report.comparison.scene
     return {
         "headline": headline(report),
         "table": first_table(report)[1],
-        "claim": CLAIM,
+        "claim": in_template("claim"),
         "question": question(scene),
         "bodies": bodies_in_words(scene),
         "unlike_materials": unlike_materials(scene),
@@ -452,7 +374,7 @@ def difference_of(metric: Metric) -> str:
         return "–"
     if not math.isfinite(metric.value) or metric.absolute:
         return open_value_of(metric)
-    value = 100 * _settled(metric.value)
+    value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
     if not re.search("[1-9]", words.partition("±")[0]):
         words = words.removeprefix("−")  # of a zero no sign is known
@@ -533,7 +455,7 @@ def uncertain_work(comparison: Comparison) -> str:
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
         return ""
-    share = f" ({percent(found.dissipation_uncertainty / found.dissipation, signed=False)})" if found.dissipation else ""
+    share = f" ({shown(found.dissipation_uncertainty / found.dissipation, plus=False)})" if found.dissipation else ""
     return (
         f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± "
         f"{found.dissipation_uncertainty:.2g}{share} by mesh and steps."
@@ -569,11 +491,7 @@ def beyond_theory(comparison: Comparison) -> str:
         return idealisation(comparison.scene)
     if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
         return ""
-    return (
-        "Half-plane theory is an idealisation of these bodies: the discrepancy contains its error beside that of "
-        f"{name_of(comparison.result.engine)}, and nothing here tells the two apart; `--against fe` takes finite elements of the "
-        "bodies for the reference."
-    )
+    return in_template("beyond_theory", name_of(comparison.result.engine))
 
 
 def _both_ours(comparison: Comparison) -> bool:
@@ -619,8 +537,8 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             one.metric.label,
             value_of(one.metric),
             *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
-            _amount(one.rest, one.metric, signed=True),
-            "not measured" if one.uncertainty is None else _amount(one.uncertainty, one.metric),
+            amount(one.rest, one.metric, plus=True),
+            "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric),
             judgement(one),
             one.judged.verdict or "–",
         )
@@ -634,17 +552,8 @@ def share(term: Term, metric: Metric) -> str:
     if term.uncertainty is None:
         return "not measured"
     if term.value is None:
-        return f"± {_amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    return f"{_amount(term.value, metric, signed=True)} ± {_amount(term.uncertainty, metric)}"
-
-
-def _amount(value: float, metric: Metric, *, signed: bool = False) -> str:
-    """Two digits, in per cent unless the metric is absolute; what is below 1e-9 of it is rounding and says so."""
-    if abs(value) < 1e-11:
-        return "0"
-    size = abs(value) * (1 if metric.absolute else 100)
-    text = (f"{size:.2g}" if size < 99.5 else f"{size:.0f}") + ("" if metric.absolute else " %")
-    return ("−" if value < 0 else "+" if signed else "") + text
+        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
+    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
 
 
 def judgement(budget: Budget) -> str:
@@ -661,12 +570,7 @@ def cost(budget: ErrorBudget) -> str:
     ladders = budget.ladders
     pairs = [rung for pair in ladders.penalty for rung in pair]
     rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
-    counts = ", ".join(
-        f"{rung.label} ({rung.failure})" if rung.failure else f"{rung.label} ({rung.nodes} nodes, {rung.steps} steps)"
-        for rung in rungs.values()
-    )
-    missing = "".join(f" The {term} ladder was not measured: {why}." for term, why in ladders.not_measured.items())
-    return f"Run and budget took {budget.cost:.2f} times the CPU time of the run: {counts}.{missing}"
+    return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
 
 
 def honest_of(report: Report, metric: Metric) -> str:

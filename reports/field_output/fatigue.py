@@ -8,7 +8,6 @@ a degree apart; strains are elastic. Every formula is for the history as it is, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -128,20 +127,51 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def measures(stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float) -> dict[str, Array]:
-    """Every measure by its words, (n_points,) each [stress], but Fatemi and Socie's, a strain."""
+    """Every measure by its words, (n_points,) each [stress], but Fatemi and Socie's, a strain.
+
+    Largest of the cycle: principal stress, shear stress (s_1 - s_3)/2, von Mises stress of the difference of two instants. Largest
+    over the planes, s_n their normal stress, tau and gamma their shear stress and strain, e_n their normal strain:
+
+    - s_n,max (range of e_n)/2, tension only (Smith, Watson and Topper 1970; on critical planes Socie 1987);
+    - (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0: compression reduces it (Fatemi and Socie 1988);
+    - (range of tau)/2 + k s_n,max (Findley 1959).
+
+    Crossland (1956): amplitude of sqrt(J2), the radius of the least sphere around the path of the deviator (Papadopoulos 1994, by
+    the steps of Badoiu and Clarkson 2003), and largest hydrostatic stress.
+    """
+    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
+    main, mises, shear_modulus = principal(stress), np.zeros(stress.shape[1]), young_modulus / (2 * (1 + poisson_ratio))
+    for instant in stress:
+        a, b, c, d = np.moveaxis(stress - instant, -1, 0)
+        mises = np.maximum(mises, np.sqrt((((a - b) ** 2 + (b - d) ** 2 + (d - a) ** 2) / 2 + 3 * c**2).max(axis=0)))
     found = {
-        "largest principal stress": largest_principal(stress),
-        "largest shear stress": largest_shear(stress),
-        "range of von Mises stress": von_mises_range(stress),
-        "Smith-Watson-Topper": smith_watson_topper(stress, young_modulus, poisson_ratio),
+        "largest principal stress": main[..., 0].max(axis=0),
+        "largest shear stress": ((main[..., 0] - main[..., 2]) / 2).max(axis=0),
+        "range of von Mises stress": mises,
+        "Smith-Watson-Topper": np.zeros(stress.shape[1]),
     }
-    if criteria.fatemi_socie is not None:
-        elastic = young_modulus, poisson_ratio
-        found["Fatemi-Socie"] = fatemi_socie(stress, *elastic, *criteria.fatemi_socie)
-    if criteria.findley is not None:
-        found["Findley"] = findley(stress, criteria.findley)
-    found["Crossland, amplitude of sqrt(J2)"], found["Crossland, largest hydrostatic stress"] = crossland(stress)
-    return found
+    for angle in np.pi * np.arange(_PLANES) / _PLANES:
+        cosine, sine = np.cos(2 * angle), np.sin(2 * angle)
+        normal = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
+        strain = (normal - poisson_ratio * (xx + yy - normal + zz)) / young_modulus
+        tau = np.ptp(-(xx - yy) / 2 * sine + xy * cosine, axis=0) / 2
+        largest_normal = normal.max(axis=0)
+        here = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
+        if criteria.fatemi_socie is not None:
+            k, yield_stress = criteria.fatemi_socie
+            here["Fatemi-Socie"] = np.maximum(tau / shear_modulus * (1 + k * largest_normal / yield_stress), 0.0)
+        if criteria.findley is not None:
+            here["Findley"] = tau + criteria.findley * largest_normal
+        found |= {words: np.maximum(value, found.get(words, value)) for words, value in here.items()}
+    mean = (xx + yy + zz) / 3
+    # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
+    path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
+    centre = path.mean(axis=0)
+    for step in range(_STEPS):
+        away = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
+        centre = centre + (path[away, np.arange(path.shape[1])] - centre) / (step + 2)
+    found["Crossland, amplitude of sqrt(J2)"] = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
+    return found | {"Crossland, largest hydrostatic stress": mean.max(axis=0)}
 
 
 def principal(stress: Array) -> Array:
@@ -153,77 +183,3 @@ def principal(stress: Array) -> Array:
     xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
     mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
     return -np.sort(-np.stack([mean + radius, mean - radius, zz], axis=-1), axis=-1)
-
-
-def largest_principal(stress: Array) -> Array:
-    """Largest principal stress of the cycle, (n_points,)."""
-    return np.asarray(principal(stress)[..., 0].max(axis=0))
-
-
-def largest_shear(stress: Array) -> Array:
-    """Largest shear stress (s_1 - s_3)/2 of the cycle, (n_points,)."""
-    found = principal(stress)
-    return np.asarray(((found[..., 0] - found[..., 2]) / 2).max(axis=0))
-
-
-def von_mises_range(stress: Array) -> Array:
-    """Largest von Mises stress of the difference of two instants, (n_points,)."""
-    found = np.zeros(stress.shape[1])
-    for instant in stress:
-        xx, yy, xy, zz = np.moveaxis(stress - instant, -1, 0)
-        squares = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2
-        found = np.maximum(found, np.sqrt(squares.max(axis=0)))
-    return found
-
-
-def smith_watson_topper(stress: Array, young_modulus: float, poisson_ratio: float) -> Array:
-    """Largest over the planes of s_n,max (range of e_n)/2, tension only, (n_points,) [stress].
-
-    Source: Smith, Watson and Topper (1970); on critical planes Socie (1987).
-    """
-    planes = _planes(stress, young_modulus, poisson_ratio)
-    return np.max([np.maximum(s.max(axis=0), 0.0) * np.ptp(strain, axis=0) / 2 for s, _, strain in planes], axis=0)
-
-
-def fatemi_socie(stress: Array, young_modulus: float, poisson_ratio: float, k: float, yield_stress: float) -> Array:
-    """Largest over the planes of (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0, (n_points,) [strain].
-
-    Compression across the plane reduces it. Source: Fatemi and Socie (1988).
-    """
-    planes = _planes(stress, young_modulus, poisson_ratio)
-    found = [np.ptp(gamma, axis=0) / 2 * (1 + k * s.max(axis=0) / yield_stress) for s, gamma, _ in planes]
-    return np.max(found, axis=0, initial=0.0)
-
-
-def findley(stress: Array, k: float) -> Array:
-    """Largest over the planes of (range of tau)/2 + k s_n,max, (n_points,) [stress]. Source: Findley (1959)."""
-    planes = _planes(stress, 2.0, 0.0)  # G = 1: gamma is tau
-    return np.max([np.ptp(gamma, axis=0) / 2 + k * s.max(axis=0) for s, gamma, _ in planes], axis=0)
-
-
-def crossland(stress: Array) -> tuple[Array, Array]:
-    """Amplitude of sqrt(J2), the radius of the least sphere around the path of the deviator, and largest hydrostatic stress.
-
-    Source: Crossland (1956); the sphere as by Papadopoulos (1994), found by the steps of Badoiu and Clarkson (2003).
-    """
-    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
-    mean = (xx + yy + zz) / 3
-    # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
-    path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
-    centre = path.mean(axis=0)
-    for step in range(_STEPS):
-        away = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
-        centre = centre + (path[away, np.arange(path.shape[1])] - centre) / (step + 2)
-    return np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0)), np.asarray(mean.max(axis=0))
-
-
-def _planes(stress: Array, young_modulus: float, poisson_ratio: float) -> Iterator[tuple[Array, Array, Array]]:
-    """Normal stress, shear strain gamma and normal strain (n_instants, n_points) on each plane."""
-    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
-    shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
-    for angle in np.pi * np.arange(_PLANES) / _PLANES:
-        cosine, sine = np.cos(2 * angle), np.sin(2 * angle)
-        normal = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
-        across = xx + yy - normal
-        tau = -(xx - yy) / 2 * sine + xy * cosine
-        yield normal, tau / shear_modulus, (normal - poisson_ratio * (across + zz)) / young_modulus

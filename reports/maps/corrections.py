@@ -20,11 +20,12 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 from scipy.special import xlogy
 
+import semi_analytic
 from reports.maps.laws import PUBLISHED
 from scenes import Block, Elastic, FlatRounded, HalfPlane, Hertz, InputError, Materials, Pad, Scene
 from scenes.frozen import validated
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.profiles import Contact, contact_of
+from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
 Base = Literal["fixed", "rollers"]
@@ -182,7 +183,8 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     # notation: a = R = E* = f = 1, so that E' = 2; stuck P - Q/f, load P; dG = int int dk q q/2, dG' = int int dk q m
     alike = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     profile = FlatRounded(radius=1.0, flat_half_length=flat) if flat > 0 else Hertz(radius=1.0)
-    contact = contact_of(profile, Materials(upper=alike, lower=alike))
+    materials = Materials(upper=alike, lower=alike)
+    contact = contact_of(profile, materials)
     load = float(contact.load(1.0))
     stuck, shear = (1 - ratio) * load, ratio * load
     edge = float(contact.half_width(stuck))
@@ -192,15 +194,9 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     within, share = _angles((flat / edge, 1.0), nodes)
     punch = share / np.pi @ kernel(edge * np.sin(within), x, flat) @ force
     change = 4 * (2 / np.pi**2) * (shear * punch - force @ kernel(x, x, flat) @ force)
-    return float(change) / _half_plane_work(contact, load, stuck)
-
-
-def _half_plane_work(contact: Contact, load: float, stuck: float) -> float:
-    """W = 4 (Q U - 2 G) of half-planes, f = E* = 1, U(Q) the shift."""
-    whole, held = (float(contact.log_distance(p)) for p in (load, stuck))
-    sums = [p * log - float(contact.log_moment(p)) for p, log in ((load, whole), (stuck, held))]
-    shift, twice_energy = 2 / np.pi * (whole - held), 4 / np.pi * ((load - stuck) * whole - (sums[0] - sums[1]))
-    return float(4 * ((load - stuck) * shift - twice_energy))
+    cycle = {"mean_normal_load": load, "normal_amplitude": 0.0, "mean_tangential_load": 0.0, "tangential_amplitude": shear}
+    plain = semi_analytic.dissipation(profile=profile, material=materials, friction_coefficient=1.0, phase=0.0, **cycle)
+    return float(change) / float(plain.value)
 
 
 def _angles(ends: tuple[float, ...], nodes: int) -> tuple[Array, Array]:

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
 from reports.charts.table import table_text
+from reports.sweep.study import Point, expand, load_study
 from scenes import InputError
 
 Array = NDArray[np.float64]
@@ -35,29 +36,6 @@ _LEFT_OUT = ("address", "notes", "number", "reason")
 # ------------------------------------------------------------------------------------------------------------------- maps
 STUDIES = Path(__file__).with_name("studies")
 PUBLISHED = Path(__file__).parents[1] / "published" / "maps"
-
-WORDS = {
-    "error.dissipation": "dissipation",
-    "error.peak_dissipation": "peak dissipation",
-    "error.p0": "peak pressure p0",
-    "error.contact_half_width": "contact half-width a",
-    "error.permanent_stick_half_width": "permanent stick half-width",
-    "error.stick_half_width": "stick half-width c",
-}
-AXES = {
-    "height": "height / a",
-    "aspect": "width / height",
-    "curvature": "a / R",
-    "flat": "b / a",
-    "beta": "Dundurs' β",
-    "f": "friction f",
-    "phase": "phase, degrees",
-    "margin": "distance from sliding",
-    "amplitude": "P1/P0",
-    "base": "base",
-    "width": "width / a",
-    "stress": "σ / (f p0)",
-}
 
 
 def place(at: Mapping[str, str], everywhere: str = "all") -> str:
@@ -99,7 +77,7 @@ class Map:
     title: str
     question: str
     charts: tuple[Chart, ...]
-    held_out: tuple[str, ...] = ()
+    held_out: Sequence[str] = ()
 
     @property
     def studies(self) -> tuple[str, ...]:
@@ -109,12 +87,9 @@ class Map:
 
 _CONTENT = tomllib.loads(Path(__file__).with_name("maps.toml").read_text(encoding="utf-8"))
 PAGE_WORDS: dict[str, Any] = _CONTENT["words"]
-MAPS = {
-    row["name"]: Map(
-        row["name"], row["title"], row["question"], tuple(Chart(**chart) for chart in row["charts"]), tuple(row.get("held_out", ()))
-    )
-    for row in _CONTENT["map"]
-}
+WORDS: dict[str, str] = _CONTENT["figures"]
+AXES: dict[str, str] = _CONTENT["axes"]
+MAPS = {row["name"]: Map(**row | {"charts": tuple(Chart(**chart) for chart in row["charts"])}) for row in _CONTENT["map"]}
 
 
 def map_named(name: str) -> Map:
@@ -167,8 +142,18 @@ def parts(table: pd.DataFrame, columns: Sequence[str]) -> Iterator[tuple[dict[st
 
 def as_csv(table: pd.DataFrame) -> str:
     """The index of a sweep as it is published: without addresses, seven digits."""
-    shown = table.drop(columns=list(_LEFT_OUT)).map(lambda value: f"{value:.7g}" if isinstance(value, float) else str(value))
+    shown = table.drop(columns=list(_LEFT_OUT)).map(cell_text)
     return table_text({name: shown[name].replace("nan", "").tolist() for name in shown})
+
+
+def cell_text(value: Any) -> str:
+    """A cell of a published table."""
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def points_of(study: str) -> tuple[Point, ...]:
+    """The points of a study, with their scenes."""
+    return expand(load_study(STUDIES / f"{study}.toml"))
 
 
 # ------------------------------------------------------------------------------------------------------------------- laws

@@ -6,7 +6,7 @@ import json
 import math
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,12 @@ from reports.charts.marks import Axis, Curve, Dot, Mark, Note
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels
 from reports.charts.table import markdown_table
-from reports.comparison.metrics import compliance
-from reports.folder import filled
+from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
     Curvatures,
     added_curvatures,
-    correction,
+    corrected_dissipation,
     curvature_sum,
     dissipation_error,
     ellipse_path,
@@ -41,6 +40,7 @@ from reports.maps.laws import (
     along,
     bound,
     bound_in_words,
+    cell_text,
     errors,
     figures,
     leading_constant,
@@ -48,12 +48,14 @@ from reports.maps.laws import (
     numbers,
     parts,
     place,
+    points_of,
     read,
 )
 from reports.sweep.page import bars, cell_borders, heat_map
-from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
+from scenes import InputError, load_scene
 
 Array = NDArray[np.float64]
+DESIGNER = Path(__file__).with_name("designer.toml")
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 _LEVELS = (0.01, 0.05, 0.1)
@@ -67,8 +69,14 @@ _MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2
 _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
 
 
-def write(folder: Path, there: list[Map]) -> None:
+def require_free(folder: Path) -> None:
+    """InputError where `folder` holds a page of somebody else's that `write` would replace: to be asked before hours of sweeps."""
+    claim(folder, (MANIFEST, "README.md", "laws.json", *(f"{name}.md" for name in MAPS)))
+
+
+def write(folder: Path) -> None:
     """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an error; InputError without tables."""
+    there = present(folder)
     if not there:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     with filled(folder, fresh=()) as made:
@@ -87,16 +95,8 @@ def write(folder: Path, there: list[Map]) -> None:
 
 
 def present(folder: Path) -> list[Map]:
-    """The maps with what has its table in `folder`; those without any chart are left out."""
-
-    def there(study: str) -> bool:
-        return (folder / f"{study}.csv").exists()
-
-    found = [
-        replace(one, charts=tuple(c for c in one.charts if there(c.study)), held_out=tuple(s for s in one.held_out if there(s)))
-        for one in MAPS.values()
-    ]
-    return [one for one in found if one.charts]
+    """The maps whose studies all have their tables in `folder`."""
+    return [one for one in MAPS.values() if all((folder / f"{study}.csv").exists() for study in one.studies)]
 
 
 def laws_text(folder: Path, there: list[Map]) -> str:
@@ -154,24 +154,17 @@ def drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]
 
 def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
-    whole = MAPS[asked.name]
-    made = [
-        f"# {asked.title}",
-        f"<!-- written by `halfplane map {asked.name}` -->",
-        f"**{asked.question}** {answer(asked, folder)}",
-    ]
-    if missing := sorted(set(whole.studies) - set(asked.studies)):
-        made.append(f"**Not run yet: {', '.join(missing)}.**")
+    made = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
+    made.append(f"**{asked.question}** {answer(asked, folder)}")
     for chart in asked.charts:
         table = read(folder, chart.study)
         found = list(lines(chart, table, _TABLED))
-        made += [f"## {chart.study}"] * (len(whole.charts) > 1)
+        made += [f"## {chart.study}"] * (len(asked.charts) > 1)
         made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in drawings(chart, table)]
         if chart.expected is not None:
             made += [*_within(chart, found), *_laws(chart, [line for line in found if line.figure in _DRAWN])]
-    for section, needs_held_out in _TRIALS.get(asked.name, {}).items():
-        if asked.held_out or not needs_held_out:
-            made += section(folder)
+    for section in _TRIALS.get(asked.name, ()):
+        made += section(folder)
     costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
     rows = [[f"[{study}]({study}.csv)", str(len(s)), f"{np.nanmedian(s):.1f}", f"{np.nansum(s) / 60:.1f}"] for study, s in costs]
     head = ["study", "points", "median seconds of a point", "minutes in all"]
@@ -181,7 +174,7 @@ def page(asked: Map, folder: Path) -> str:
 
 def index(folder: Path, there: list[Map]) -> str:
     """Markdown of reports/published/maps/README.md: the designer's question answered from the tables, and what is where."""
-    _, found = parts_of(designers_scene(), folder)
+    _, found = parts_of(load_scene(DESIGNER), folder)
     known = [part for part in found if part.values is not None]
     error, doubt = total(known, "error.dissipation")
     missing = "" if len(known) == len(found) else f" (without {len(found) - len(known)} departures that no map here has)"
@@ -195,20 +188,6 @@ def index(folder: Path, there: list[Map]) -> str:
         points = sum(len(read(folder, study)) for study in asked.studies)
         made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
     return "\n\n".join(made) + "\n"
-
-
-def designers_scene() -> Scene:
-    """A block 4 a high and 8 a wide, steel, under a titanium cylinder of radius 8 a; f = 0.5, P constant, Q between +-0.6 f P."""
-    steel, titanium = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=115e3, poisson_ratio=0.33)
-    materials = Materials(lower=steel, upper=titanium)
-    load = math.pi / (2 * 8.0 * compliance(materials))
-    changes = {
-        "material": materials,
-        "profile": Hertz(radius=8.0),
-        "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
-        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
-    }
-    return load_scene("two-cylinders").vary(**changes, name="designer")
 
 
 def answer(asked: Map, folder: Path) -> str:
@@ -475,38 +454,19 @@ def odd_part(folder: Path) -> list[str]:
     return _section("odd_part", rows)
 
 
-def blocks(scene: Scene, base: str, height: float, aspect: float) -> Scene:
-    """A scene on two equal blocks of another size."""
-    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
-    return scene.vary(bodies=Bodies(lower=block, upper=block))
-
-
-def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
-    """A loop of the study `loop`, on its blocks."""
-    base = load_scene("blocks")
-    p0 = base.load.mean_normal_load  # type: ignore[union-attr]
-    lean = amplitude * abs(np.cos(np.radians(phase)))
-    load = base.load.vary(
-        normal_amplitude=amplitude * p0,
-        mean_tangential_load=0.0,
-        tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
-        phase_degrees=phase,
-        initial_loading="straight",
-    )
-    return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
-
-
-def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: Callable[..., float]) -> list[str]:
+def tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
-    table, rows, sizes = read(folder, study), [], []
+    table, points, rows, sizes = read(folder, study), points_of(study), [], []
+    scenes = {tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points}
     for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
         cells = [row[column] for column in columns]
+        scene = scenes[tuple(row[column] for column in points[0].coordinates)]
         if np.isnan(error):
             rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
         cells += [*_percent(error), f"{100 * doubt:.2f}"]
         try:
-            predicted = predict(*(float(row[column]) if column != "base" else row[column] for column in columns))
+            predicted = corrected_dissipation(scene, 1.0) - 1
         except InputError as refused:
             rows.append([*cells, "", "refused", str(refused)])
             continue
@@ -545,30 +505,14 @@ def other_sign(folder: Path) -> list[str]:
     return _section("other_sign", rows)
 
 
-def _of_blocks(base: str, aspect: float, height: float) -> float:
-    return correction(blocks(load_scene("blocks"), base, height, aspect)).dissipation
-
-
-def _of_pads(flat: float, curvature: float, ratio: float) -> float:
-    return work_constant(flat, ratio) * curvature
-
-
-def _of_loops(amplitude: float, margin: float, phase: float) -> float:
-    """By the correction that was fitted under the paper's loop alone."""
-    return correction(loop_scene(amplitude, margin, phase)).dissipation
-
-
-# Map -> its tables after the laws, and whether they need the study of held-out points.
-_TRIALS: dict[str, dict[Callable[[Path], list[str]], bool]] = {
-    "block": {
-        derived_blocks: True,
-        lambda folder: tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), _of_blocks): True,
-    },
-    "curvature": {
-        derived_pads: True,
-        lambda folder: tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), _of_pads): True,
-    },
-    "one-block": {odd_part: False},
-    "loop": {lambda folder: tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), _of_loops): False},
-    "unlike": {growth: False, other_sign: True},
+# Map -> its tables after the laws.
+_TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
+    "block": (
+        derived_blocks,
+        lambda folder: tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
+    ),
+    "curvature": (derived_pads, lambda folder: tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
+    "one-block": (odd_part,),
+    "loop": (lambda folder: tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
+    "unlike": (growth, other_sign),
 }

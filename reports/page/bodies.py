@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts.marks import Arrow, Axis, Band, Curve, Dot, Frame, Mark, Note, Rule, Segments
-from reports.charts.plate import Panel, Plate
+from reports.charts.plate import Panel, Plate, worded
 from reports.charts.scale import Scale, limits
 from reports.charts.table import Table
 from reports.comparison.words import bodies_in_words, bulk_and_tilt, sentence
@@ -53,18 +53,25 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
         f"y [{length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
-    cut = any(isinstance(body, HalfPlane) for body in (scene.bodies.lower, scene.bodies.upper))
-    caption = (
-        f"To scale{'; half-planes are cut off at the dotted lines' if cut else ''}. Thick line: the contact, "
-        f"2 a_ref = {number(2 * half_width)} {length} wide. P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}."
-    )
-    if beside := bulk_and_tilt(scene):
-        caption += f" {sentence(beside.removeprefix('; '))} Arrows show positive directions."
     alt = bodies_in_words(scene)
     # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
     axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
     panel = Panel("bodies", *axes, marks, alt, frame.width, frame.height, bare=True, room=(0.0, 0.0, 0.0, 0.0))
-    return Plate("bodies", "Bodies, supports and loads", caption, alt, (panel,), columns, columns=1)
+    beside = bulk_and_tilt(scene)
+    return worded(
+        "bodies",
+        [panel],
+        columns,
+        columns=1,
+        cut=any(isinstance(body, HalfPlane) for body in (scene.bodies.lower, scene.bodies.upper)),
+        width=number(2 * half_width),
+        length=length,
+        normal=_range(scene, 0),
+        tangential=_range(scene, 1),
+        load=load_unit(scene),
+        beside=sentence(beside.removeprefix("; ")) if beside else "",
+        alt=alt,
+    )
 
 
 def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
@@ -88,17 +95,17 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     marks: list[Mark] = [Band(x[used], -wide, wide, "band pale-stick")]
     marks += [Rule(0.0, "zero"), *(Rule(side * half_width, "cycle-line", upright=True) for side in (-1, 1))]
     marks += [Dot(float(x[k]), float(rest[k]), "p0", 2.2, f"x = {x[k]:.4g}, {rest[k]:.3g} {length}") for k in shown]
-    left_out = f" One row in {shown[1] - shown[0]} is drawn; the CSV holds all." if len(shown) < used.sum() else ""
-    return Plate(
+    up = Axis(-most, most, f"row − fit  [{length}]")
+    return worded(
         "profile_fit",
-        "Measured profile minus its fit",
-        f"Residuals of the {used.sum()} fitted rows, root mean square {fitted.residual:.3g} {length}. Band: twice the noise of "
-        f"{fitted.noise:.3g} {length}. Broken lines: edges of the largest contact. A pattern says that the kind of fit is wrong."
-        f"{left_out}",
-        "Residuals of the measured rows over the distance from the middle, with a band of twice the noise.",
-        (Panel("profile-fit", across, Axis(-most, most, f"row − fit  [{length}]"), marks, "Residuals of the fit", height=260.0),),
+        [Panel("profile-fit", across, up, marks, "Residuals of the fit", height=260.0)],
         {f"x [{length}]": x, f"row - fit [{length}]": rest, "fitted": used.astype(float)},
         columns=1,
+        rows=used.sum(),
+        residual=f"{fitted.residual:.3g}",
+        noise=f"{fitted.noise:.3g}",
+        length=length,
+        every=shown[1] - shown[0],
     )
 
 

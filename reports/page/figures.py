@@ -1,4 +1,7 @@
-"""Figures of the page: tractions and zones at instants, the cycle over time, loops, dissipation, checks, error budget."""
+"""Figures of the page: tractions and zones at instants, the cycle over time, loops, dissipation, checks, error budget.
+
+Their words are in templates/figures.txt.
+"""
 
 from __future__ import annotations
 
@@ -11,53 +14,111 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts.marks import Axis, Bitmap, Block, Curve, Dot, Group, Mark, Note, Rule, Segments
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate
+from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, worded
 from reports.charts.scale import limits
 from reports.charts.style import STATE_NAMES
-from reports.comparison import Comparison
+from reports.charts.table import Table
+from reports.comparison import Comparison, Report
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
 from reports.comparison.convergence import Ladder, extrapolate
 from reports.comparison.cycles import Cycle, Event, events
 from reports.comparison.laws import LIMIT, Certificate
 from reports.comparison.metrics import are_half_planes, bulk_strain, bulk_work, loop_work, missing, name_of
 from reports.comparison.words import value_of
+from reports.page import bodies
 from reports.units import energy_unit, load_unit, minus, signed, units
-from scenes import ContactSolution, Scene, sampled
+from scenes import ContactSolution, sampled
 from scenes.scene import OWN_TOLERANCES
 
 if TYPE_CHECKING:
     from reports.scoring.study import Study
 
 Array = NDArray[np.float64]
-X = "x / a_ref"
+_X = "x / a_ref"
 # Looks of lines, one after the other, then from the first again.
-LINES = tuple(f"line-{k}" for k in range(7)) * 3
+_LINES = tuple(f"line-{k}" for k in range(7)) * 3
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
 _COLUMNS, _ROWS = 440, 360
 # Rows of the table of states: of a long path evenly many instants, 25 MB.
 _MOST_STATES = 500_000
+_ZERO = Rule(0.0, "zero")
 
 
-# ------------------------------------------------------------------------------------------------------------- what many share
-def sides(comparison: Comparison) -> tuple[tuple[str, Cycle, str], ...]:
-    """Look of its lines, last cycle and name: of the reference, then of the result."""
-    return (
-        ("r", comparison.expected, name_of(comparison.reference.engine)),
-        ("f", comparison.found, name_of(comparison.result.engine)),
-    )
+class Shown:
+    """What the figures of a comparison share.
+
+    Attributes
+    ----------
+    sides : look of its lines, last cycle and name, of the reference and of the result; keys : their entries of a legend
+    chosen : the instants that have a number in every figure
+    start : of these the one that a page shows first: with most points slipping, of equal ones the most loaded
+    time, time_words : the axis of figures through the last cycle
+    x, wide : points over a_ref; the largest of them that is drawn, a little more than the largest contact of either
+    """
+
+    def __init__(self, comparison: Comparison) -> None:
+        expected, found = comparison.expected, comparison.found
+        names = [name_of(solution.engine) for solution in (comparison.reference, comparison.result)]
+        self.comparison, self.scene, self.scales = comparison, comparison.scene, comparison.scales
+        self.expected, self.found = expected, found
+        self.sides = (("r", expected, names[0]), ("f", found, names[1]))
+        self.keys = [Key(f"{who} p", name) for who, _, name in self.sides]
+        self.chosen = events(found, self.scene.friction.coefficient)
+        self.start = max(
+            (event.index for event in self.chosen), key=lambda k: (int((found.state[k] >= 2).sum()), float(found.normal_load[k]))
+        )
+        repeats = self.scene.load.path().period is not None and found.whole
+        self.time, self.time_words = (found.fraction, "time / period") if repeats else (found.time, "time")
+        self.x = found.x / self.scales.half_width
+        outer = max(float(np.nanmax(np.abs(c.contact_edges), initial=0.0)) for c in (expected, found)) or np.inf
+        self.wide = min(1.12 * outer, float(np.abs(found.x).max())) / self.scales.half_width
+
+    def over_time(self, count: int = 5) -> Axis:
+        """The axis of time."""
+        return Axis(*limits(self.time, margin=0), self.time_words, count=count)
+
+    def over_x(self, words: str = _X) -> Axis:
+        """The axis of x."""
+        return Axis(-self.wide, self.wide, words)
+
+    def largest(self, difference: Array, unit: str) -> str:
+        """The numbers of a difference over time."""
+        return measured(difference, self.time, "t/T = {}" if "period" in self.time_words else "t = {}", unit)
 
 
-def reach(comparison: Comparison, share: float = 1.12) -> float:
-    """Largest |x|/a_ref that is drawn: a little more than the largest contact of either."""
-    edges = (comparison.expected.contact_edges, comparison.found.contact_edges)
-    outer = max(float(np.nanmax(np.abs(e), initial=0.0)) for e in edges) or float(np.abs(comparison.found.x).max())
-    return min(share * outer, float(np.abs(comparison.found.x).max())) / comparison.scales.half_width
+def draw(report: Report) -> tuple[Plate, ...]:
+    """Every figure of the report, in the order of the page; those left out that need what a foreign result does not hold."""
+    comparison = report.comparison
+    shown, result = Shown(comparison), comparison.result
+    drawings: list[Plate | None] = [
+        bodies.sketch(comparison.scene, comparison.scales.half_width),
+        bodies.fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
+        _load_path(shown),
+        _now(shown),
+        hysteresis(shown),
+        _state_map(shown),
+        _half_widths(shown),
+        _slip_histories(shown),
+        dissipation_density(shown),
+        errors(shown),
+        _tractions(shown),
+        energy(result),
+        certificates("result", result, comparison.result_certificates),
+        certificates("reference", comparison.reference, comparison.reference_certificates),
+        _distances(report.study) if report.study is not None else None,
+    ]
+    if report.budget is not None:
+        drawings += [_bars(report.budget), _ladders(report.budget)]
+    if meshes := getattr(result, "bodies", ()):
+        from reports.field_output.pictures import mesh
 
-
-def first_shown(cycle: Cycle, chosen: Sequence[Event]) -> int:
-    """The instant that a page shows first: of the chosen ones that with most points slipping, of equal ones the most loaded."""
-    return max((event.index for event in chosen), key=lambda k: (int((cycle.state[k] >= 2).sum()), float(cycle.normal_load[k])))
+        drawings.append(mesh(meshes, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
+    needed = {"slip": "slip_history", "dissipation_density": "dissipation_density"}
+    left_out = {needed[name] for name in needed if name in missing(result)}
+    if len(shown.time) < 2:
+        left_out |= {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
+    return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
 
 
 def measured(difference: Array, along: Array, where: str, unit: str = "", weight: NDArray[np.bool_] | None = None) -> str:
@@ -82,314 +143,215 @@ def _broad(name: str, x: Axis, y: Axis, marks: Sequence[Mark], alt: str, height:
     return Panel(name, x, y, marks, alt, 900.0, height, css="broad", **more)
 
 
-def _when(time_words: str) -> str:
-    """Where a time stands in a sentence."""
-    return "t/T = {}" if "period" in time_words else "t = {}"
-
-
 # ------------------------------------------------------------------------------------------------------------------- over x
-def traction_keys(comparison: Comparison) -> tuple[Key, ...]:
-    """The legend of a figure of tractions."""
-    lines = [Key(f"{who} {key}", f"{key}, {name}") for who, _, name in sides(comparison) for key in "pq"]
+def _traction_keys(shown: Shown) -> tuple[Key, ...]:
+    lines = [Key(f"{who} {key}", f"{key}, {name}") for who, _, name in shown.sides for key in "pq"]
     return (*lines, Key("d p", "difference of p"), Key("d q", "difference of q"))
 
 
-def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
+def _tractions(shown: Shown) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
-    rows = [event.index for event in chosen]
-    cells = tuple(
-        Cell(traction_panels(comparison, event.index, rows, f"event-{n}", (320.0, 220.0), f"{n}  {event.label}"), event.index)
-        for n, event in enumerate(chosen, start=1)
-    )
-    expected, found, scales, points = comparison.expected, comparison.found, comparison.scales, len(comparison.found.x)
-    return Plate(
-        "tractions",
-        "Pressure and shear traction at chosen instants",
-        "Tractions in p_ref and f p_ref; beneath each, result − reference in per cent of the same scales, with its root mean "
-        "square over the contact and its largest value. Peaks at the edges are one or two elements wide: the mesh, not the theory.",
-        "Panels of pressure and shear over x for both engines, each with the difference beneath.",
-        cells,
-        {
-            "time": np.repeat(found.time[rows], points),
-            "x": np.tile(found.x, len(rows)),
-            "x/a_ref": np.tile(found.x / scales.half_width, len(rows)),
-            "p_reference/p_ref": (expected.pressure[rows] / scales.pressure).ravel(),
-            "p_result/p_ref": (found.pressure[rows] / scales.pressure).ravel(),
-            "q_reference/(f p_ref)": (expected.shear[rows] / scales.shear).ravel(),
-            "q_result/(f p_ref)": (found.shear[rows] / scales.shear).ravel(),
-        },
-        traction_keys(comparison),
-        columns=3,
-    )
+    rows, scales, points = [event.index for event in shown.chosen], shown.scales, len(shown.x)
+    cells = [
+        Cell(_traction_panels(shown, event.index, rows, f"event-{n}", (320.0, 220.0), f"{n}  {event.label}"), event.index)
+        for n, event in enumerate(shown.chosen, start=1)
+    ]
+    table = {"time": np.repeat(shown.found.time[rows], points), "x": np.tile(shown.found.x, len(rows))}
+    table["x/a_ref"] = np.tile(shown.x, len(rows))
+    for key, field, unit, size in (("p", "pressure", "p_ref", scales.pressure), ("q", "shear", "(f p_ref)", scales.shear)):
+        for role, cycle in (("reference", shown.expected), ("result", shown.found)):
+            table[f"{key}_{role}/{unit}"] = (getattr(cycle, field)[rows] / size).ravel()
+    return worded("tractions", cells, table, _traction_keys(shown), columns=3)
 
 
-def traction_panels(
-    comparison: Comparison,
-    k: int,
-    rows: Sequence[int],
-    name: str,
-    size: tuple[float, float],
-    title: str = "",
-    *,
-    live: bool = False,
+def _traction_panels(
+    shown: Shown, k: int, rows: Sequence[int], name: str, size: tuple[float, float], title: str = "", *, live: bool = False
 ) -> tuple[Panel, Panel]:
     """Tractions at instant k in a drawing of that size, and the difference; axes hold the instants of `rows`.
 
     `live` if the slider moves them.
     """
-    width, height = size
-    expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    x, wide = found.x / scales.half_width, reach(comparison)
-    near = np.abs(x) <= wide * 1.02
-    fields = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
+    (width, height), scales = size, shown.scales
+    near = np.abs(shown.x) <= shown.wide * 1.02
+    x, fields = shown.x[near], {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
     # Instant k, which is drawn, before the others that the axes hold; a line copies its row, or it would keep all in memory.
     grid = np.ix_(np.array(list(dict.fromkeys((k, *rows)))), np.flatnonzero(near))
-    both = {key: [getattr(cycle, field)[grid] / unit for cycle in (expected, found)] for key, (field, unit) in fields.items()}
+    both = {key: [getattr(cycle, field)[grid] / unit for _, cycle, _ in shown.sides] for key, (field, unit) in fields.items()}
     apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
     touching = (both["p"][0][0] != 0) | (both["p"][1][0] != 0)
 
     def curve(values: Array, css: str, label: str, field: str) -> Curve:
-        return Curve(x[near], values.copy(), css, label, {"field": field} if live else {})
+        return Curve(x, values.copy(), css, label, {"field": field} if live else {})
 
-    lines: list[Mark] = [Rule(0.0, "zero")]
-    for n, (who, _, engine) in enumerate(sides(comparison)):
+    lines: list[Mark] = [_ZERO]
+    for n, (who, _, engine) in enumerate(shown.sides):
         lines += [curve(both[key][n][0], f"{who} {key}", f"{key}, {engine}", f"{key}{n}") for key in "pq"]
-    differences = [curve(apart[key][0], f"d {key}", f"difference of {key}, %", f"d{key}") for key in "pq"]
+    differences: list[Mark] = [_ZERO, *(curve(apart[key][0], f"d {key}", f"difference of {key}, %", f"d{key}") for key in "pq")]
     up = Axis(*limits(*(series for pair in both.values() for series in pair), zero=True), "p/p_ref,  q/(f p_ref)")
     below = Axis(*limits(*apart.values(), zero=True, least=1e-9), "difference, %", count=3)
-    notes = [f"{key}: {measured(apart[key][0], x[near], 'x = {} a_ref', ' %', touching)}" for key in "pq"]
+    notes = [f"{key}: {measured(apart[key][0], x, 'x = {} a_ref', ' %', touching)}" for key in "pq"]
     alts = [f"{what} over x. {title}".strip() for what in ("Pressure and shear", "Result less reference")]
     room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
-    marks: list[Mark] = [Rule(0.0, "zero"), *differences]
     return (
-        Panel(name, Axis(-wide, wide, ""), up, lines, alts[0], width, height, title, room=room),
-        Panel(f"{name}-difference", Axis(-wide, wide, X), below, marks, alts[1], width, 0.56 * height + 56, notes=notes),
+        Panel(name, shown.over_x(""), up, lines, alts[0], width, height, title, room=room),
+        Panel(f"{name}-difference", shown.over_x(), below, differences, alts[1], width, 0.56 * height + 56, notes=notes),
     )
 
 
 def published(comparison: Comparison) -> str:
     """The picture of a published scene, two panels as SVG: tractions at the largest load, and the loop or the half-widths."""
-    expected, scene = comparison.expected, comparison.scene
+    shown, scene, expected = Shown(comparison), comparison.scene, comparison.expected
     # Where P is largest, and of these instants where |Q| is.
     largest = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
     k = int(np.argmax(np.where(largest, np.abs(expected.tangential_load), -1.0)))
-    first, _ = traction_panels(comparison, k, [k], "tractions", (440.0, 330.0), f"t = {expected.time[k]:.4g}")
-    first = replace(first, x=replace(first.x, words=X), room=None)
+    first, _ = _traction_panels(shown, k, [k], "tractions", (440.0, 330.0), f"t = {expected.time[k]:.4g}")
+    first = replace(first, x=shown.over_x(), room=None)
     moves = np.ptp(expected.tangential_displacement) > 1e-9 * comparison.scales.shift
-    loop = hysteresis(comparison, events(comparison.found, scene.friction.coefficient)) if moves else None
-    beside = loop.panels[1] if loop else half_widths(comparison, comparison.found.time, "time").panels[0]
-    keys, title = traction_keys(comparison)[:4], scene.title or scene.name
-    return Plate(scene.name, title, "", f"Both engines on {scene.name}", (first, beside), {}, keys).svg() + "\n"
+    loop = hysteresis(shown) if moves else None
+    shown.time, shown.time_words = shown.found.time, "time"
+    beside = loop.panels[1] if loop else _half_widths(shown).panels[0]
+    keys = _traction_keys(shown)[:4]
+    return Plate(scene.name, scene.title or scene.name, "", f"Both engines on {scene.name}", (first, beside), {}, keys).svg() + "\n"
 
 
-def now(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
+def _now(shown: Shown) -> Plate:
     """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing leaves them as it moves."""
-    expected, found = comparison.expected, comparison.found
-    start, every, width = first_shown(found, chosen), range(len(found.time)), 560.0
-    above, difference = traction_panels(comparison, start, every, "now", (width, 300.0), live=True)
-    return Plate(
-        "cycle",
-        "The instant shown",
-        "Tractions of both engines, what each point does, and result − reference with its root mean square over the contact and "
-        "its largest value.",
-        "Pressure and shear of both engines at one instant, zones of stick and slip, and their difference.",
-        (above, _zones(comparison, start, width), difference),
-        {
-            "time": found.time,
-            "fraction": found.fraction,
-            "P": found.normal_load,
-            "Q": found.tangential_load,
-            "U_reference": expected.tangential_displacement,
-            "U_result": found.tangential_displacement,
-            "points_where_states_differ": (expected.state != found.state).sum(axis=1).astype(np.int64),
-        },
-        traction_keys(comparison),
-        columns=1,
-    )
-
-
-def _zones(comparison: Comparison, k: int, width: float) -> Panel:
-    """Open, stick and slip along x at instant k, a strip for each engine; the slider recolours them."""
-    wide, marks = reach(comparison), list[Mark]()
-    for number, (_, cycle, engine) in enumerate(sides(comparison)):
-        top = 20.0 + 40.0 * number
-        x = cycle.x / comparison.scales.half_width
-        turns = np.flatnonzero(np.diff(cycle.state[k]))
-        ends = [-wide, *np.clip((x[turns + 1] + x[turns]) / 2, -wide, wide).tolist(), wide]
-        states = cycle.state[k, [0, *(turns + 1).tolist()]].tolist()
-        runs = zip(ends[:-1], ends[1:], states, strict=True)
+    expected, found, width = shown.expected, shown.found, 560.0
+    above, difference = _traction_panels(shown, shown.start, range(len(found.time)), "now", (width, 300.0), live=True)
+    strips = list[Mark]()  # open, stick and slip along x, which the slider recolours
+    for number, (_, cycle, engine) in enumerate(shown.sides):
+        top, x, state = 20.0 + 40.0 * number, cycle.x / shown.scales.half_width, cycle.state[shown.start]
+        turns = np.flatnonzero(np.diff(state))
+        ends = [-shown.wide, *np.clip((x[turns + 1] + x[turns]) / 2, -shown.wide, shown.wide).tolist(), shown.wide]
+        runs = zip(ends[:-1], ends[1:], state[[0, *(turns + 1).tolist()]].tolist(), strict=True)
         blocks = tuple(Block((a, b), (top, top + 16), f"state-{s}") for a, b, s in runs if b > a)
-        marks += [Note(-wide, top - 5, engine), Group(blocks, "strip", {"strip": number, "top": f"{top:g}"})]
-        marks.append(Block((-wide, wide), (top, top + 16), "outline"))
-    alt = "Open, stick and slip along x, a strip for each engine"
-    room = (72.0, 0.0, 20.0, 0.0)
-    return Panel("zones", Axis(-wide, wide, ""), Axis(84.0, 0.0, ""), marks, alt, width, 84.0, css="zones", bare=True, room=room)
+        strips += [Note(-shown.wide, top - 5, engine), Group(blocks, "strip", {"strip": number, "top": f"{top:g}"})]
+        strips.append(Block((-shown.wide, shown.wide), (top, top + 16), "outline"))
+    alt, room = "Open, stick and slip along x, a strip for each engine", (72.0, 0.0, 20.0, 0.0)
+    zones = Panel("zones", shown.over_x(""), Axis(84.0, 0.0, ""), strips, alt, width, 84.0, css="zones", bare=True, room=room)
+    table = {"time": found.time, "fraction": found.fraction, "P": found.normal_load, "Q": found.tangential_load}
+    table |= {"U_reference": expected.tangential_displacement, "U_result": found.tangential_displacement}
+    table["points_where_states_differ"] = (expected.state != found.state).sum(axis=1).astype(np.int64)
+    return worded("cycle", (above, zones, difference), table, _traction_keys(shown), columns=1)
 
 
-def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
+def _state_map(shown: Shown) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they differ."""
-    expected, found, length = comparison.expected, comparison.found, comparison.scales.half_width
-    wide = reach(comparison)
-    inside = np.flatnonzero(np.abs(found.x) <= wide * length)
-    columns = np.abs(found.x[:, None] / length - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
+    expected, found, time, wide = shown.expected, shown.found, shown.time, shown.wide
+    inside = np.flatnonzero(np.abs(shown.x) <= wide)
+    columns = np.abs(shown.x[:, None] - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
     rows = np.abs(time[:, None] - np.linspace(time[-1], time[0], _ROWS)).argmin(axis=0)
     written = np.linspace(0, len(time) - 1, min(len(time), max(_MOST_STATES // len(inside), 2))).round().astype(int)
-    metric = comparison.metric("state")
+    metric = shown.comparison.metric("state")
     # The metric's own number: points crowd at the edges, so that counting them would give another, larger share.
     share = "" if metric.value is None else value_of(metric)
-    caption = "State of each surface point at each instant of the last cycle; time runs upwards."
-    caption += f" They differ over {share} of the length in contact, in the mean over time." if share else ""
-    caption += "" if len(written) == len(time) else f" The CSV holds {len(written)} of the {len(time)} instants."
-    roles = ("map-reference", "map-result")
-    maps: list[tuple[str, NDArray[Any], tuple[str, ...], str]] = [
-        (role, cycle.state, _STATES, name) for role, (_, cycle, name) in zip(roles, sides(comparison), strict=True)
-    ]
-    differ = f"they differ: {share}" if share else "they differ"
-    maps.append(("map-difference", expected.state != found.state, ("#ffffff", "#111111"), differ))
+    differ = ("map-difference", expected.state != found.state, ("#ffffff", "#111111"), f"they differ: {share}".rstrip(": "))
     panels = []
-    for name, states, palette, words in maps:
+    for name, states, palette, words in (
+        ("map-reference", expected.state, _STATES, shown.sides[0][2]),
+        ("map-result", found.state, _STATES, shown.sides[1][2]),
+        differ,
+    ):
         marks = [Bitmap(states[np.ix_(rows, columns)].astype(np.uint8), palette)]
-        axes = Axis(-wide, wide, X), Axis(*limits(time, margin=0), time_words)
+        axes = shown.over_x(), shown.over_time()
         panels.append(Panel(name, *axes, marks, f"Map of states: {words}", 340.0, 320.0, words, time="y", css="pick"))
-    codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
-    return Plate(
-        "state_map",
-        "Stick and slip over x and time",
-        caption,
-        "Two maps of open, stick, forward slip and reverse slip over x and time, one for each engine, and a third of "
-        "their difference.",
-        tuple(panels),
-        {
-            "time": np.repeat(found.time[written], len(inside)),
-            "x": np.tile(found.x[inside], len(written)),
-            f"state_reference ({codes})": expected.state[np.ix_(written, inside)].ravel(),
-            f"state_result ({codes})": found.state[np.ix_(written, inside)].ravel(),
-        },
-        STATE_KEYS,
-        columns=3,
-    )
+    codes, grid = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items()), np.ix_(written, inside)
+    table = {"time": np.repeat(found.time[written], len(inside)), "x": np.tile(found.x[inside], len(written))}
+    table |= {f"state_reference ({codes})": expected.state[grid].ravel(), f"state_result ({codes})": found.state[grid].ravel()}
+    kept, of = len(written), len(time)
+    return worded("state_map", panels, table, STATE_KEYS, columns=3, share=share, written=kept, instants=of)
 
 
-def dissipation_density(comparison: Comparison) -> Plate | None:
+def dissipation_density(shown: Shown) -> Plate | None:
     """w(x) of the last cycle, both engines, the difference beside it; None where nothing is dissipated anywhere."""
-    scales, x, wide = comparison.scales, comparison.found.x / comparison.scales.half_width, reach(comparison)
-    unit = scales.dissipation / scales.half_width
-    theirs, ours = (cycle.dissipation_density / unit for _, cycle, _ in sides(comparison))
+    x, scales = shown.x, shown.scales
+    theirs, ours = (cycle.dissipation_density / (scales.dissipation / scales.half_width) for _, cycle, _ in shown.sides)
     if not (np.any(theirs) or np.any(ours)):
         return None
-    stick = permanent_edges(comparison.reference) / scales.half_width
+    stick = _permanent_edges(shown.comparison.reference) / scales.half_width
     lines: list[Mark] = [Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)]
-    keys = [Key(f"{who} p", name) for who, _, name in sides(comparison)]
-    lines += [Curve(x, w, key.css, key.text) for w, key in zip((theirs, ours), keys, strict=True)]
+    lines += [Curve(x, w, key.css, key.text) for w, key in zip((theirs, ours), shown.keys, strict=True)]
     peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
     lines.append(Dot(float(x[peak]), float(ours[peak]), "event"))
     apart = 100 * (ours - theirs) / (float(np.nanmax(np.abs(theirs), initial=0.0)) or 1.0)
-    note = measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= wide) & ((theirs != 0) | (ours != 0)))
+    note = measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= shown.wide) & ((theirs != 0) | (ours != 0)))
     ends = f"±{stick[1]:.4g}" if stick[0] == -stick[1] else minus(f"{stick[0]:.4g} and {stick[1]:.4g}")
-    stuck = f"; dashed: edges of the permanent stick zone, {ends} a_ref" if np.isfinite(stick).all() else ""
     up = Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
     below = Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest")
-    marks: list[Mark] = [Rule(0.0, "zero"), Curve(x, apart, "d p", "difference")]
-    return Plate(
+    marks: list[Mark] = [_ZERO, Curve(x, apart, "d p", "difference")]
+    unit = "(A f^2 P_ref^2/a_ref)"
+    return worded(
         "dissipation_density",
-        "Dissipation, point by point",
-        "First: friction work per unit area in the last cycle. Dot: the peak, "
-        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result − reference, over the largest reference.",
-        "Dissipation density over x for both engines, and the difference.",
         (
-            Panel("work", Axis(-wide, wide, X), up, lines, "Dissipation density over x", css="pick"),
-            Panel("work-difference", Axis(-wide, wide, X), below, marks, "Difference of the dissipation density", notes=[note]),
+            Panel("work", shown.over_x(), up, lines, "Dissipation density over x", css="pick"),
+            Panel("work-difference", shown.over_x(), below, marks, "Difference of the dissipation density", notes=[note]),
         ),
-        {
-            "x": comparison.found.x,
-            "x/a_ref": x,
-            "w_reference/(A f^2 P_ref^2/a_ref)": theirs,
-            "w_result/(A f^2 P_ref^2/a_ref)": ours,
-        },
-        (*keys, Key("d p", "difference")),
+        {"x": shown.found.x, "x/a_ref": x, f"w_reference/{unit}": theirs, f"w_result/{unit}": ours},
+        (*shown.keys, Key("d p", "difference")),
+        peak=f"{ours[peak]:.4g}",
+        place=signed(float(x[peak])),
+        stick=ends if np.isfinite(stick).all() else "",
     )
 
 
 # ---------------------------------------------------------------------------------------------------------------- over time
-def half_widths(comparison: Comparison, time: Array, time_words: str) -> Plate:
+def _half_widths(shown: Shown) -> Plate:
     """Contact and stick edges of both engines through the last cycle, the difference of the half-widths beside them."""
-    length, both = comparison.scales.half_width, sides(comparison)
-    lines, keys, apart, table = list[Curve](), list[Key](), dict[str, Array](), {"time": comparison.found.time}
-    for who, cycle, engine in both:
+    length, time = shown.scales.half_width, shown.time
+    lines, keys, apart, table = list[Curve](), list[Key](), dict[str, Array](), {"time": shown.found.time}
+    for role, (who, cycle, engine) in zip(("reference", "result"), shown.sides, strict=True):
         for kind, css in (("contact", "p"), ("stick", "q")):
             edges, key = getattr(cycle, f"{kind}_edges"), Key(f"{who} {css}", f"{kind} edge, {engine}")
             lines += [Curve(time, edges[:, side] / length, key.css, key.text) for side in (0, 1)]
             keys.append(key)
             half = np.ptp(edges, axis=1) / 2 / length
             apart[kind] = half - apart[kind] if kind in apart else half
-            role = "reference" if who == "r" else "result"
             table |= {f"{side}_{kind}_edges_{role}": edges[:, k] for k, side in enumerate(("left", "right"))}
-    x = comparison.found.x
-    outer = float(np.nanmax(np.abs(comparison.found.contact_edges), initial=0.0))
+    x = shown.found.x
+    outer = float(np.nanmax(np.abs(shown.found.contact_edges), initial=0.0))
     spacing = float(np.median(np.diff(x)[np.abs(np.abs(x[1:]) - outer) < 0.3 * (outer or np.inf)])) / length if outer else np.nan
-    noise = f" Ripples up to about {spacing:.1g} a_ref are noise of the mesh: so far apart are the points at the edge."
-    title = "Contact and stick edges through the cycle"
-    across = Axis(*limits(time, margin=0), time_words)
     up = Axis(*limits(*apart.values(), zero=True, least=1e-12), "difference of half-widths / a_ref")
-    marks: list[Mark] = [
-        Rule(0.0, "zero"),
-        Curve(time, apart["contact"], "d p", "contact"),
-        Curve(time, apart["stick"], "d q", "stick"),
-    ]
-    notes = [f"{kind}: {measured(values, time, _when(time_words), ' a_ref')}" for kind, values in apart.items()]
-    return Plate(
+    marks: list[Mark] = [_ZERO, *(Curve(time, apart[kind], css, kind) for kind, css in (("contact", "d p"), ("stick", "d q")))]
+    notes = [f"{kind}: {shown.largest(values, ' a_ref')}" for kind, values in apart.items()]
+    edges, title = Axis(*limits(*(line.y for line in lines)), _X), "Contact and stick edges through the cycle"
+    return worded(
         "half_widths",
-        title,
-        "First: where contact and stick end. Second: half the distance between the edges, result − reference. In full stick "
-        f"the stick edges are the contact edges; in full slip there are none.{noise if np.isfinite(spacing) else ''}",
-        "Contact and stick edges over time for both engines, and the difference of the half-widths.",
         (
-            Panel("edges", across, Axis(*limits(*(line.y for line in lines)), "x / a_ref"), lines, title, time="x"),
-            Panel("edges-difference", across, up, marks, "Difference of the half-widths", notes=notes, time="x"),
+            Panel("edges", shown.over_time(), edges, lines, title, time="x"),
+            Panel("edges-difference", shown.over_time(), up, marks, "Difference of the half-widths", notes=notes, time="x"),
         ),
         table,
         (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick")),
+        spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
     )
 
 
-def errors(comparison: Comparison, time: Array, time_words: str) -> Plate:
+def errors(shown: Shown) -> Plate:
     """Metrics that have a value at each instant, at the instants that are judged: over their tolerances, where there are any.
 
     Where no tolerance was given, those that half-planes are judged by, in per cent.
     """
-    series = [m for m in comparison.metrics if m.series is not None]
+    time, series = shown.time, [m for m in shown.comparison.metrics if m.series is not None]
     judged = [m for m in series if m.tolerance is not None]
-    shown = judged or [m for m in series if m.key in OWN_TOLERANCES]
-    unit = "" if judged else " %"
+    drawn = judged or [m for m in series if m.key in OWN_TOLERANCES]
     lines, keys, largest = list[Mark]([Rule(1.0, "limit")] if judged else []), [], 0.0
-    for m, css in zip(shown, LINES, strict=False):
+    for m, css in zip(drawn, _LINES, strict=False):
         over = (m.tolerance or 1.0) if judged else 0.01
-        size = np.where(comparison.judged, np.abs(np.asarray(m.series)) / over, np.nan)
+        size = np.where(shown.comparison.judged, np.abs(np.asarray(m.series)) / over, np.nan)
         worst = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
         largest = max(largest, float(np.nanmax(size, initial=0.0)))
         lines.append(Curve(time, size, css, m.label))
-        keys.append(Key(css, minus(f"{m.label}: {size[worst]:.2g}{unit} at {time[worst]:.3g}")))
-    most = min(max(1.0, largest), 8.0) if judged else largest or 1.0
-    caption = "Each metric in per cent of its scale, at the instants that are judged; no tolerance was given."
+        keys.append(Key(css, minus(f"{m.label}: {size[worst]:.2g}{'' if judged else ' %'} at {time[worst]:.3g}")))
     if judged:
         lines.append(Note(float(time[-1]), 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
-        caption = "Each metric over its own tolerance, at the instants that are judged: above 1 it fails."
-        caption += " Curves above 8 are cut off: their values are in the CSV." if largest > 8 else ""
-    title = "Discrepancy through the cycle"
+    most = min(max(1.0, largest), 8.0) if judged else largest or 1.0
     up = Axis(0.0, 1.08 * most, "|discrepancy| / tolerance" if judged else "|discrepancy|, %")
-    return Plate(
-        "errors",
-        title,
-        f"{caption} The legend has the largest value and its time. Steps from node to node are noise of the mesh.",
-        "Discrepancies over their tolerances through the last cycle.",
-        (_broad("errors", Axis(*limits(time, margin=0), time_words, count=8), up, lines, title, time="x"),),
-        {"time": comparison.found.time} | {m.key: np.asarray(m.series) for m in shown},
-        tuple(keys),
-        columns=1,
-    )
+    panel = _broad("errors", shown.over_time(8), up, lines, "Discrepancy through the cycle", time="x")
+    table = {"time": shown.found.time} | {m.key: np.asarray(m.series) for m in drawn}
+    return worded("errors", [panel], table, keys, columns=1, judged=bool(judged), cut=bool(judged) and largest > 8)
 
 
-def permanent_edges(solution: ContactSolution) -> Array:
+def _permanent_edges(solution: ContactSolution) -> Array:
     """(2,) ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
     if solution.permanent_stick_edges is not None:
         return solution.permanent_stick_edges
@@ -405,113 +367,84 @@ def places(comparison: Comparison, count: int = 4) -> list[int]:
     outer = float(np.nanmax(np.abs(expected.contact_edges), initial=0.0)) or float(np.abs(x).max())
     if comparison.turned:
         outer = float(np.nanmax(expected.contact_edges, initial=float(x[0])))
-    inner = permanent_edges(comparison.reference)[1]
+    inner = _permanent_edges(comparison.reference)[1]
     inner = float(inner) if np.isfinite(inner) and inner < outer else min(0.0, outer)
     wanted = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
     return sorted({int(np.abs(x - place).argmin()) for place in wanted})
 
 
-def slip_histories(comparison: Comparison, time: Array, time_words: str) -> Plate:
+def _slip_histories(shown: Shown) -> Plate:
     """Slip of chosen points through the last cycle, both engines, from where each stood at the start of the cycle."""
-    rows, x, scale = places(comparison), comparison.found.x, comparison.scales.half_width
-    length = units(comparison.scene)[1]
-    slips = [cycle.slip[:, rows] - cycle.slip[0, rows] for _, cycle, _ in sides(comparison)]
-    apart = slips[1] - slips[0]
-    lines, table = [], {"time": comparison.found.time}
-    for look, slip, (_, _, engine) in zip(("wide", "thin"), slips, sides(comparison), strict=True):
-        for k, row in enumerate(rows):
-            lines.append(Curve(time, slip[:, k], f"{look} point-{k}", f"x = {x[row] / scale:.3f} a_ref, {engine}"))
-    for k, row in enumerate(rows):
-        table |= {
-            f"slip_{who}(x = {x[row]:.6g}) [{length}]": slip[:, k] for who, slip in zip(("reference", "result"), slips, strict=True)
-        }
-    point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(apart)), axis=0)))
-    notes = [
-        f"result − reference at x = {x[rows[point]] / scale:.3f} a_ref, where it is largest:",
-        measured(apart[:, point], time, _when(time_words), f" {length}"),
+    rows, x, length = places(shown.comparison), shown.found.x, units(shown.scene)[1]
+    named = [f"x = {shown.x[row]:.3f} a_ref" for row in rows]
+    slips = [cycle.slip[:, rows] - cycle.slip[0, rows] for _, cycle, _ in shown.sides]
+    lines = [
+        Curve(shown.time, slip[:, k], f"{look} point-{k}", f"{name}, {engine}")
+        for look, slip, (_, _, engine) in zip(("wide", "thin"), slips, shown.sides, strict=True)
+        for k, name in enumerate(named)
     ]
-    across = Axis(*limits(time, margin=0), time_words, count=8)
-    up = Axis(*limits(*slips, zero=True, least=1e-12 * scale), f"slip since the start  [{length}]")
-    return Plate(
-        "slip_history",
-        "Slip of chosen points",
-        "Upper body over the lower, counted from the start of the cycle; it goes on as relative displacement while a point is "
-        "open. Broad pale line: reference; thin dark line: result.",
-        "Slip over time of a few points of the surface, for both engines.",
-        (_broad("slip", across, up, lines, "Slip of chosen points over time", 320.0, notes=notes, time="x"),),
-        table,
-        tuple(Key(f"point-{k}", f"x = {x[row] / scale:.3f} a_ref") for k, row in enumerate(rows)),
-        columns=1,
-    )
+    table = {"time": shown.found.time}
+    for k, row in enumerate(rows):
+        for role, slip in zip(("reference", "result"), slips, strict=True):
+            table[f"slip_{role}(x = {x[row]:.6g}) [{length}]"] = slip[:, k]
+    apart = slips[1] - slips[0]
+    point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(apart)), axis=0)))
+    notes = [f"result − reference at {named[point]}, where it is largest:", shown.largest(apart[:, point], f" {length}")]
+    up = Axis(*limits(*slips, zero=True, least=1e-12 * shown.scales.half_width), f"slip since the start  [{length}]")
+    panel = _broad("slip", shown.over_time(8), up, lines, "Slip of chosen points over time", 320.0, notes=notes, time="x")
+    return worded("slip_history", [panel], table, [Key(f"point-{k}", name) for k, name in enumerate(named)], columns=1)
 
 
 # ------------------------------------------------------------------------------------------------ the loads, and load over shift
-def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Plate:
+def _load_path(shown: Shown) -> Plate:
     """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at the instant shown.
 
     Beneath it bulk stress, tilt and moment over the cycle, where there are any.
     """
-    friction, unit = solution.scene.friction.coefficient, load_unit(solution.scene)
-    path = solution.scene.load.path()
-    periodic = path.period is not None
+    solution, cycle = shown.comparison.result, shown.found
+    friction, unit, path = solution.scene.friction.coefficient, load_unit(solution.scene), solution.scene.load.path()
     parts = {"initial loading" if path.cycle else "path": path.initial_loading, "cycle": path.cycle}
-    looks = {"initial loading": "initial-loading", "path": "loop", "cycle": "loop"}
-    time, part = list[Array](), list[str]()
-    for name, legs in parts.items():
-        time += [sampled(leg, 257) for leg in legs]
-        part += [name] * (sum(map(len, time)) - len(part))
-    instants, names = np.concatenate(time), np.array(part)
-    normal, tangential = (np.asarray(load) for load in path.at(instants))
+    time = {name: np.concatenate([sampled(leg, 257) for leg in legs]) for name, legs in parts.items() if legs}
+    loads = {name: [np.asarray(load) for load in path.at(instants)] for name, instants in time.items()}
+    normal, tangential = (np.concatenate([pair[k] for pair in loads.values()]) for k in (0, 1))
     top = 1.08 * float(normal.max())
     reached = 1.25 * max(float(np.abs(tangential).max()), 0.15 * top)
-    drawn = [name for name in parts if name in part]
+    looks = {name: "initial-loading" if name == "initial loading" else "loop" for name in loads}
     marks: list[Mark] = [Curve([0, top], [0, s * friction * top], "cone", "|Q| = f P") for s in (1, -1) if friction]
-    marks += [Curve(normal[names == name], tangential[names == name], looks[name], name) for name in drawn]
+    marks += [Curve(p, q, looks[name], name) for name, (p, q) in loads.items()]
     up = Axis(min(-0.3 * reached, 1.25 * float(tangential.min())), reached, f"tangential load Q  [{unit}]")
     across, alt = Axis(0.0, top, f"normal load P  [{unit}]"), "Load path in the plane of P and Q"
     panel = Panel("load-path", across, up, marks, alt, height=330.0)
-    marks += _events(panel, cycle.normal_load, cycle.tangential_load, chosen)
-    start = first_shown(cycle, chosen)
-    marks.append(_follower("P", cycle.normal_load[start], cycle.tangential_load[start], "now"))
-    beside = [_over_cycle(cycle, periodic, *pair) for pair in _bulk_and_tilt(solution.scene, cycle)]
-    keys = (*(Key(looks[name], name) for name in reversed(drawn)), *([Key("cone", "|Q| = f P")] if friction else []))
-    return Plate(
-        "load_path",
-        "Load path",
-        "The numbers are the chosen instants, in the order of time; the ring is the instant shown."
-        + (" Beneath: what is imposed beside P and Q, through the last cycle." if beside else ""),
-        "Path of the loads in the plane of P and Q with the friction cone.",
-        (panel, *(panel for panel, _ in beside)),
-        {"time": instants, "part": part, "P": normal, "Q": tangential},
-        (*keys, *(key for _, more in beside for key in more)),
-        columns=1,
-    )
+    marks += _events(panel, cycle.normal_load, cycle.tangential_load, shown.chosen)
+    marks.append(_follower("P", cycle.normal_load[shown.start], cycle.tangential_load[shown.start], "now"))
+    keys = [*(Key(looks[name], name) for name in reversed(loads)), *([Key("cone", "|Q| = f P")] if friction else [])]
+    panels = [panel]
+    for name, words, lines in _beside_the_forces(shown):
+        panels.append(_over_cycle(shown, name, words, lines))
+        keys += [Key(css, text) for css, text, _ in lines]
+    part = [name for name in time for _ in time[name]]
+    table: Table = {"time": np.concatenate([*time.values()]), "part": part, "P": normal, "Q": tangential}
+    return worded("load_path", panels, table, keys, columns=1, beside=len(panels) > 1)
 
 
-def _bulk_and_tilt(scene: Scene, cycle: Cycle) -> Iterator[tuple[str, str, dict[str, Array]]]:
-    """Name, words of the axis and lines, by their words, of what a scene has beside P and Q, each with its unit."""
-    force, _, stress = units(scene)
-    pulled = {f"σ, {name} body": getattr(cycle, f"bulk_stress_{name}") for name in ("lower", "upper")}
-    pulled = {words: values for words, values in pulled.items() if values is not None and np.any(values)}
+def _beside_the_forces(shown: Shown) -> Iterator[tuple[str, str, list[tuple[str, str, Array]]]]:
+    """Name, words of the axis and lines (look, words, values) of what a scene has beside P and Q, each with its unit."""
+    (force, _, stress), cycle = units(shown.scene), shown.found
+    pulled = [(f"σ, {name} body", getattr(cycle, f"bulk_stress_{name}")) for name in ("lower", "upper")]
+    pulled = [(words, values) for words, values in pulled if values is not None and np.any(values)]
     if pulled:
-        yield "bulk-stress", f"bulk stress σ  [{stress}]", pulled
+        yield "bulk-stress", f"bulk stress σ  [{stress}]", [(f"line-{k} fine", *line) for k, line in enumerate(pulled)]
     if cycle.tilt is not None and np.any(cycle.tilt):
-        yield "tilt", "tilt α  [rad]", {"tilt of the upper body": cycle.tilt}
-    if cycle.moment is not None and np.any(cycle.moment) and scene.load.moment_given:
-        yield "moment", f"moment M  [{force}]", {"moment": cycle.moment}
+        yield "tilt", "tilt α  [rad]", [("line-2 fine", "tilt of the upper body", cycle.tilt)]
+    if cycle.moment is not None and np.any(cycle.moment) and shown.scene.load.moment_given:
+        yield "moment", f"moment M  [{force}]", [("line-3 fine", "moment", cycle.moment)]
 
 
-def _over_cycle(cycle: Cycle, periodic: bool, name: str, words: str, lines: Mapping[str, Array]) -> tuple[Panel, tuple[Key, ...]]:
-    """Series through the last cycle in a small panel, and their keys."""
-    time, across = (cycle.fraction, "time / period") if periodic and cycle.whole else (cycle.time, "time")
-    keys = tuple(Key(f"{look} fine", text) for look, text in zip(_IMPOSED[name], lines, strict=False))
-    marks: list[Mark] = [Rule(0.0, "zero"), *(Curve(time, lines[key.text], key.css, key.text) for key in keys)]
-    up = Axis(*limits(*lines.values(), zero=True, margin=0.12), words, count=3)
-    return Panel(name, Axis(*limits(time, margin=0), across), up, marks, f"{words} over time", height=190.0, time="x"), keys
-
-
-# Looks of the lines of each small panel beneath the load path.
-_IMPOSED = {"bulk-stress": LINES[:2], "tilt": LINES[2:3], "moment": LINES[3:4]}
+def _over_cycle(shown: Shown, name: str, words: str, lines: Sequence[tuple[str, str, Array]]) -> Panel:
+    """Series through the last cycle in a small panel."""
+    marks: list[Mark] = [_ZERO, *(Curve(shown.time, values, css, text) for css, text, values in lines)]
+    up = Axis(*limits(*(values for _, _, values in lines), zero=True, margin=0.12), words, count=3)
+    return Panel(name, shown.over_time(), up, marks, f"{words} over time", height=190.0, time="x")
 
 
 def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
@@ -544,97 +477,66 @@ def _follower(x: str, across: float, up: float, css: str) -> Dot:
     return Dot(float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": "Q"})
 
 
-def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
+def hysteresis(shown: Shown) -> Plate | None:
     """Tangential load over tangential displacement in the last cycle, both engines; beside it sheared, so that the loop opens.
 
     None where neither load nor shift moves, or the result holds no shift.
     """
-    scene, expected, found = comparison.scene, comparison.expected, comparison.found
-    series = (found.tangential_load, found.tangential_displacement, expected.tangential_displacement)
+    comparison, scene, cycles = shown.comparison, shown.scene, (shown.expected, shown.found)
+    series = (shown.found.tangential_load, *(cycle.tangential_displacement for cycle in cycles))
     if "tangential_displacement" in missing(comparison.result) or all(np.ptp(values) == 0 for values in series):
         return None
-    load, length = load_unit(scene), units(scene)[1]
-    slopes, area = " and ".join(signed(loop_compliance(cycle)) for cycle in (expected, found)), ""
-    if scene.load.path().period is not None:
-        # P works too where it varies and the approach hangs on Q as well.
-        alone = are_half_planes(scene) or (np.ptp(found.normal_load) == 0 and found.tilt is None)
-        area = ", which leaves the area as it is: "
-        if comparison.pulled:
-            area += _both_works(comparison)
-        else:
-            area += "the dissipation of the cycle" if alone else (
-                "the work of Q in the cycle, which between half-planes of like materials is the dissipation; "
-                "of these bodies P may work too (∮ P dV below)"
-            )  # fmt: skip
-    keys = tuple(Key(f"{who} p", name) for who, _, name in sides(comparison))
-    loads = [expected.tangential_load, found.tangential_load]
-    panels, start = [], first_shown(found, chosen)
+    load, (force, length, _), loads, panels = load_unit(scene), units(scene), [c.tangential_load for c in cycles], []
     for name, words, letter, of in (
         ("hysteresis", f"tangential displacement U  [{length}]", "U", "stroke"),
         ("hysteresis-sheared", f"U − k Q, about its mean  [{length}]", "V", "width"),
     ):
-        shifts = [sheared_shift(cycle) if letter == "V" else cycle.tangential_displacement for cycle in (expected, found)]
+        shifts = [sheared_shift(cycle) if letter == "V" else cycle.tangential_displacement for cycle in cycles]
         stroke = float(np.ptp(shifts[0])) or 1.0
-        note = measured(100 * (shifts[1] - shifts[0]) / stroke, found.fraction, "{}", " %").rpartition(" at ")[0]
-        marks: list[Mark] = [Curve(u, q, key.css, key.text) for key, u, q in zip(keys, shifts, loads, strict=True)]
+        note = measured(100 * (shifts[1] - shifts[0]) / stroke, shown.found.fraction, "{}", " %").rpartition(" at ")[0]
+        marks: list[Mark] = [Curve(u, q, key.css, key.text) for key, u, q in zip(shown.keys, shifts, loads, strict=True)]
         across = Axis(*limits(*shifts, margin=0.12), words, count=4)
         up = Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load}]")
         notes = [f"{note}, of the {of}"] if note else []
         panel = Panel(name, across, up, marks, f"Tangential load over {words}", height=330.0, notes=notes)
-        marks += _events(panel, shifts[1], loads[1], chosen)
+        marks += _events(panel, shifts[1], loads[1], shown.chosen)
         for n, css in enumerate(("now pale", "now")):
-            marks.append(_follower(f"{letter}{n}", shifts[n][start], loads[n][start], css))
+            marks.append(_follower(f"{letter}{n}", shifts[n][shown.start], loads[n][shown.start], css))
         panels.append(panel)
-    bulk = [
-        (bulk_strain(cycle, scene.material), cycle.shear_moment) for cycle in (expected, found) if cycle.shear_moment is not None
-    ]
+    bulk = [(bulk_strain(c, scene.material), c.shear_moment) for c in cycles if c.shear_moment is not None]
     if comparison.pulled and len(bulk) == 2:
-        marks = [Curve(strain, moment, key.css, key.text) for key, (strain, moment) in zip(keys, bulk, strict=True)]
+        marks = [Curve(strain, moment, key.css, key.text) for key, (strain, moment) in zip(shown.keys, bulk, strict=True)]
         across = Axis(*limits(*(strain for strain, _ in bulk), margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4)
-        up = Axis(*limits(*(moment for _, moment in bulk), margin=0.12), f"moment of the shear m_q  [{units(scene)[0]}]")
+        up = Axis(*limits(*(moment for _, moment in bulk), margin=0.12), f"moment of the shear m_q  [{force}]")
         panels.append(Panel("bulk-loop", across, up, marks, "Moment of the shear over bulk strain", height=330.0))
-    return Plate(
+    works = (
+        [loop_work(cycle) for cycle in cycles],
+        [bulk_work(cycle, scene.material) for cycle in cycles],
+        [comparison.reference.dissipation, comparison.result.dissipation],
+    )
+    in_words = [" and ".join(minus(f"{work:.5g}") for work in pair) for pair in works]
+    table = dict(zip(("time", "Q", "U_reference", "U_result"), (shown.found.time, *series), strict=True))
+    return worded(
         "hysteresis",
-        "Hysteresis loop",
-        "First: shift of the upper body over the lower. Second: each less its own mean slope "
-        f"(k = {slopes} {length} per {load}) and mean{area}.",
-        "Tangential load over tangential displacement for both engines, as it is and sheared so that the loop opens.",
-        tuple(panels),
-        {
-            "time": found.time,
-            "Q": found.tangential_load,
-            "U_reference": expected.tangential_displacement,
-            "U_result": found.tangential_displacement,
-        },
-        keys,
-    )
-
-
-def _both_works(comparison: Comparison) -> str:
-    """What the loop of Q over U is with bulk stress, and the other work, of reference and result."""
-    cycles, materials = (comparison.expected, comparison.found), comparison.scene.material
-    of_force, of_bulk, whole = (
-        " and ".join(minus(f"{work:.5g}") for work in works)
-        for works in (
-            [loop_work(cycle) for cycle in cycles],
-            [bulk_work(cycle, materials) for cycle in cycles],
-            [comparison.reference.dissipation, comparison.result.dissipation],
-        )
-    )
-    return (
-        f"the work of Q in the cycle. With bulk stress that is not the dissipation: ∮ Q dU = {of_force}, −∮ m_q dε = {of_bulk}, "
-        f"and W = {whole} {energy_unit(comparison.scene)} (reference and result). Third: the moment of the shear, m_q = ∫ x q dx, "
-        "over the bulk strain; its area is the second of these works"
+        panels,
+        table,
+        shown.keys,
+        slopes=" and ".join(signed(_loop_compliance(cycle)) for cycle in cycles),
+        unit=f"{length} per {load}",
+        periodic=scene.load.path().period is not None,
+        # P works too where it varies and the approach hangs on Q as well.
+        alone=are_half_planes(scene) or (np.ptp(shown.found.normal_load) == 0 and shown.found.tilt is None),
+        works=[*in_words, energy_unit(scene)] if comparison.pulled else (),
     )
 
 
 def sheared_shift(cycle: Cycle) -> Array:
     """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
-    shift = cycle.tangential_displacement - loop_compliance(cycle) * cycle.tangential_load
+    shift = cycle.tangential_displacement - _loop_compliance(cycle) * cycle.tangential_load
     return np.asarray(shift - shift.mean())
 
 
-def loop_compliance(cycle: Cycle) -> float:
+def _loop_compliance(cycle: Cycle) -> float:
     """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
     load = cycle.tangential_load - cycle.tangential_load.mean()
     square = float(load @ load)
@@ -649,10 +551,8 @@ def energy(solution: ContactSolution) -> Plate | None:
     friction work, which would be a flat line beside them.
     """
     recorded = {name: np.cumsum(series) for name, series in solution.record.energy.items()}
-    if not recorded:
-        return None
     large = [name for name in recorded if name in ("external", "external_end_of_step", "elastic")]
-    looks, panels, keys = dict(zip(recorded, LINES, strict=False)), [], []
+    looks, panels, keys = dict(zip(recorded, _LINES, strict=False)), [], []
     for number, group in enumerate((large, [name for name in recorded if name not in large])):
         keys += [Key(looks[name], name.replace("_", " ")) for name in group]
         marks = [*_cycles(solution), *(Curve(solution.time, recorded[n], looks[n], n.replace("_", " ")) for n in group)]
@@ -660,17 +560,8 @@ def energy(solution: ContactSolution) -> Plate | None:
             across = Axis(*limits(solution.time, margin=0), "time")
             up = Axis(*limits(*(recorded[n] for n in group)), f"energy since the start  [{energy_unit(solution.scene)}]")
             panels.append(Panel(f"energy-{number}", across, up, marks, "Energies over time", height=280.0))
-    return Plate(
-        "energy",
-        f"Energy, {name_of(solution.engine)}",
-        "Summed up from the start, per unit thickness; that external work = elastic energy + interface work at every step is "
-        "one of the certificates. Friction work with the tractions at the end of each step (end of step) instead of "
-        "their mean (interface) shows the error of the steps themselves.",
-        "Energies over time.",
-        tuple(panels),
-        {"time": solution.time} | dict(solution.record.energy),
-        tuple(keys),
-    )
+    table = {"time": solution.time} | dict(solution.record.energy)
+    return worded("energy", panels, table, keys, engine=name_of(solution.engine)) if recorded else None
 
 
 def certificates(role: str, solution: ContactSolution, checks: Sequence[Certificate]) -> Plate:
@@ -678,28 +569,19 @@ def certificates(role: str, solution: ContactSolution, checks: Sequence[Certific
 
     `role` is "reference" or "result": engines have names that no file could have.
     """
-    shown = [check for check in checks if np.any(check.series != 0)]
-    exact = [check.label for check in checks if check not in shown]
-    finite = [float(s) for check in shown for s in check.series if np.isfinite(s)]
-    keys = tuple(Key(f"{css} fine", check.label) for check, css in zip(shown, LINES, strict=False))
+    drawn = [check for check in checks if np.any(check.series != 0)]
+    finite = [float(s) for check in drawn for s in check.series if np.isfinite(s)]
+    keys = [Key(f"{css} fine", check.label) for check, css in zip(drawn, _LINES, strict=False)]
     lines: list[Mark] = [*_cycles(solution), Rule(LIMIT, "limit")]
-    lines += [Curve(solution.time, check.series, key.css, check.label) for check, key in zip(shown, keys, strict=True)]
+    lines += [Curve(solution.time, check.series, key.css, check.label) for check, key in zip(drawn, keys, strict=True)]
     lines.append(Note(float(solution.time[-1]), LIMIT, "limit", anchor="end", shift=(-4.0, -5.0)))
-    title = f"Certificates, {name_of(solution.engine)}"
-    across = Axis(*limits(solution.time, margin=0), "time", count=8)
+    engine, across = name_of(solution.engine), Axis(*limits(solution.time, margin=0), "time", count=8)
     up = Axis(1e-18, 30 * max([LIMIT, *finite]), "violation, dimensionless", log=True)
     notes = [minus(f"largest {max(finite):.1e}, limit {LIMIT:.0e}")] if finite else []
-    return Plate(
-        f"certificates_{role}",
-        title,
-        "How far each law of contact is violated, where it is at all."
-        + (f" Exactly 0 throughout: {', '.join(exact)}." if exact else ""),
-        "Violations of the laws of contact over time on a logarithmic axis.",
-        (_broad(f"certificates-{role}", across, up, lines, title, notes=notes),),
-        {"time": solution.time} | {check.label: check.series for check in checks},
-        keys,
-        columns=1,
-    )
+    panel = _broad(f"certificates-{role}", across, up, lines, f"Certificates, {engine}", notes=notes)
+    table = {"time": solution.time} | {check.label: check.series for check in checks}
+    exact = [check.label for check in checks if check not in drawn]
+    return worded(f"certificates_{role}", [panel], table, keys, columns=1, words="certificates", engine=engine, exact=exact)
 
 
 def _cycles(solution: ContactSolution) -> list[Mark]:
@@ -716,79 +598,57 @@ def _cycles(solution: ContactSolution) -> list[Mark]:
 _ROW, _CUT = 44.0, 3.0
 
 
-def bars(budget: ErrorBudget) -> Plate | None:
+def _bars(budget: ErrorBudget) -> Plate | None:
     """The terms of every metric that has a tolerance as a stack over it; None where no metric has one.
 
     What adds to the metric lies right of zero, what takes from it left: the two stacks together are E. Where the scene states no
     tolerance at all, the metrics of the first table in per cent.
     """
     judged = [one for one in budget.budgets if one.metric.tolerance]
-    shown = judged or [one for one in budget.budgets if one.metric.definition.headline]
-    if not shown:
+    drawn = judged or [one for one in budget.budgets if one.metric.definition.headline]
+    if not drawn:
         return None
-    rest = "unexplained" if shown[0].half_planes else "idealisation"
-    names = [*(term.name for term in shown[0].terms), rest]
-    unit = "of the tolerance" if judged else "%"
+    rest = "unexplained" if drawn[0].half_planes else "idealisation"
+    names = [*(term.name for term in drawn[0].terms), rest]
 
-    def over(one: Budget, value: float | None) -> float:
-        found = (value or 0.0) / ((one.metric.tolerance or 1.0) if judged else 0.01)
-        return found if math.isfinite(found) else 0.0
+    def over(one: Budget, *values: float | None) -> Array:
+        found = np.array([value or 0.0 for value in values]) / ((one.metric.tolerance or 1.0) if judged else 0.01)
+        return np.where(np.isfinite(found), found, 0.0)
 
-    stacks = [[over(one, part) for part in (*(term.value for term in one.terms), one.rest)] for one in shown]
+    stacks = [over(one, *(term.value for term in one.terms), one.rest) for one in drawn]
+    totals = [over(one, one.total, one.uncertainty) for one in drawn]
     reaches = [
-        max(
-            sum(s for s in shares if s > 0),
-            -sum(s for s in shares if s < 0),
-            abs(over(one, one.total)) + over(one, one.uncertainty),
-        )
-        for one, shares in zip(shown, stacks, strict=True)
+        max(float(shares[shares > 0].sum()), float(-shares[shares < 0].sum()), float(np.abs(total).sum()))
+        for shares, total in zip(stacks, totals, strict=True)
     ]
     wide = 1.08 * max(1.05 if judged else 0.0, min(max(reaches), _CUT * float(np.median(reaches))) or 1.0)
     marks: list[Mark] = []
-    for row, (one, shares) in enumerate(zip(shown, stacks, strict=True)):
-        low, ends = float(len(shown) - row - 1), {True: 0.0, False: 0.0}
+    for row, (one, shares) in enumerate(zip(drawn, stacks, strict=True)):
+        low, ends = float(len(drawn) - row - 1), {True: 0.0, False: 0.0}
         # Zero and the limits are drawn beside the bars alone: on a phone labels reach across them.
         for place, css in ((0.0, "zero"), *(((-1.0, "limit"), (1.0, "limit")) if judged else ())):
-            marks.append(Segments(np.array([[[place, low + 0.04], [place, low + 0.6]]]), css))
-        for k, (share, name) in enumerate(zip(shares, names, strict=True)):
+            marks.append(Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css))
+        for k, (share, name) in enumerate(zip(shares.tolist(), names, strict=True)):
             start = ends[share > 0]
             ends[share > 0] = start + share
             if share:
-                label = minus(f"{name}: {share:+.3g} {unit}")
+                label = minus(f"{name}: {share:+.3g} {'of the tolerance' if judged else '%'}")
                 marks.append(Block((start, start + share), (low + 0.14, low + 0.5), f"term-{k} edge", label))
-        marks += _total(low, over(one, one.total), over(one, one.uncertainty), wide)
-        beyond = ", cut off" if reaches[row] > wide else ""
-        known = "" if one.metric.absolute or one.uncertainty is None else minus(f" ± {float(f'{100 * one.uncertainty:.2g}'):g} %")
-        words = f"{one.metric.label}: {value_of(one.metric)}{known}{beyond}"
+        marks += _total(low, float(totals[row][0]), float(totals[row][1]), wide)
+        words = f"{one.metric.label}: {value_of(one.metric)}{', cut off' if reaches[row] > wide else ''}"
         marks.append(Note(-wide, low + 0.7, words, "tick over", shift=(6.0, 0.0)))
-
-    def numbers(values: Sequence[float | None]) -> list[float]:
-        return [math.nan if value is None else value for value in values]
-
     across = Axis(-wide, wide, "share of the tolerance" if judged else "per cent", count=8)
-    up = Axis(0.0, float(len(shown)), "", count=0)
-    return Plate(
-        "budget",
-        "What every discrepancy is made of",
-        ("Each term over the metric's tolerance (thin lines: ±1)" if judged else "Each term in per cent")
-        + "; the black mark is the whole discrepancy E with its uncertainty. A row much longer than the others is cut off.",
-        "Stacked bars: the terms of the error of every metric, over its tolerance.",
-        (
-            _broad(
-                "budget", across, up, marks, "Error budget as stacked bars", _ROW * len(shown) + 60, room=(20.0, 12.0, 20.0, 46.0)
-            ),
-        ),
-        {
-            "metric": [one.metric.key for one in shown],
-            "tolerance": numbers([one.metric.tolerance for one in shown]),
-            "E": [one.total for one in shown],
-            **{name: numbers([one.terms[k].value for one in shown]) for k, name in enumerate(names[:-1])},
-            rest: [one.rest for one in shown],
-            "u": numbers([one.uncertainty for one in shown]),
-        },
-        tuple(Key(f"term-{k}", name, patch=True) for k, name in enumerate(names)),
-        columns=1,
-    )
+    up, room = Axis(0.0, float(len(drawn)), "", count=0), (20.0, 12.0, 20.0, 46.0)
+    panel = _broad("budget", across, up, marks, "Error budget as stacked bars", _ROW * len(drawn) + 60, room=room)
+    columns: dict[str, list[float | None]] = {
+        "tolerance": [one.metric.tolerance for one in drawn],
+        "E": [one.total for one in drawn],
+    }
+    columns |= {name: [one.terms[k].value for one in drawn] for k, name in enumerate(names[:-1])}
+    columns |= {rest: [one.rest for one in drawn], "u": [one.uncertainty for one in drawn]}
+    table = {name: [math.nan if value is None else value for value in values] for name, values in columns.items()}
+    keys = [Key(f"term-{k}", name, patch=True) for k, name in enumerate(names)]
+    return worded("budget", [panel], {"metric": [one.metric.key for one in drawn], **table}, keys, columns=1, judged=bool(judged))
 
 
 def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterator[Mark]:
@@ -805,7 +665,7 @@ def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterato
             yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
 
 
-def ladders(budget: ErrorBudget) -> Plate | None:
+def _ladders(budget: ErrorBudget) -> Plate | None:
     """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where no metric converges."""
     rungs, curves = [rung for rung in budget.ladders.mesh if not rung.failure], {}
     for one in budget.budgets:
@@ -816,58 +676,38 @@ def ladders(budget: ErrorBudget) -> Plate | None:
             if found.kind == "monotone" and found.value is not None:
                 curves[one.metric.label] = [(size, abs(value - found.value)) for size, value in points if value != found.value]
     words = "element size, over that of the run", "distance from the value at size zero"
-    caption = (
-        "Each metric on coarser meshes, its distance from what the ladder extrapolates to; a metric that only scatters is left out."
-    )
-    return _convergence("ladders", "Mesh ladders", caption, words, curves, [rung.size for rung in rungs])
+    return _convergence("ladders", words, curves, [rung.size for rung in rungs])
 
 
-def distances(study: Study) -> Plate | None:
+def _distances(study: Study) -> Plate | None:
     """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for two meshes or where none does."""
     sizes, curves = [level.size for level in study.levels], {}
     for line in study.lines:
         if line.metric.definition.headline and line.found.kind == "monotone" and (limit := line.found.value) is not None:
             curves[line.metric.label] = [(size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)]
-    words = "element size at the contact", "distance from the value at h = 0"
-    caption = "Each metric on each mesh, its distance from what the meshes extrapolate to, but those that scatter or are exact."
-    return _convergence("study", "How fast it converges", caption, words, curves, sizes)
+    return _convergence("study", ("element size at the contact", "distance from the value at h = 0"), curves, sizes)
 
 
 def _convergence(
-    name: str,
-    title: str,
-    caption: str,
-    words: tuple[str, str],
-    found: Mapping[str, list[tuple[float, float]]],
-    used: Sequence[float],
+    name: str, words: tuple[str, str], found: Mapping[str, list[tuple[float, float]]], used: Sequence[float]
 ) -> Plate | None:
     """Distances over the element size, both logarithmic, beside lines of order 1 and 2."""
     curves = {label: points for label, points in found.items() if any(height > 0 for _, height in points)}
     if len(used) < 3 or not curves:
         return None
-    sizes = np.array(sorted(used))
-    heights = [height for points in curves.values() for _, height in points if height > 0]
+    sizes, places = np.array(sorted(used)), [point for points in curves.values() for point in points]
+    heights = [height for _, height in places if height > 0]
     top, marks, keys = max(heights), list[Mark](), []
     slopes = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
     marks += [Curve(sizes, top * (sizes / sizes[-1]) ** order, key.css, key.text) for order, key in enumerate(slopes, 1)]
-    for (label, points), css in zip(curves.items(), LINES, strict=False):
+    for (label, points), css in zip(curves.items(), _LINES, strict=False):
         marks.append(Curve([h for h, _ in points], [height for _, height in points], css, label))
         marks += [Dot(h, height, f"{css} knot", 3.2) for h, height in points if height > 0]
         keys.append(Key(css, label))
     across = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words[0], log=True)
     # Below a millionth of the largest distance a curve is round-off.
     up = Axis(max(min(heights), 1e-6 * top) / 3, 3 * top, words[1], log=True)
-    return Plate(
-        name,
-        title,
-        caption,
-        "Distances from the extrapolated values over the element size, both logarithmic, with lines of order one and two.",
-        (_broad(name, across, up, marks, f"{title}, both axes logarithmic", 360.0),),
-        {
-            "metric": [label for label, points in curves.items() for _ in points],
-            "size": [size for points in curves.values() for size, _ in points],
-            "distance": [height for points in curves.values() for _, height in points],
-        },
-        (*keys, *slopes),
-        columns=1,
-    )
+    panel = _broad(name, across, up, marks, "Convergence with the mesh, both axes logarithmic", 360.0)
+    table: dict[str, Any] = {"metric": [label for label, points in curves.items() for _ in points]}
+    table |= {column: [point[k] for point in places] for k, column in enumerate(("size", "distance"))}
+    return worded(name, [panel], table, [*keys, *slopes], columns=1)

@@ -8,30 +8,27 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison import Comparison
-from reports.comparison.cycles import Event
-from reports.comparison.metrics import name_of
-from reports.page.figures import first_shown, places, reach, sheared_shift
+from reports.page.figures import Shown, places, sheared_shift
 from reports.units import load_unit, units
 
 Array = NDArray[np.float64]
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
-MOST_INSTANTS, MOST_VALUES = 200, 100_000
+_MOST_INSTANTS, MOST_VALUES = 200, 100_000
 # Letters of the longest CSV that a page carries.
 _LETTERS = 1_500_000
 _STEPS, _NOTHING = 32766, -32768
 
 
-def quantised(values: Array) -> dict[str, Any]:
+def _quantised(values: Array) -> dict[str, Any]:
     """Numbers as 16-bit whole numbers of a step, little-endian in base64; what is not finite is a number of its own.
 
-    >>> quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
+    >>> _quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0
     """
     finite = np.isfinite(values)
@@ -40,18 +37,18 @@ def quantised(values: Array) -> dict[str, Any]:
     return {"step": step, "data": base64.b64encode(whole.tobytes()).decode()}
 
 
-def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, time_words: str) -> dict[str, Any]:
+def cycle_data(shown: Shown) -> dict[str, Any]:
     """Everything that the slider moves, and how much of the cycle that is."""
-    expected, found, scales = comparison.expected, comparison.found, comparison.scales
+    comparison, expected, found, scales = shown.comparison, shown.expected, shown.found, shown.scales
     # All instants, or evenly many of them with the first, the last and the chosen ones; of the points those that are drawn.
     last = len(found.time) - 1
-    even = np.linspace(0, last, min(last + 1, MOST_INSTANTS)).round().astype(int)
-    rows = np.unique([*even.tolist(), 0, last, *(event.index for event in chosen)])
-    inside = np.flatnonzero(np.abs(found.x) <= 1.02 * reach(comparison) * scales.half_width)
+    even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
+    rows = np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
+    inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
     points = np.unique([*inside[:: -(-len(inside) * len(rows) // MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
     grid = np.ix_(rows, points)
     series = {
-        "t": time,
+        "t": shown.time,
         "P": found.normal_load,
         "Q": found.tangential_load,
         "U0": expected.tangential_displacement,
@@ -63,25 +60,25 @@ def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, tim
     fields = {}
     for key, (name, size) in sizes.items():
         theirs, ours = getattr(expected, name)[grid] / size, getattr(found, name)[grid] / size
-        fields[key] = quantised(theirs)
-        fields[f"d{key}"] = quantised(ours - theirs)
+        fields[key] = _quantised(theirs)
+        fields[f"d{key}"] = _quantised(ours - theirs)
     states = expected.state[grid].astype(np.uint8) + 4 * found.state[grid].astype(np.uint8)
     return {
         "instants": len(rows),
         "points": len(points),
         "of": [len(found.time), len(found.x)],
         "rows": rows.tolist(),
-        "x": [float(f"{v:.7g}") for v in found.x[points] / scales.half_width],
+        "x": [float(f"{v:.7g}") for v in shown.x[points]],
         "series": {name: [_short(v) for v in values[rows]] for name, values in series.items()},
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
-        "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in chosen],
-        "start": int(np.flatnonzero(rows == first_shown(found, chosen))[0]),
+        "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in shown.chosen],
+        "start": int(np.flatnonzero(rows == shown.start)[0]),
         "slip_points": [int(np.flatnonzero(points == place)[0]) for place in places(comparison)],
-        "time_words": time_words,
+        "time_words": shown.time_words,
         "load_unit": load_unit(comparison.scene),
         "length": units(comparison.scene)[1],
-        "engines": [name_of(comparison.reference.engine), name_of(comparison.result.engine)],
+        "engines": [name for _, _, name in shown.sides],
     }
 
 

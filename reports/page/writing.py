@@ -6,19 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from reports.charts.plate import Plate
 from reports.comparison import Comparison, Report
 from reports.comparison.content import as_json
-from reports.comparison.cycles import Event, events
-from reports.comparison.metrics import missing
 from reports.comparison.words import headline, verdict
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
-from reports.page import bodies, figures
 from reports.page.content import render
+from reports.page.figures import Shown, draw
 from reports.page.live import cycle_data, tables
 
 if TYPE_CHECKING:
@@ -34,7 +28,6 @@ def write(
     command: str = "",
     seconds: Mapping[str, float] | None = None,
     stress_instants: Sequence[Instant] = (),
-    pdf: bool = False,
     plots: Sequence[str] = (),
     log: Sequence[str] = (),
 ) -> Path:
@@ -48,14 +41,13 @@ def write(
     command : what reproduces the report
     seconds : stage -> wall time, for the page
     stress_instants : where the page shows von Mises' stress; nowhere by default
-    pdf : whether report.pdf is written too, which needs typst
     plots : formats of which every figure is written too, in plots/: "pdf", "svg", "png"
     log : lines of run.log; without any there is none
 
     Raises
     ------
     InputError
-        If the folder can't be written to, VTU or stress is asked of a result without bodies, or a PDF where typst is missing.
+        If the folder can't be written to, or VTU or stress is asked of a result without bodies.
     """
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
@@ -82,7 +74,7 @@ def write(
             answer = with_bodies(comparison.result, "--vtu")
             write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, report.third, folder) if report.third else None
-        live = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison)) | {"tables": tables(texts)}
+        live = cycle_data(Shown(comparison)) | {"tables": tables(texts)}
         page = render(report, drawings, command, seconds or {}, live, words)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
@@ -91,10 +83,6 @@ def write(
             from reports.charts.publication import write_plots
 
             write_plots(drawings, folder / "plots", plots)
-        if pdf:
-            from reports.page.pdf import write_pdf
-
-            write_pdf(report, drawings, folder / "report.pdf", command)
     return Path(out) / "report.html"
 
 
@@ -107,51 +95,3 @@ def _write_third(comparison: Comparison, third: ThirdSolver, folder: Path) -> di
     if third.comparison is not None:
         third.comparison.result.save(folder / "third.nc")
     return page_words(comparison, third)
-
-
-def time_axis(comparison: Comparison) -> tuple[NDArray[np.float64], str]:
-    """What figures through the last cycle have along their axis of time, and its words."""
-    if comparison.scene.load.path().period is not None and comparison.found.whole:
-        return comparison.found.fraction, "time / period"
-    return comparison.found.time, "time"
-
-
-def chosen_instants(comparison: Comparison) -> tuple[Event, ...]:
-    """The instants that have a number in every figure."""
-    return events(comparison.found, comparison.scene.friction.coefficient)
-
-
-def draw(report: Report) -> tuple[Plate, ...]:
-    """Every figure of the report, in the order of the page."""
-    comparison = report.comparison
-    chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
-    drawings: list[Plate | None] = [
-        bodies.sketch(comparison.scene, comparison.scales.half_width),
-        bodies.fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
-        figures.load_path(comparison.result, comparison.found, chosen),
-        figures.now(comparison, chosen),
-        figures.hysteresis(comparison, chosen),
-        figures.state_map(comparison, time, words),
-        figures.half_widths(comparison, time, words),
-        figures.slip_histories(comparison, time, words),
-        figures.dissipation_density(comparison),
-        figures.errors(comparison, time, words),
-        figures.tractions(comparison, chosen),
-        figures.energy(comparison.result),
-        figures.certificates("result", comparison.result, comparison.result_certificates),
-        figures.certificates("reference", comparison.reference, comparison.reference_certificates),
-    ]
-    if report.study is not None:
-        drawings.append(figures.distances(report.study))
-    if report.budget is not None:
-        drawings += [figures.bars(report.budget), figures.ladders(report.budget)]
-    if meshes := getattr(comparison.result, "bodies", ()):
-        from reports.field_output.pictures import mesh
-
-        drawings.append(mesh(meshes, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
-    # What a foreign result does not hold: slip, dissipation, more than one instant.
-    needed = {"slip": "slip_history", "dissipation_density": "dissipation_density"}
-    left_out = {needed[name] for name in needed if name in missing(comparison.result)}
-    if len(comparison.found.time) < 2:
-        left_out |= {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
-    return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
@@ -177,25 +177,43 @@ def figure_3(case: Case) -> Plate:
 
 # --------------------------------------------------------------------------------------------------- contact and stick
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """Half-widths over a0 between two turning points of slip; at its start all sticks."""
+class Zones:
+    """Half-widths over a0 (n,) and the direction of slip, 0 where all sticks; turning points of slip stand there twice."""
 
-    direction: int
     time: Array
     contact: Array
     stick: Array
+    direction: NDArray[np.int64]
+
+    def drawn(self, x: Array) -> Iterator[Mark]:
+        """Stick and slip filled over `x`, both edges drawn."""
+        yield Band(x, np.zeros(len(x)), self.stick, "pale-stick", "stick")
+        yield from self.slipping(x)
+        yield _line(x, self.contact, "contact, a / a(P₀)", "bold")
+        yield _line(x, self.stick, "stick, c / a(P₀)", "c2 dash")
+
+    def slipping(self, x: Array, more: str = "") -> Iterator[Band]:
+        """What slips, a band for each direction."""
+        for sign, (css, label) in _DIRECTIONS.items():
+            here = self.direction == sign
+            yield Band(x, np.where(here, self.stick, np.nan), np.where(here, self.contact, np.nan), css, label + more)
+
+    def table(self, case: Case, first: str, x: Array) -> Table:
+        """The numbers of the figure."""
+        edges: Table = {"a / a(P0)": self.contact, "c / a(P0)": self.stick, "direction of slip": self.direction}
+        return {first: x, "t": self.time, "P / (P0/3)": case.loads(self.time)[0], **edges}
 
 
-def _stretches(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> list[Stretch]:
-    """The stretches between marks (time, direction of slip up to the next)."""
-    found = []
-    for (begin, direction), (end, _) in pairwise(marks):
-        time = np.linspace(begin, end, count)
-        solution = case.solve(time=time)
-        contact, stick = solution.contact_half_width / case.length, solution.stick_half_width / case.length
-        # An instant between two stretches belongs to the one that ends there, but here to the one that starts.
-        found.append(Stretch(direction, time, contact, np.concatenate([contact[:1], stick[1:]])))
-    return found
+def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Zones:
+    """The zones between marks (time, direction of slip up to the next)."""
+    time = np.concatenate([np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)])
+    once, places = np.unique(time, return_inverse=True)
+    solution = case.solve(time=once)
+    contact, stick = (width[places] / case.length for width in (solution.contact_half_width, solution.stick_half_width))
+    stick[::count] = contact[
+        ::count
+    ]  # a turning point belongs to what ends there; the second time to what starts, where all sticks
+    return Zones(time, contact, stick, np.repeat([way for _, way in marks[:-1]], count))
 
 
 def _steady_marks(case: Case) -> list[tuple[float, int]]:
@@ -204,48 +222,21 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
     return [(case.time("M"), -1), (case.time("G") + turn, 0), (case.time("I") + turn, 1), (case.time("M") + turn, 0)]
 
 
-def _zones(parts: Sequence[Stretch], horizontal: Sequence[Array]) -> Iterator[Mark]:
-    """Stick and slip filled, both edges drawn."""
-    joined, stick = np.concatenate(list(horizontal)), np.concatenate([s.stick for s in parts])
-    yield Band(joined, np.zeros(len(joined)), stick, "pale-stick", "stick")
-    for stretch, x in zip(parts, horizontal, strict=True):
-        if stretch.direction:
-            yield Band(x, stretch.stick, stretch.contact, *_DIRECTIONS[stretch.direction])
-    yield _line(joined, np.concatenate([s.contact for s in parts]), "contact, a / a(P₀)", "bold")
-    yield _line(joined, stick, "stick, c / a(P₀)", "c2 dash")
-
-
-def _zone_table(case: Case, found: Sequence[Stretch], first: str, across: Sequence[Array]) -> Table:
-    time = np.concatenate([stretch.time for stretch in found])
-    return {
-        first: np.concatenate(list(across)),
-        "t": time,
-        "P / (P0/3)": case.loads(time)[0],
-        "a / a(P0)": np.concatenate([stretch.contact for stretch in found]),
-        "c / a(P0)": np.concatenate([stretch.stick for stretch in found]),
-        "direction of slip": np.concatenate([np.full(len(s.time), s.direction) for s in found]),
-    }
-
-
 def figure_4a(case: Case) -> Plate:
     """Half-widths over the way that P has gone."""
     turns = ((case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True))
     # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the instants.
-    found = _stretches(case, [(case.scene.load.path().start, 0), *turns], 181)
-    walked, far = [], 0.0
-    for stretch in found:
-        walked.append(far + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(stretch.time)[0])))]))
-        far = float(walked[-1][-1])
-    time, way = np.concatenate([s.time for s in found]), np.concatenate(walked)
-    places = {letter: float(np.interp(case.time(letter), time, way)) for letter in sorted(case.events)}
-    marks = list(_zones(found, walked))
+    zones = _zones(case, [(case.scene.load.path().start, 0), *turns], 181)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
+    places = {letter: float(np.interp(case.time(letter), zones.time, way)) for letter in sorted(case.events)}
+    marks = list(zones.drawn(way))
     for letter, place in places.items():
         marks += _named(place, float(case.width(case.events[letter].normal_load)), letter, (0.0, 9.0), dot=True)
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [(places[letter], f"{case.events[letter].normal_load / case.unit:.3g}") for letter in "ACDFHKLM"]
-    across, alt = (0.0, far + 0.05, "normal load P / (P₀/3), along its path"), "Half-widths over the path of P"
+    across, alt = (0.0, float(way[-1]) + 0.05, "normal load P / (P₀/3), along its path"), "Half-widths over the path of P"
     panel = _panel("figure_04a", across, _HALF_WIDTH, marks, alt, (820.0, 420.0), tuple(ticks))
-    return _plate("figure_04a", [panel], _zone_table(case, found, "way of P / (P0/3)", walked))
+    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
 
 
 def figure_4b(case: Case) -> Plate:
@@ -253,20 +244,15 @@ def figure_4b(case: Case) -> Plate:
     others = {f: case.about_no_shear(f) for f in FRICTIONS}
     first, last, start = others[FRICTIONS[0]], others[FRICTIONS[-1]], others[FRICTIONS[0]].time("M")
     # Stick and slip of the least coefficient, filled; two revolutions, for its letters are elsewhere.
-    bands: list[Mark] = []
-    stick: list[tuple[Array, Array]] = []
     marks = _steady_marks(last)
-    for stretch in _stretches(last, [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)]):
-        angle = np.degrees(stretch.time - start)
-        inside = (angle >= 0) & (angle <= 360)
-        stick.append((angle[inside], stretch.stick[inside]))
-        if stretch.direction and inside.any():
-            css, label = _DIRECTIONS[stretch.direction]
-            bands.append(
-                Band(angle[inside], stretch.stick[inside], stretch.contact[inside], css, f"{label}, f = {last.friction:g}")
-            )
-    angles, edges = (np.concatenate(column) for column in zip(*stick, strict=True))
-    bands.insert(0, Band(angles, np.zeros(len(angles)), edges, "pale-stick", f"stick, f = {last.friction:g}"))
+    zones = _zones(last, [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)])
+    angle = np.degrees(zones.time - start)
+    inside = (angle >= 0) & (angle <= 360)
+    angle, zones = angle[inside], Zones(*(getattr(zones, one.name)[inside] for one in fields(zones)))
+    bands = [
+        Band(angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick, f = {last.friction:g}"),
+        *zones.slipping(angle, f", f = {last.friction:g}"),
+    ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     grid = np.linspace(1e-6, 360.0, 721)
     columns = {f: other.solve(time=start + np.radians(grid)).stick_half_width / other.length for f, other in others.items()}
@@ -282,8 +268,8 @@ def figure_4b(case: Case) -> Plate:
 def figure_5(case: Case) -> Plate:
     """Extent of contact and slip above, displacement of four points beneath: slip broad, separation dotted."""
     start, angles = case.time("M"), (0.0, 360.0, _ANGLE)
-    found = _stretches(case, _steady_marks(case))
-    above = list(_zones(found, [np.degrees(stretch.time - start) for stretch in found]))
+    zones = _zones(case, _steady_marks(case))
+    above = list(zones.drawn(np.degrees(zones.time - start)))
     for letter in "MFGHIKJL":
         time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
@@ -305,9 +291,9 @@ def figure_5(case: Case) -> Plate:
         below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
     low, high = float(moved.min()), float(moved.max())
     up = (low - 0.12 * (high - low), high + 0.08 * (high - low), "displacement / (A P₀/3)")
-    zones, alt = (0.5, 1.28, "x / a(P₀)"), "Displacement of four points over the angle"
+    extent, alt = (0.5, 1.28, "x / a(P₀)"), "Displacement of four points over the angle"
     panels = [
-        _panel("figure_05-zones", angles, zones, above, "Zones over the angle", (760.0, 330.0), _DEGREES),
+        _panel("figure_05-zones", angles, extent, above, "Zones over the angle", (760.0, 330.0), _DEGREES),
         _panel("figure_05-slip", angles, up, below, alt, (760.0, 360.0), _DEGREES),
     ]
     looks = {"faint solid": "sticking", "forward broad-line": "slipping forward", "reverse broad-line": "slipping in reverse"}
@@ -324,13 +310,12 @@ def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def figure_8(case: Case) -> Plate:
     """Contact and stick of the flat and rounded contact."""
-    found, flat = _stretches(case, _steady_marks(case)), float(case.width(0.0))
-    angles = [np.degrees(stretch.time - case.time("M")) for stretch in found]
-    marks = [*_zones(found, angles), _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot")]
+    zones, flat = _zones(case, _steady_marks(case)), float(case.width(0.0))
+    angle = np.degrees(zones.time - case.time("M"))
+    marks = [*zones.drawn(angle), _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot")]
     across, alt = (0.0, 360.0, _ANGLE), "Half-widths over the angle"
     panel = _panel("figure_08", across, _HALF_WIDTH, marks, alt, (700.0, 420.0), _DEGREES)
-    table = _zone_table(case, found, "theta [degrees]", angles)
-    return _plate("figure_08", [panel], table, flat=flat, friction=case.friction)
+    return _plate("figure_08", [panel], zones.table(case, "theta [degrees]", angle), flat=flat, friction=case.friction)
 
 
 # ----------------------------------------------------------------------------------------------------------------- work

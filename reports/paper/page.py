@@ -16,7 +16,7 @@ from reports.paper.cases import Paper, paper
 from reports.paper.figures import sheets
 from reports.paper.misprints import proofs
 from reports.paper.statements import judged
-from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, misprint, proven_in_words, statement
+from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, proven_in_words, row
 
 SOURCE = (
     "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
@@ -41,13 +41,13 @@ class PaperReport:
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
     found = judged(examples)
-    return tuple(statement(words, found[words["key"]]) for words in WORDS["statement"])
+    return tuple(row(Statement, words, found[words["key"]]) for words in WORDS["statement"])
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
     found = proofs(examples)
-    return tuple(misprint(words, found[words["key"]]) for words in WORDS["misprint"])
+    return tuple(row(Misprint, words, found[words["key"]]) for words in WORDS["misprint"])
 
 
 def tally(rows: Sequence[Statement]) -> dict[str, int]:

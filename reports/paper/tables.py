@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from pathlib import Path
-from string import Formatter
-from typing import Any
+from typing import Any, TypeVar
 
 EXACT, APART = 1e-9, 1e-3
 """A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares of the right value."""
@@ -49,42 +49,29 @@ class Misprint:
     values: Mapping[str, float]
 
 
+Row = TypeVar("Row", Statement, Misprint)
 # The verdict, or whether the misprint is proven, and what the words of its row name.
 Found = tuple[Any, dict[str, Any]]
 
 
-class _Words(Formatter):
-    """Fills braces by names that hold any sign but :, ! and braces; knows the format `small`."""
-
-    def get_field(self, field_name: str, args: Any, kwargs: Any) -> Any:  # noqa: ARG002 -- as Formatter has it
-        return kwargs[field_name], field_name
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        return small(value) if format_spec == "small" else format(value, format_spec)
-
-
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with its numbers.
+    """A text of paper.toml with its numbers, in Python's formats and `small`; names hold any sign but : and braces.
 
     >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
-    return _Words().vformat(text, (), values)
+
+    def number(found: re.Match[str]) -> str:
+        return small(values[found[1]]) if found[2] == "small" else format(values[found[1]], found[2] or "")
+
+    return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
 
 
-def statement(words: Mapping[str, str], found: Found) -> Statement:
-    """A row of the first table."""
-    return Statement(words["key"], words["where"], words["words"], filled_in(words["text"], found[1]), found[0], _numbers(found[1]))
-
-
-def misprint(words: Mapping[str, str], found: Found) -> Misprint:
-    """A row of the second table."""
-    key, where, printed, right, text = (words[name] for name in ("key", "where", "printed", "right", "text"))
-    return Misprint(key, where, printed, right, filled_in(text, found[1]), found[0], _numbers(found[1]))
-
-
-def _numbers(values: Mapping[str, Any]) -> dict[str, float]:
-    return {name: value for name, value in values.items() if not isinstance(value, str)}
+def row(kind: type[Row], words: Mapping[str, str], found: Found) -> Row:
+    """A row of either table."""
+    numbers = {name: value for name, value in found[1].items() if not isinstance(value, str)}
+    cells: list[Any] = [*(words[one.name] for one in fields(kind)[:-3]), filled_in(words["text"], found[1]), found[0], numbers]
+    return kind(*cells)
 
 
 def judge(holds: bool, nearly: bool = False) -> Verdict:

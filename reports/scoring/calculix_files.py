@@ -7,7 +7,7 @@ The form of .frd is that of the manual of CalculiX GraphiX ("Result Format"). A 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -26,8 +26,8 @@ FARTHEST = 1e100  # the square of a larger coordinate would be none
 WIDTH = 12  # characters a number, with no blank kept between two
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
 # Fortran drops the E before an exponent of three digits: 1.46685-100.
-_NUMBER = re.compile(rb"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?")
-_INTEGER = re.compile(rb" *[+-]?\d+ *")
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?", re.ASCII)
+_INTEGER = re.compile(r" *[+-]?\d{1,18} *", re.ASCII)
 
 
 class FrdElement(NamedTuple):
@@ -51,9 +51,7 @@ class FrdBlock:
 
     def column(self, component: str) -> Array:
         """(n_records,); KeyError where the block has no such component."""
-        if component not in self.components:
-            raise KeyError(component)
-        return self.values[:, self.components.index(component)]
+        return self.values[:, dict(zip(self.components, range(len(self.components)), strict=True))[component]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,39 +83,38 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: C
     version: list[str] = []
     nodes, points = np.empty(0, np.int64), np.empty((0, 3))
     elements: list[FrdElement] = []
-    times: list[float] = []
-    named: list[str] = []
+    times, named = dict[float, None](), dict[str, None]()
     blocks: list[FrdBlock] = []
-    second_best: list[Callable[[], FrdBlock]] = []
     ended = False
-    with path.open("rb") as stream:
-        lines = _Lines(path, enumerate(stream, start=1))
+    with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
+        lines = _Lines(path, stream)
         for line in lines:
-            key = line[:6].strip()
-            if key == b"1U":
-                text = line[5:].decode("ascii", errors="replace").strip()
-                version += [text.removeprefix(own).strip() for own in ("UPGM", "UVERSION") if text.startswith(own)]
-            elif key == b"2C":
-                nodes, points = lines.nodes(line)
-            elif key == b"3C":
-                elements += lines.elements(line)
-            elif key == b"100C":
-                name, time, block = lines.block(line)
-                times.append(time)
-                named.append(name)
-                if name in names:
-                    blocks.append(block())
-                    second_best.clear()
-                elif name in instead and not blocks:
-                    second_best.append(block)
-            elif key == b"9999":
-                ended = True
-                break
+            match line[:6].strip():
+                case "1U":
+                    text = line[5:].strip()
+                    version += [text.removeprefix(own).strip() for own in ("UPGM", "UVERSION") if text.startswith(own)]
+                case "2C":
+                    nodes, points = lines.nodes(line)
+                case "3C":
+                    elements += lines.elements(line)
+                case "100C":
+                    at = lines.number
+                    time = lines.float(line[12:24], "the time of a frame in columns 13 to 24")
+                    name, components = lines.components()
+                    times[time] = named[name] = None
+                    best = bool(blocks) and blocks[0].name in names
+                    label, records = lines.records(line, f"records of block {name}", at)
+                    if name in names and not best:
+                        blocks.clear()
+                    if name in names or (name in instead and not best):
+                        blocks.append(FrdBlock(name, time, components, *lines.table(records, label, len(components)), at))
+                case "9999":
+                    ended = True
+                    break
     if not len(nodes):
         raise InputError(f"{path}: no block of nodes (a line that begins with 2C): this is not a result file of CalculiX")
-    blocks = blocks or [block() for block in second_best]
-    told = tuple(dict.fromkeys(times)), tuple(blocks), tuple(dict.fromkeys(named))
-    return FrdFile(path, " ".join(version), nodes, points, tuple(elements), *told, ended)
+    found = tuple(elements), tuple(times), tuple(blocks), tuple(named)
+    return FrdFile(path, " ".join(version), nodes, points, *found, ended)
 
 
 def _check_size(path: Path) -> None:
@@ -127,146 +124,119 @@ def _check_size(path: Path) -> None:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
 
-class _Lines(Iterator[bytes]):
-    """Lines of a .frd file without their ends, the number of the last one taken, and what is made of them."""
+class _Record(NamedTuple):
+    """One record of a block: the number of its line, that line from the node's number on, and its continuations."""
 
-    def __init__(self, path: Path, numbered: Iterator[tuple[int, bytes]]) -> None:
-        self.path, self._numbered, self.number = path, numbered, 0
+    line: int
+    text: str
+    more: list[str]
 
-    def __next__(self) -> bytes:
+
+class _Lines(Iterator[str]):
+    """Lines of a file without their ends, the number of the last one taken, and what is made of them."""
+
+    def __init__(self, path: Path, lines: Iterable[str]) -> None:
+        self.path, self._numbered, self.number = path, enumerate(lines, start=1), 0
+
+    def __next__(self) -> str:
         self.number, line = next(self._numbered)
-        return line.rstrip(b"\r\n")
+        return line.rstrip()
 
     def refusal(self, expected: str, number: int = 0) -> InputError:
         """The sentence to raise, with file and line."""
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
-    def records(self, of: str) -> list[bytes]:
-        """The lines of a block up to its end."""
-        found: list[bytes] = []
-        for line in self:
-            if line.startswith(b" -3"):
-                return found
-            if line[:3] not in {b" -1", b" -2"}:
-                raise self.refusal(f"a record of {of} (-1, -2) or the end of the block (-3), found {_shown(line)}")
-            found.append(line)
-        raise self.refusal(f"more of {of}: the file breaks off, {len(found)} lines into the block and without its end (-3)")
-
-    def header(self, line: bytes, what: str, form_at: int) -> tuple[int, int]:
-        """How many records a header announces, and the characters of a node's number; refuses the binary forms."""
-        announced = self.integer(line[24:36], f"the count of {what} in columns 25 to 36")
-        form = self.integer(line[form_at:].strip()[:1] or b"1", "the form of the block (0 or 1)")
+    def records(self, header: str, what: str, at: int) -> tuple[int, list[_Record]]:
+        """Characters of a node's number, and the records of a block, as many as its header in line `at` announces."""
+        announced = self.integer(header[24:36], "the count of records in columns 25 to 36", at)
+        form = self.integer(header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", at)
         if form not in _LABELS:
             raise InputError(
-                f"{self.path}: line {self.number}: the file is binary (form {form}), and only the ASCII forms are read; "
+                f"{self.path}: line {at}: the file is binary (form {form}), and only the ASCII forms are read; "
                 "write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
-        return announced, _LABELS[form]
+        found: list[_Record] = []
+        for line in self:
+            if line.startswith(" -1"):
+                found.append(_Record(self.number, line[3:], []))
+            elif line.startswith(" -2") and found:
+                found[-1].more.append(line[3:])
+            elif line.startswith(" -3"):
+                if len(found) != announced:
+                    raise self.refusal(f"{announced} {what} as announced here, found {len(found)}", at)
+                return _LABELS[form], found
+            else:
+                raise self.refusal(
+                    f"the head of a record (-1), then its rest (-2), or the end of the block (-3), found {line[:40]!r}"
+                )
+        raise self.refusal(f"the end of the block (-3): the file breaks off after {len(found)} of {announced} {what}")
 
-    def expect(self, announced: int, found: int, what: str, number: int) -> None:
-        if announced != found:
-            raise self.refusal(f"{announced} {what} as announced here, found {found}", number)
-
-    def nodes(self, header: bytes) -> tuple[Integers, Array]:
-        (announced, label), start = self.header(header, "nodes", 73), self.number + 1
-        nodes, points = self.table(self.records("nodes"), label, 3, start)
-        self.expect(announced, len(nodes), "nodes", start - 1)
+    def nodes(self, header: str) -> tuple[Integers, Array]:
+        at = self.number
+        label, records = self.records(header, "nodes", at)
+        nodes, points = self.table(records, label, 3)
         if len(np.unique(nodes)) < len(nodes):
-            raise self.refusal("every node once: a number comes twice", start)
+            raise self.refusal("every node once: a number comes twice", at + 1)
         if not (np.abs(points) <= FARTHEST).all():
-            raise self.refusal("finite coordinates", start)
+            raise self.refusal("finite coordinates", at + 1)
         return nodes, points
 
-    def elements(self, header: bytes) -> list[FrdElement]:
-        (announced, label), at = self.header(header, "elements", 73), self.number
-        found: list[tuple[int, int, list[int]]] = []
-        for number, line in enumerate(self.records("elements"), start=at + 1):
-            if line.startswith(b" -1"):
-                own = self.integer(line[3 : 3 + label], "an element's number", number)
-                found.append((own, self.integer(line[3 + label : 8 + label], "its kind", number), []))
-            elif not found:
-                raise self.refusal("the head of an element (-1) before its nodes (-2)", number)
-            else:
-                words = [line[k : k + label] for k in range(3, len(line.rstrip()), label)]
-                found[-1][2].extend(self.integer(word, "a node's number", number) for word in words)
-        self.expect(announced, len(found), "elements", at)
-        if bare := [number for number, _, nodes in found if not nodes]:
-            raise self.refusal(f"nodes (-2) of every element, found none of element {bare[0]}", at)
-        return [FrdElement(number, kind, tuple(nodes)) for number, kind, nodes in found]
+    def elements(self, header: str) -> Iterator[FrdElement]:
+        at = self.number
+        label, records = self.records(header, "elements", at)
+        for line, head, more in records:
+            own, kind = self.integer(head[:label], "an element's number", line), self.integer(head[label:][:5], "its kind", line)
+            words = (text[k : k + label] for text in more for k in range(0, len(text), label))
+            nodes = tuple(self.integer(word, "a node's number", line + 1) for word in words)
+            if not nodes:
+                raise self.refusal(f"nodes (-2) of every element, found none of element {own}", at)
+            yield FrdElement(own, kind, nodes)
 
-    def block(self, header: bytes) -> tuple[str, float, Callable[[], FrdBlock]]:
-        """Name and time of a result block, and what reads its numbers."""
-        at, time = self.number, self.float(header[12:24], "the time of a frame in columns 13 to 24")
-        announced, label = self.header(header, "records", 74)
-        line = next(self, b"")
-        if not line.startswith(b" -4"):
-            raise self.refusal(f"the name of a result block (-4), found {_shown(line)}")
-        name = line[5:13].decode("ascii", errors="replace").strip()
+    def components(self) -> tuple[str, tuple[str, ...]]:
+        """Name of a result block and its components, in the lines below its header."""
+        line = next(self, "")
+        if not line.startswith(" -4"):
+            raise self.refusal(f"the name of a result block (-4), found {line[:40]!r}")
+        name, found = line[5:13].strip(), []
         count = self.integer(line[13:18], "how many components the block has")
-        components = []
         for _ in range(count):
-            line = next(self, b"")
-            if not line.startswith(b" -5"):
-                raise self.refusal(f"the name of a component (-5), {count} in all, found {_shown(line)}")
-            if line[33:38].strip() != b"1":  # ALL, which a viewer works out, is announced and is not in the file
-                components.append(line[5:13].decode("ascii", errors="replace").strip())
-        start, records = self.number + 1, self.records(f"block {name}")
+            line = next(self, "")
+            if not line.startswith(" -5"):
+                raise self.refusal(f"the name of a component (-5), {count} in all, found {line[:40]!r}")
+            if line[33:38].strip() != "1":  # ALL, which a viewer works out, is announced and is not in the file
+                found.append(line[5:13].strip())
+        return name, tuple(found)
 
-        def read() -> FrdBlock:
-            nodes, values = self.table(records, label, len(components), start)
-            self.expect(announced, len(nodes), f"records of block {name}", at)
-            return FrdBlock(name, time, tuple(components), nodes, values, at)
-
-        return name, time, read
-
-    def table(self, records: list[bytes], label: int, columns: int, start: int) -> tuple[Integers, Array]:
-        """Node numbers (n,) and values (n, columns) of ` -1` records and their ` -2` continuations, six numbers a line.
-
-        `start`: number of the first line in the file.
-        """
-        per_record = max(1, -(-columns // 6))
-        if len(records) % per_record:
-            raise self.refusal(f"{per_record} lines a record, found {len(records)} lines in the block")
-        nodes, words, first = list[int](), list[bytes](), 3 + label
-        for place, record in enumerate(records, start=start):
-            k = (place - start) % per_record
-            share, key = min(6, columns - 6 * k), b" -2" if k else b" -1"
-            width = first + WIDTH * share
-            line = record if len(record) == width else record.rstrip()
-            if len(line) != width or line[:3] != key:
-                raise self.refusal(
-                    f"{key.decode().strip()} and {share} numbers of {WIDTH} characters, {width} in all, "
-                    f"found {len(line)}: {_shown(line)}",
-                    place,
-                )
-            if not k:
-                nodes.append(self.integer(line[3:first], "a node's number", place))
-            words += [line[at : at + WIDTH] for at in range(first, width, WIDTH)]
+    def table(self, records: list[_Record], label: int, columns: int) -> tuple[Integers, Array]:
+        """Node numbers (n,) and values (n, columns) of records, six numbers a line."""
+        nodes, words = list[int](), list[str]()
+        for line, text, more in records:
+            body = text[label:] + "".join(rest[label:] for rest in more)
+            if len(body) != WIDTH * columns:
+                length = f"{3 + label + WIDTH * columns} in all, found {3 + label + len(body)}"
+                raise self.refusal(f"{columns} numbers of {WIDTH} characters, {length}: {text[:40]!r}", line)
+            nodes.append(self.integer(text[:label], "a node's number", line))
+            words += [body[k : k + WIDTH] for k in range(0, len(body), WIDTH)]
         try:
             values = np.array(words, f"S{WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
-            lines = (start + k // columns * per_record + k % columns // 6 for k in range(len(words)))
-            values = np.array([self.float(word, "a number", line) for word, line in zip(words, lines, strict=True)])
+            values = np.array([self.float(word, "a number", records[k // columns].line) for k, word in enumerate(words)])
         return np.array(nodes, np.int64), values.reshape(len(nodes), columns)
 
-    def float(self, text: bytes, what: str, number: int = 0) -> float:
+    def float(self, text: str, what: str = "a number", number: int = 0) -> float:
         """The number that the text states, also as Fortran writes it."""
         try:
             return float(text)
         except ValueError:
             found = _NUMBER.fullmatch(text.strip())
         if found is None:
-            raise self.refusal(f"{what}, found {_shown(text)}", number)
-        return float(found[1] + b"e" + (found[2] or found[3] or b"0"))
+            raise self.refusal(f"{what}, found {text[:40]!r}", number)
+        return float(f"{found[1]}e{found[2] or found[3] or 0}")
 
-    def integer(self, text: bytes, what: str, number: int = 0) -> int:
+    def integer(self, text: str, what: str, number: int = 0) -> int:
         if not _INTEGER.fullmatch(text):
-            raise self.refusal(f"{what}, found {_shown(text)}", number)
+            raise self.refusal(f"{what}, found {text[:40]!r}", number)
         return int(text)
-
-
-def _shown(line: bytes) -> str:
-    return repr(line[:40].decode("ascii", errors="replace"))
 
 
 # ------------------------------------------------------------------------------------------------------------- printed tables
@@ -319,56 +289,41 @@ def read_dat(path: str | Path) -> DatFile:
     path = Path(path)
     _check_size(path)
     lines = path.read_text(encoding="ascii", errors="replace").split("\n")
-    tables: list[DatTable] = []
-    pairs: list[PairForce] = []
-
-    def refusal(number: int, expected: str) -> InputError:
-        return InputError(f"{path}: line {number}: expected {expected}")
-
-    def number_of(kind: type, word: str, number: int, what: str = "a number") -> float:
-        try:
-            return float(np.int64(kind(word))) if kind is int else float(word)
-        except (ValueError, OverflowError) as reason:
-            raise refusal(number, f"{what}, found {word[:40]!r}") from reason
-
-    def table(at: int, title: re.Match[str]) -> DatTable:
-        """Rows below the title, up to the next blank line or title."""
-        columns = [word.strip() for word in title["columns"].split(",")]
-        first = next((k for k in range(at + 1, len(lines)) if lines[k].strip()), len(lines))
-        last = next((k for k in range(first, len(lines)) if not lines[k].strip() or " time" in lines[k]), len(lines))
-        rows = [line.split() for line in lines[first:last]]
-        n_values = len(columns) - (columns[0] in _IDS)
-        n_ids = _IDS.get(columns[0], max(len(rows[0]) - n_values, 0) if rows else 0)
-        for number, row in enumerate(rows, start=first + 1):
-            if len(row) != n_ids + n_values:
-                raise refusal(number, f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}")
-        id_words = "the number of a node, element or face"
-        ids = [[number_of(int, w, first + 1 + k, id_words) for w in row[:n_ids]] for k, row in enumerate(rows)]
-        values = [[number_of(float, word, first + 1 + k) for word in row[n_ids:]] for k, row in enumerate(rows)]
-        time = number_of(float, title["time"], at + 1)
-        shaped = np.array(ids, np.int64).reshape(len(rows), n_ids), np.array(values, float).reshape(len(rows), n_values)
-        return DatTable(title["what"], title["scope"].strip(), time, *shaped)
+    file, tables, pairs = _Lines(path, ()), list[DatTable](), list[PairForce]()
 
     def after(at: int, heading: str) -> Array:
-        """Six numbers on the line after next of a heading among the statistics that begin at line `at` (from 0)."""
-        for k in range(at + 1, min(at + 20, len(lines) - 2)):
-            if lines[k].strip().startswith(heading):
-                words = lines[k + 2].split()
+        """Six numbers on the line after next of a heading among the statistics whose title is line `at` (from 1)."""
+        for number, line in enumerate(lines[at : at + 19], start=at + 1):
+            if line.strip().startswith(heading) and number + 1 < len(lines):
+                words = lines[number + 1].split()
                 if len(words) != 6:
-                    raise refusal(k + 3, f"6 numbers under {heading!r}, found {len(words)}")
-                return np.array([number_of(float, word, k + 3) for word in words])
-        raise refusal(at + 1, f"{heading!r} below this title: the file breaks off")
+                    raise file.refusal(f"6 numbers under {heading!r}, found {len(words)}", number + 2)
+                return np.array([file.float(word, number=number + 2) for word in words])
+        raise file.refusal(f"{heading!r} below this title: the file breaks off", at)
 
-    for at, line in enumerate(lines):
-        # Titles begin with a letter; nearly all other lines begin with a number, and are passed over quickly.
+    for at, line in enumerate(lines, start=1):
         if " time" not in line:
             continue
         if title := _STATISTICS.fullmatch(line):
             force, normal = after(at, "total surface force")[:3], after(at, "center of gravity and mean normal")[3:]
-            time = number_of(float, title["time"], at + 1)
-            pairs.append(PairForce(title["slave"].strip(), title["master"].strip(), time, force, normal))
+            pairs.append(
+                PairForce(title["slave"].strip(), title["master"].strip(), file.float(title["time"], number=at), force, normal)
+            )
         elif title := _TITLE.fullmatch(line):
-            tables.append(table(at, title))
+            # Its rows: below the title and blank lines, up to the next blank line or title.
+            first = next((k for k in range(at, len(lines)) if lines[k].strip()), len(lines))
+            last = next((k for k in range(first, len(lines)) if not lines[k].strip() or " time" in lines[k]), len(lines))
+            rows, columns = [row.split() for row in lines[first:last]], title["columns"].split(",")
+            n_values = len(columns) - (columns[0].strip() in _IDS)
+            n_ids = _IDS.get(columns[0].strip(), max(len(rows[0]) - n_values, 0) if rows else 0)
+            for number, row in enumerate(rows, start=first + 1):
+                if len(row) != n_ids + n_values:
+                    raise file.refusal(f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number)
+            counted, what = list(enumerate(rows, start=first + 1)), "the number of a node, element or face"
+            ids = np.array([[file.integer(word, what, k) for word in row[:n_ids]] for k, row in counted], np.int64)
+            values = np.array([[file.float(word, number=k) for word in row[n_ids:]] for k, row in counted], float)
+            shaped = ids.reshape(len(rows), n_ids), values.reshape(len(rows), n_values)
+            tables.append(DatTable(title["what"], title["scope"].strip(), file.float(title["time"], number=at), *shaped))
     if not tables and not pairs:
         raise InputError(f"{path}: no table of CalculiX in it (a title that ends with 'and time ...'); *CONTACT PRINT writes them")
     return DatFile(path, tuple(tables), tuple(pairs))

@@ -22,9 +22,12 @@ half-plane theory with another E*/R takes the part that such a change can take, 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from importlib import resources
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -39,13 +42,13 @@ from scenes import InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
-Tractions = tuple[Array, Array]
-"""Pressure and shear, (k, n) each [stress]."""
+Tractions = Array
+"""(2, k, n): pressure and shear at instants and points [stress]."""
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
-# What explains this much is exact but for rounding and the points taken.
-CLEAR = 0.999
+# What explains this much is exact but for rounding and the points taken; and for the rounding alone.
+CLEAR, EXACT = 0.999, 1 - 1e-12
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
 ROUNDS = 3
 # A rival this much weaker than the winner is not worth a line.
@@ -101,64 +104,10 @@ COST = 0.01
 FITTED = {"coarse_edge": 10, "coupling": 5, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
-FAULTS = {
-    "shear_sign": "The shear has the wrong sign: give it as it acts on the lower body along +x, or turn it in the mapping.",
-    "pressure_sign": "The pressure has the wrong sign: it is positive in compression here.",
-    "swapped": "Pressure and shear are swapped: exchange the two columns.",
-    "frictionless": "There is no shear: the contact has no friction, or the tangential load was not applied.",
-    "units": "The tractions are {factor:g} times what they should be, on the right widths: a factor of units.",
-    "traction_factor": "The tractions are {factor:.4g} times what they should be, on the right widths: a thickness, a unit or a "
-    "share of the surface counted twice; no elastic contact carries other loads on the same width.",
-    "pressure_factor": "The pressure alone is {factor:.4g} times what it should be, on the right widths with the right shear: a "
-    "unit or an area of that one column; another load or modulus would change widths and shear with it.",
-    "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
-    "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
-    " plane stress, and the radius ({likely}).",
-    "loads": "Loads {factor:.3g} times those of the scene: check thickness, amplitudes and what a load was shared out over.",
-    "half_model": "Loads {factor:.3g} times those of the scene: half of a symmetric model carries half of the loads, and the other "
-    "half was forgotten or counted twice.",
-    "friction": "The coefficient of friction is {factor:.3g} times the scene's.",
-    "full_stick": "Friction is not active: the faces are bonded, or rough; nothing slips, and shear exceeds f p at the edges.",
-    "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the "
-    "state of friction from step to step.",
-    "not_steady": "The cycle is not steady yet: this is the first revolution, and it was compared with the steady one; run more of "
-    "them and compare the last, or, if the first is meant, state its times on the scene's path (times of a mapping).",
-    "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the"
-    " turning points.",
-    "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
-    "loads.",
-    "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, "
-    "k = {stiffness:.3g} E*/a_ref; "
-    "make the tangential stiffness larger (the slip tolerance smaller), or use Lagrange multipliers.",
-    "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is "
-    "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
-    "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
-    " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
-    "coupling": "The difference is odd in x: pressure moves the faces along x. The bodies are not alike, in material (then not the "
-    "scene's) or in shape (a narrow pad on a wide block), or one of them tilts; half-plane theory of like bodies has none of it.",
-    "bulk_sign": "The bulk stress has the other sign: tension along x is positive, and what counts is ε = σ/E′ of the lower body − "
-    "that of the upper one.",
-    "bulk_left_out": "The bulk stress was left out: pull the body as the scene says, in step with the loads.",
-    "tilt_sign": "The upper body is turned the other way: a tilt opens the gap at x > 0, and M = ∫x p dx.",
-    "tilt_left_out": "The tilt was left out: the faces approach each other without a turn, or the load acts along x = 0.",
-    "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
-    "make the elements there smaller than {spacing:.2g} a_ref.",
-}
-
-_SCATTER = (
-    "The tractions scatter from point to point, with a standard deviation of {size}: noise of a measurement, of extrapolated nodal "
-    "values or of printed digits; average neighbouring points, or write more digits."
-)
+# Sentences of each fault, of other findings, and quotients of E*/R with a likely cause.
+_WORDS = tomllib.loads((resources.files("reports") / "templates" / "faults.toml").read_text("utf-8"))
+FAULTS: dict[str, str] = _WORDS["faults"]
 _NO_COUPLING = 1e-9
-_OWN_COUPLING = (
-    "The difference is odd in x, as the scene's own materials make it, which have {own:.2g} of Dundurs' beta: half-plane theory "
-    "leaves that out. As far as it goes it is the idealisation and no fault of the result; --against fe has it in."
-)
-# Quotients of E*/R that have a likely cause: (factor, within, cause).
-LIKELY = (
-    (0.5, 0.03, "one half: two deformable bodies where one is rigid, or a diameter given for a radius"),
-    (2.0, 0.03, "two: one of the bodies rigid, or a radius halved"),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,23 +149,26 @@ class Discrepancy:
         """That of the pressure alone: between like bodies it knows nothing of friction, and tells the rest apart."""
         return replace(self, sheared=False)
 
+    @property
+    def units(self) -> Array:
+        """(2, 1, 1): p_ref and f p_ref."""
+        return _pair(self.comparison.scales.pressure, self.comparison.scales.shear)
+
     @cached_property
-    def beyond_theory(self) -> Tractions:
+    def beyond_theory(self) -> Tractions | float:
         """What is expected less half-plane theory of the scene; 0 where it is that."""
         if self.exact:
-            return np.zeros((1, len(self.x))), np.zeros((1, len(self.x)))
+            return 0.0
         found = semi_analytic.solve(self.scene, x=self.x, time=self.time, fields=("pressure", "shear"))
-        return self.expected[0] - found.pressure, self.expected[1] - found.shear
+        return self.expected - np.array([found.pressure, found.shear])
 
     def product(self, one: Tractions, other: Tractions) -> float:
-        """Weighted scalar product of two pairs of tractions over their scales."""
-        scales = self.comparison.scales
-        products = one[0] * other[0] / scales.pressure**2 + self.sheared * (one[1] * other[1] / scales.shear**2)
-        return float(np.sum(self.weight * products))
+        """Weighted scalar product of two pairs of tractions over their units."""
+        return float(np.sum(self.weight * one * other * _pair(1, self.sheared) / self.units**2))
 
     def apart(self, predicted: Tractions) -> float:
         """Weighted square of found less predicted; infinite where the prediction holds a NaN."""
-        off = self.found[0] - predicted[0], self.found[1] - predicted[1]
+        off = self.found - predicted
         value = self.product(off, off)
         return value if np.isfinite(value) else float("inf")
 
@@ -227,16 +179,19 @@ class Discrepancy:
 
     def errors(self) -> tuple[float, float]:
         """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
-        size = norm(self.x, self.expected[0])
-        p, q = (norm(self.x, found - expected) for found, expected in zip(self.found, self.expected, strict=True))
-        sizes = (size, self.comparison.scales.friction * size)
-        worst = [float(np.nanmax(over(off, unit), initial=0.0)) for off, unit in zip((p, q), sizes, strict=True)]
-        return worst[0], worst[1]
+        sizes = norm(self.x, self.expected[0]) * _pair(1, self.comparison.scales.friction)[:, :, 0]
+        p, q = np.nanmax(over(norm(self.x, self.found - self.expected), sizes), axis=1, initial=0.0).tolist()
+        return p, q
 
     def within(self, times: float = 1.0) -> bool:
         """Whether both errors are within so many tolerances of the scene."""
         limits = [times * (self.comparison.scene.tolerances.limit(key) or 0.0) for key in ("pressure", "shear")]
         return all(verdict_on(*pair) is Verdict.WITHIN for pair in zip(self.errors(), limits, strict=True))
+
+
+def _pair(of_pressure: float, of_shear: float) -> Array:
+    """(2, 1, 1): a factor for each of the tractions."""
+    return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
 
 
 def discrepancy(comparison: Comparison) -> Discrepancy | None:
@@ -245,19 +200,18 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     if not len(usable):
         return None
     rows = usable[np.unique(np.linspace(0, len(usable) - 1, min(len(usable), MOST_INSTANTS)).round().astype(int))]
-    expected, found = ((side.pressure[rows], side.shear[rows]) for side in (comparison.expected, comparison.found))
+    expected, found = (np.array([side.pressure[rows], side.shear[rows]]) for side in (comparison.expected, comparison.found))
     sheared = not np.isnan(found[1]).all()
     if not sheared:  # a file without shear: it counts for nothing
-        found = found[0], np.nan_to_num(expected[1])
-    known = np.all([np.isfinite(field) for field in (*expected, *found)], axis=0)
+        found[1] = np.nan_to_num(expected[1])
+    known = np.isfinite(expected).all(axis=0) & np.isfinite(found).all(axis=0)
     if not known.any():
         return None
     weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
-    expected = np.nan_to_num(expected[0]), np.nan_to_num(expected[1])
-    filled = np.where(known, found[0], expected[0]), np.where(known, found[1], expected[1])
-    exact = comparison.reference.engine == "semi_analytic"
-    left_out = float(1 - known.mean())
-    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), left_out, comparison.scene, exact, sheared)
+    expected = np.nan_to_num(expected)
+    exact, left_out = comparison.reference.engine == "semi_analytic", float(1 - known.mean())
+    found = np.where(known, found, expected)
+    return Discrepancy(comparison, rows, expected, found, weight / weight.sum(), left_out, comparison.scene, exact, sheared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,15 +228,14 @@ class Hypothesis:
     def mended(self, what: Discrepancy) -> Discrepancy:
         """What is left to explain without this fault."""
         if self.mend is not None:
-            mended = [np.where(what.weight > 0, *pair) for pair in zip(self.mend(what.found), what.expected, strict=True)]
-            return replace(what, found=(mended[0], mended[1]))
+            return replace(what, found=np.where(what.weight > 0, self.mend(what.found), what.expected))
         if self.scene is None or not what.exact:
             return replace(what, expected=self.predicted, exact=False)
         return replace(what, expected=self.predicted, scene=self.scene)
 
 
 def fitted(
-    what: Discrepancy, predict: Callable[[float], Tractions], tries: tuple[float, ...], close: float = 1e-6
+    what: Discrepancy, predict: Callable[[float], Tractions], tries: Sequence[float], close: float = 1e-6
 ) -> tuple[float, Tractions] | None:
     """The figure that leaves least of the discrepancy, to `close` of the range of the tries (ascending), and its prediction.
 
@@ -293,12 +246,10 @@ def fitted(
     seen: dict[float, tuple[float, Tractions]] = {}
 
     def left(figure: float) -> float:
-        try:
+        with contextlib.suppress(InputError, NotSettledError):  # gross sliding, separation
             tractions = predict(figure)
-        except (InputError, NotSettledError):  # gross sliding, separation
-            return NOTHING
-        seen[figure] = what.apart(tractions), tractions
-        return min(seen[figure][0], NOTHING)
+            seen[figure] = what.apart(tractions), tractions
+        return min(seen[figure][0], NOTHING) if figure in seen else NOTHING
 
     best = int(np.argmin([left(figure) for figure in tries]))
     if not seen:
@@ -323,8 +274,7 @@ def theory(
         scene, x=what.x - offset, time=times, fields=("pressure", "shear"), straight_steps=steps is not None
     )
     at = np.abs(times[:, None] - wanted).argmin(axis=0)
-    p0, q0 = what.beyond_theory
-    return found.pressure[at] + p0, found.shear[at] + q0
+    return np.array([found.pressure[at], found.shear[at]]) + what.beyond_theory
 
 
 # --------------------------------------------------------------------------------------------------------- faults of the file
@@ -333,29 +283,26 @@ def file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
 
     Widths set a factor apart from loads k times too large: no elastic contact carries k times the load on the same width.
     """
-    p, q = what.expected
-    sheared = bool(np.any(q))
-    yield Hypothesis("pressure_sign", (-p, q), mend=lambda found: (-found[0], found[1]))
+    expected, sheared = what.expected, bool(np.any(what.expected[1]))
+
+    def times(fault: str, of_pressure: float, of_shear: float, **figures: float) -> Hypothesis:
+        factors = _pair(of_pressure, of_shear)
+        return Hypothesis(fault, factors * expected, figures, mend=lambda found: found / factors)
+
+    yield times("pressure_sign", -1, 1)
     if sheared:
-        yield Hypothesis("shear_sign", (p, -q), mend=lambda found: (found[0], -found[1]))
-        yield Hypothesis("swapped", (q, p), mend=lambda found: (found[1], found[0]))
-        yield Hypothesis("frictionless", (p, np.zeros_like(q)))
-    k, of_p = (
-        one.product(what.found, what.expected) / one.product(what.expected, what.expected) for one in (what, what.of_pressure)
-    )
+        yield times("shear_sign", 1, -1)
+        yield Hypothesis("swapped", expected[::-1], mend=lambda found: found[::-1])
+        yield Hypothesis("frictionless", _pair(1, 0) * expected)
+    k, of_p = (one.product(one.found, expected) / one.product(expected, expected) for one in (what, what.of_pressure))
     if k > 0 and abs(k - 1) >= LEAST_FACTOR:
         order = round(np.log10(k))
         off = abs(k / 10.0**order - 1)
         unit = order != 0 and off < (NEAR_OF_UNITS if abs(order) >= 2 else NEAR)
         factor = 10.0**order if unit and off >= NEAR else k
-        yield Hypothesis(
-            "units" if unit else "traction_factor",
-            (factor * p, factor * q),
-            {"factor": 10.0**order if unit else k},
-            mend=lambda found: (found[0] / factor, found[1] / factor),
-        )
+        yield times("units" if unit else "traction_factor", factor, factor, factor=10.0**order if unit else k)
     if sheared and of_p > 0 and abs(of_p - 1) > LEAST_OF_PRESSURE:
-        yield Hypothesis("pressure_factor", (of_p * p, q), {"factor": of_p}, mend=lambda found: (found[0] / of_p, found[1]))
+        yield times("pressure_factor", of_p, 1, factor=of_p)
 
 
 # ----------------------------------------------------------------------------------------------------- faults of the question
@@ -372,28 +319,7 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
 
 def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """Every fault of the question that the discrepancy may have."""
-    scene, path, half_width = what.scene, what.scene.load.path(), what.comparison.scales.half_width
-
-    # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
-    # are the same with m = 1/k and every traction times k, by linearity: their resultants are k times too large.
-    def loaded(log_factor: float) -> Tractions:
-        p, q = theory(what, stiffer(scene, np.exp(-log_factor)))
-        return np.exp(log_factor) * p, np.exp(log_factor) * q
-
-    if fit := fitted(what.of_pressure, lambda m: theory(what, stiffer(scene, np.exp(m))), FACTORS):
-        m = float(np.exp(fit[0]))
-        yield Hypothesis("stiffness", fit[1], {"factor": m}, scene=stiffer(scene, m))
-    if fit := fitted(what.of_pressure, loaded, FACTORS):
-        k = float(np.exp(fit[0]))
-        yield Hypothesis("half_model" if min(abs(k / 2 - 1), abs(2 * k - 1)) < 0.03 else "loads", fit[1], {"factor": k})
-    # p(x - d), q(x - d); d is looked for around what the centroid of the pressure has moved by.
-    sums = [[float(np.sum(what.weight * p * by)) for by in (1.0, what.x)] for p in (what.found[0], what.expected[0])]
-    centres = [moment / total if total > 0 else 0.0 for total, moment in sums]
-    centre = float(np.clip(centres[0] - centres[1], -2 * half_width, 2 * half_width))
-    places = tuple(centre + half_width * step for step in (-0.1, -0.02, 0.0, 0.02, 0.1))
-    fit = fitted(what.of_pressure, lambda d: theory(what, scene, offset=d), places)
-    if fit and abs(fit[0]) > 1e-4 * half_width:
-        yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
+    scene, path, half_width, alone = what.scene, what.scene.load.path(), what.comparison.scales.half_width, what.of_pressure
     # Bulk stress, or tilt, of the other sign; left out.
     for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
         stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
@@ -402,6 +328,22 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
             with contextlib.suppress(InputError):
                 other = scene.vary(load=changes)
                 yield Hypothesis(f"{name}_{how}", theory(what, other), scene=other)
+    # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
+    # are the same with m = 1/k and every traction times k, by linearity: their resultants are k times too large.
+    if fit := fitted(alone, lambda m: theory(what, stiffer(scene, np.exp(m))), FACTORS):
+        m = float(np.exp(fit[0]))
+        yield Hypothesis("stiffness", fit[1], {"factor": m}, scene=stiffer(scene, m))
+    if fit := fitted(alone, lambda k: np.exp(k) * theory(what, stiffer(scene, np.exp(-k))), FACTORS):
+        k = float(np.exp(fit[0]))
+        yield Hypothesis("half_model" if min(abs(k / 2 - 1), abs(2 * k - 1)) < 0.03 else "loads", fit[1], {"factor": k})
+    # p(x - d), q(x - d); d is looked for around what the centroid of the pressure has moved by.
+    sums = [[float(np.sum(what.weight * p * by)) for by in (1.0, what.x)] for p in (what.found[0], what.expected[0])]
+    centres = [moment / total if total > 0 else 0.0 for total, moment in sums]
+    centre = float(np.clip(centres[0] - centres[1], -2 * half_width, 2 * half_width))
+    places = [centre + half_width * step for step in (-0.1, -0.02, 0.0, 0.02, 0.1)]
+    fit = fitted(alone, lambda d: theory(what, scene, offset=d), places)
+    if fit and abs(fit[0]) > 1e-4 * half_width:
+        yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
     if scene.friction.coefficient and np.any(what.expected[1]):
         yield from _history_faults(what)
     if path.period is not None and len(what.rows) >= 4:  # so much of a period late
@@ -410,7 +352,7 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         def late(delay: float) -> Tractions:
             return theory(what, scene, start + np.mod(what.fraction - delay, 1.0) * period)
 
-        fit = fitted(what, late, tuple(np.linspace(-0.5, 0.5, 21)))
+        fit = fitted(what, late, np.linspace(-0.5, 0.5, 21).tolist())
         if fit and abs(fit[0]) > 1e-3:
             yield Hypothesis("other_times", fit[1], {"delay": fit[0]})
 
@@ -455,7 +397,7 @@ def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     if np.all(stuck > 0) and not what.unsymmetric:
         contact = contact_of(scene.profile, scene.material)
         shear = np.sign(tangential) * f * (contact.pressure(what.x, normal) - contact.pressure(what.x, stuck))
-        yield Hypothesis("memoryless", (what.expected[0], shear))
+        yield Hypothesis("memoryless", np.array([what.expected[0], shear]))
     if path.period is not None:
         time = path.cycle_start + np.minimum(what.fraction, 1 - 1e-12) * path.period
         yield Hypothesis("not_steady", theory(what, scene, time))
@@ -497,9 +439,9 @@ def unlike_bodies(what: Discrepancy) -> Iterator[Hypothesis]:
     It is 0.73 to 0.99 of what unlike materials change, and 0 of every other fault of a model (measured on the planted faults).
     """
     if what.scene.friction.coefficient and np.any(what.found[1]) and not what.unsymmetric:
-        off = [found - expected for found, expected in zip(what.found, what.expected, strict=True)]
-        p, q = ((one - np.array([np.interp(-what.x, what.x, row) for row in one])) / 2 for one in off)
-        yield Hypothesis("coupling", (what.expected[0] + p, what.expected[1] + q))
+        off = what.found - what.expected
+        mirrored = np.apply_along_axis(lambda row: np.interp(-what.x, what.x, row), 2, off)
+        yield Hypothesis("coupling", what.expected + (off - mirrored) / 2)
 
 
 def coarse_edge(what: Discrepancy) -> Hypothesis:
@@ -519,12 +461,10 @@ def coarse_edge(what: Discrepancy) -> Hypothesis:
         places += inner if what.unsymmetric else (-least, least)
     with np.errstate(invalid="ignore"):
         near = np.any([np.broadcast_to(np.abs(x - edge) <= REACH * spacing, what.expected[0].shape) for edge in places], axis=0)
-    root, parts = np.sqrt(2 * spacing / scales.half_width), []
-    for found, expected, unit, most in zip(what.found, what.expected, (scales.pressure, scales.shear), MOST, strict=True):
-        off = np.clip(found - expected, -most * root * unit, most * root * unit)
-        parts.append(expected + np.where(near, off, 0.0))
+    most = _pair(*MOST) * np.sqrt(2 * spacing / scales.half_width) * what.units
+    part = np.where(near, np.clip(what.found - what.expected, -most, most), 0.0)
     edge = float(np.median(spacing[near.any(axis=0)])) / scales.half_width if near.any() else float("nan")
-    return Hypothesis("coarse_edge", (parts[0], parts[1]), {"spacing": edge})
+    return Hypothesis("coarse_edge", what.expected + part, {"spacing": edge})
 
 
 # ----------------------------------------------------------------------------------------------------- faults of the model
@@ -556,10 +496,8 @@ def on_grid(what: Discrepancy, increments: int, fine: int = FINE) -> Callable[..
 
     @cache
     def answer(**flaws: float) -> Tractions:
-        pressure, shear = (
-            np.array([np.interp(np.abs(what.x), model.x, row) for row in values[rows]]) for values in model.march(**flaws)
-        )
-        return pressure, shear
+        answers = np.array(model.march(**flaws))[:, rows]
+        return np.apply_along_axis(lambda row: np.interp(np.abs(what.x), model.x, row), 2, answers)
 
     return answer
 
@@ -577,8 +515,7 @@ def model_faults(what: Discrepancy, stiffness: Hypothesis | None, untried: set[s
 
     def added(**flaws: float) -> Tractions:
         """Theory, and what the flaws add to the model without them."""
-        (p, q), (p0, q0) = model(**flaws), model(**base)
-        return exact[0] + p - p0, exact[1] + q - q0
+        return exact + model(**flaws) - model(**base)
 
     try:
         model(**base)
@@ -590,7 +527,7 @@ def model_faults(what: Discrepancy, stiffness: Hypothesis | None, untried: set[s
     bend = fitted(what.of_pressure, lambda b: added(normal_bend=b * bent), BENDS, CLOSE)
     if bend and bend[0]:
         known = {"normal_bend": bend[0] * bent}
-        ratios = tuple(sorted(bend[0] * ratio for ratio in (1 / ALIKE, 0.5, 1.0, 2.0, ALIKE)))
+        ratios = sorted(bend[0] * ratio for ratio in (1 / ALIKE, 0.5, 1.0, 2.0, ALIKE))
         fit = fitted(what, lambda b: added(**known, shear_bend=b * bent), ratios, CLOSE)
         if fit and 1 / ALIKE < fit[0] / bend[0] < ALIKE:
             yield Hypothesis("small_body", fit[1], {"normal": 2 * bend[0], "shear": 2 * fit[0]})
@@ -652,9 +589,8 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
             break
     pressure, shear = whole.errors()
     size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
-    unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
     known = sorted(found, key=lambda one: -one.strength) or list(scatter(whole))
-    first, *others = known or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
+    first, *others = known or [Diagnosis(UNKNOWN, _WORDS["others"][UNKNOWN], (size,), 0.0)]
     if whole.unsymmetric:
         words = "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft penalties, bodies too small"
         first = replace(first, evidence=(*first.evidence, words))
@@ -685,25 +621,32 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
             0, f"{count} of {len(beyond)} points in contact exceed the Coulomb limit, by {most:.2g} of f p_ref at most: {kept}"
         )
     words = f"{sigma[0]:.2g} in p/p_ref" + (f" and {sigma[1]:.2g} in q/(f p_ref)" if len(sigma) > 1 else "")
-    yield Diagnosis(NOISE, _SCATTER.format(size=words), tuple(evidence), min(share, 1.0))
+    yield Diagnosis(NOISE, _WORDS["others"][NOISE].format(size=words), tuple(evidence), min(share, 1.0))
 
 
 def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple[float, Hypothesis]]:
-    """The best hypothesis of every fault with the share it explains, the best first.
+    """The best hypothesis of every fault with the share it explains, the best first; none after one that is exact.
 
     Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good. Behind one of them
     an odd rest is what its fit left.
     """
-    tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
-    if not taken & MODEL:
-        tried += unlike_bodies(what)
-    if max(what.explained(one.predicted) for one in tried) < CLEAR and not what.unsymmetric:
-        stiffness = next((one for one in tried if one.fault == "stiffness"), None)
-        tried += model_faults(what, stiffness, untried)
-    rated = [(what.explained(one.predicted) - COST * FITTED.get(one.fault, 0), one) for one in tried]
-    rated.sort(key=lambda pair: -pair[0])
+    rated: list[tuple[float, Hypothesis]] = []
+
+    def tried(those: Iterable[Hypothesis]) -> float:
+        """The most that any explains so far."""
+        for one in those:
+            rated.append((what.explained(one.predicted), one))
+            if rated[-1][0] >= EXACT:
+                break
+        return max(share for share, _ in rated)
+
+    plain = chain(file_faults(what), question_faults(what), [coarse_edge(what)], unlike_bodies(what) if not taken & MODEL else ())
+    if tried(plain) < CLEAR and not what.unsymmetric:
+        stiffness = next((one for _, one in rated if one.fault == "stiffness"), None)
+        tried(model_faults(what, stiffness, untried))
+    rated = [(share - COST * FITTED.get(one.fault, 0), one) for share, one in rated]
     best: dict[str, tuple[float, Hypothesis]] = {}
-    for pair in rated:
+    for pair in sorted(rated, key=lambda pair: -pair[0]):
         best.setdefault(pair[1].fault, pair)
     return list(best.values())
 
@@ -714,11 +657,11 @@ def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
 
     material, figures = what.comparison.scene.material, dict(one.figures)
     if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
-        return _OWN_COUPLING.format(own=own, **figures)
+        return str(_WORDS["others"]["own_coupling"].format(own=own, **figures))
     likely = ""
     if one.fault == "stiffness":
         factor, nu = figures["factor"], material.upper.poisson_ratio
-        causes = [cause for value, within, cause in LIKELY if abs(factor / value - 1) < within]
+        causes = [one["cause"] for one in _WORDS["stiffness"] if abs(factor / one["factor"] - 1) < one["within"]]
         if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
             causes = [f"it is near 1 - nu^2 = {1 - nu**2:.3g}: plane stress"]
         likely = (*causes, "contact widths go as the square root of its inverse for a Hertz contact")[0]

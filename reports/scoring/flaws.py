@@ -3,13 +3,15 @@
 What a flaw does is the difference between this model with it and without, on one grid, so that the grid itself drops out to first
 order: it tells patterns apart, and its sizes are no figures.
 
-# notation: h element lengths; p, q tractions (n,); g initial gap; delta approach; U shift; s slip, upper over lower; f friction
+# notation: h element lengths; t a traction, p pressure, q shear (n,); g initial gap; U shift; s slip, upper over lower; f friction
 #           K_ij = 2/(pi E*) int ln|x_i - t| dt over element j: faces move by -K p into the bodies, s = U + K q where alike
 
-    gap:   g - delta - (K_n - C_n) p >= 0,  p >= 0
-    slip:  s = U + (K_t - C_t) q,  |q| <= f p,  q s' >= 0
+    gap:   (K_n - C_n) p + constant - g <= 0,  p >= 0,  one of the two 0
+    slip:  s = (K_t - C_t) (q - q before) + constant,  |q| <= f p,  s = 0 where |q| < f p,  q s >= 0
     C = I/k, a layer: a penalty lets faces sink by p/k and creep by q/k
     K + b (x_i - x_j)^2 h_j, a body that ends: the far field of a resultant, to its lowest order that is no rigid motion
+
+Both are one problem: a traction between two bounds of given resultant, whose face does not move but where it is at a bound.
 """
 
 from __future__ import annotations
@@ -20,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Loads that differ by less than this share of the largest P are one: those of one revolution and the next differ by rounding.
 SAME_LOAD = 1e-9
@@ -53,7 +54,7 @@ class Model:
         self.shares = 2 * lengths  # of a traction in its resultant
         unit = SAME_LOAD * float(np.abs(loads).max())
         self.loads = unit * np.round(loads / unit)
-        self._pressed: dict[tuple[float, ...], Array] = {}
+        self._pressed: dict[tuple[float, ...], Array] = {}  # p has no memory, and no part in the shear's flaws
 
     def march(
         self,
@@ -69,68 +70,47 @@ class Model:
         `steepness` is a factor of the gap, and so of E* in the tractions. Each increment is one implicit step, as finite-element
         codes take it: the law holds at its end. NotSettledError where an increment has no solution or its sets do not converge.
         """
-        key = (normal_bend, normal_layer, steepness)
-        if key not in self._pressed:  # p has no memory, and no part in the shear's flaws
-            self._pressed[key] = self._pressures(self._softened(normal_bend, normal_layer), steepness * self.gap)
-        influence, shears = self._softened(shear_bend, shear_layer), [np.zeros(len(self.x))]
-        for pressure, load in zip(self._pressed[key], self.loads[:, 1], strict=True):
-            shears.append(self._shear(influence, shears[-1], self.friction * pressure, load))
-        return self._pressed[key], np.array(shears[1:])
-
-    def _softened(self, bend: float, layer: float) -> Array:
-        return self.influence + bend * self.squares - layer * np.eye(len(self.x))
-
-    def _bordered(self, influence: Array, free: Flags, known: Array, total: float) -> Array:
-        """t on the free elements with K t + constant = -known there and shares t = total; the constant last."""
-        matrix = np.zeros((len(known) + 1, len(known) + 1))
-        matrix[:-1, :-1] = influence[np.ix_(free, free)]
-        matrix[:-1, -1] = scale = np.abs(influence).max()
-        matrix[-1, :-1] = self.shares[free]
-        solution = np.linalg.solve(matrix, np.append(-known, total))
-        solution[-1] *= scale
-        return solution
-
-    def _pressures(self, influence: Array, gap: Array) -> Array:
-        """(k, n) at every load: no tension, no penetration; each starts from the elements that touched last, if any did."""
-        found: dict[float, Array] = {}
-        touching = np.ones(len(gap), dtype=bool)
-        for load in self.loads[:, 0].tolist():
-            if load not in found:
-                found[load] = self._pressure(influence, gap, load, touching)
-            touching = found[load] > 0 if load > 0 else np.ones(len(gap), dtype=bool)
-        return np.array([found[load] for load in self.loads[:, 0].tolist()])
-
-    def _pressure(self, influence: Array, gap: Array, load: float, touching: Flags) -> Array:
-        for _ in range(_MOST):
-            pressure = np.zeros(len(gap))
+        normal, tangential = (
+            self.influence + bend * self.squares - layer * np.eye(len(self.x))
+            for bend, layer in ((normal_bend, normal_layer), (shear_bend, shear_layer))
+        )
+        gap, nothing = steepness * self.gap, np.zeros(len(self.x))
+        pressures, shears, touching = [nothing], [nothing], nothing
+        for load, pull in self.loads.tolist():
+            key = (normal_bend, normal_layer, steepness, load)
             if load <= 0:
-                return pressure
-            solution = self._bordered(influence, touching, -gap[touching], load)
-            pressure[touching] = solution[:-1]
-            opening = gap - influence @ pressure - solution[-1]
-            new = np.where(touching, pressure > -_TINY * np.abs(pressure).max(), opening < -_TINY * np.ptp(gap))
-            if np.array_equal(new, touching):
-                return np.maximum(pressure, 0.0)
-            touching = new
-        raise NotSettledError("normal contact")
+                self._pressed[key] = nothing
+            elif key not in self._pressed:  # from the elements that touched last, if any did
+                self._pressed[key] = self._settled(normal, -gap, nothing, np.full(len(gap), np.inf), load, touching)
+            pressures.append(self._pressed[key])
+            touching = -1.0 * (pressures[-1] <= 0) * (load > 0)
+            limit = self.friction * pressures[-1]
+            shears.append(self._settled(tangential, -tangential @ shears[-1], -limit, limit, pull, nothing))
+        return np.array(pressures[1:]), np.array(shears[1:])
 
-    def _shear(self, influence: Array, before: Array, limit: Array, load: float) -> Array:
-        """q at the end of an increment: sticking elements do not move, slipping ones are at the limit, against the slip."""
-        touching, slipping = limit > 0, np.zeros(len(limit))
+    def _settled(self, influence: Array, offset: Array, low: Array, high: Array, total: float, side: Array) -> Array:
+        """t of resultant `total`, low <= t <= high; K t + constant + offset is 0 between the bounds, <= 0 at `low`, >= 0 at `high`.
+
+        `side` (n,) is where it is looked for first: -1 at `low`, 1 at `high`, 0 between them.
+        """
+        scale = np.abs(influence).max()
+        if not high.any():
+            return high
         for _ in range(_MOST):
-            stick = touching & (slipping == 0)
-            traction = slipping * limit
-            if not stick.any():
-                if touching.any():
-                    raise NotSettledError("the whole contact slides")
-                return traction
-            off = influence[stick] @ (traction - before)
-            solution = self._bordered(influence, stick, off, load - float(self.shares @ traction))
-            traction[stick] = solution[:-1]
-            slip = influence @ (traction - before) + solution[-1]
-            over = stick & (np.abs(traction) > limit * (1 + _TINY))
-            back = (slipping != 0) & (slip * slipping < -_TINY * np.abs(slip).max())
-            if not (over | back).any():
-                return traction
-            slipping = np.where(over, np.sign(traction), np.where(back, 0.0, slipping))
-        raise NotSettledError("friction")
+            free = (side == 0) & (high > low)
+            traction = np.where(side < 0, low, np.where(side > 0, high, 0.0))
+            if not free.any():
+                raise NotSettledError("the whole contact slides")
+            matrix = np.full((free.sum() + 1, free.sum() + 1), scale)  # the constant is counted in units of K
+            matrix[:-1, :-1], matrix[-1, :-1], matrix[-1, -1] = influence[np.ix_(free, free)], self.shares[free], 0.0
+            known = np.append(-(influence[free] @ traction + offset[free]), total - self.shares @ traction)
+            solution = np.linalg.solve(matrix, known)
+            traction[free] = solution[:-1]
+            moves = influence @ traction + scale * solution[-1] + offset
+            close, still = _TINY * np.abs(traction).max(), _TINY * np.abs(moves).max()
+            below, above = free & (traction < low - close), free & (traction > high + close)
+            back = (side * moves < -still) & (high > low)
+            if not (below | above | back).any():
+                return np.clip(traction, low, high)
+            side = np.where(below, -1.0, np.where(above, 1.0, np.where(back, 0.0, side)))
+        raise NotSettledError("the edges of contact or stick")

@@ -18,6 +18,7 @@ constant P nothing depends on the form of Q over time: a sine and straight lines
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from dataclasses import dataclass
@@ -39,6 +40,7 @@ from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import EllipseLoad, InputError, PolygonLoad, Scene
 from scenes.text_tables import plain, text_table
+from scenes.unit_words import unit_factor
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
@@ -139,7 +141,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     Raises
     ------
     InputError
-        As the reader of tables; for a column that is missing or in another unit than the scene, for too few rows.
+        As the reader of tables; for a column that is missing or in a unit that can't be turned into the scene's, for too few rows.
     """
     table = text_table(path)
     names, where = table.names, str(path)
@@ -154,13 +156,19 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         )
     assert force is not None
     time = find_column(mapping, "time", names, where)
-    length = units(scene)[1]
-    for name, factor, key, wanted in (
-        (shift, mapping.factors.length, "length", length),
+    said, times = [f"U is the column {shift!r} and Q the column {force!r}"], {shift: 1.0, force: 1.0}
+    columns: tuple[tuple[str, float | None, Literal["length", "load"], str], ...] = (
+        (shift, mapping.factors.length, "length", units(scene)[1]),
         (force, mapping.factors.load, "load", load_unit(scene)),
-    ):
-        inside = name.partition("[")[2].partition("]")[0] or name.partition("(")[2].partition(")")[0]
+    )
+    for name, factor, key, wanted in columns:
+        inside = table.units[names.index(name)]
         if inside and inside != wanted and factor is None:
+            with contextlib.suppress(ValueError):
+                times[name], per_length = unit_factor(inside, key, scene.units)
+                if key == "length" or per_length:
+                    said.append(f"The column {name!r} is in {inside}: times {times[name]:.9g}")
+                    continue
             raise InputError(
                 f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state factors.{key} in a mapping, by "
                 "which it is multiplied"
@@ -173,12 +181,11 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     if len(back):
         k = int(back[0]) + 1
         raise InputError(f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in the order of time")
-    found = {"slip": table.column(shift), "tangential_load": table.column(force)}
+    found = {"slip": times[shift] * table.column(shift), "tangential_load": times[force] * table.column(force)}
     u, q = (converted(mapping, name, values) for name, values in found.items())  # type: ignore[arg-type]
     for name, values in ((shift, u), (force, q)):
         if not np.ptp(values) > 0:
             raise InputError(f"{where}: {name} is the same in every row: there is no loop")
-    said = [f"U is the column {shift!r} and Q the column {force!r}"]
     said.append("Rows follow each other evenly in time" if time is None else f"Times of the rows are the column {time!r}")
     return MeasuredLoop(where, u, q, rows - rows[0], tuple(said))
 

@@ -7,9 +7,9 @@ dissipation) is worked out of the reference's by the same rule, whose error drop
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,16 +66,7 @@ def contact_solution(
     scene = whole.scene
     result, guesses = guessed(result, mapping, whole)
     history = matched(result, scene, sure_of_times=sure_of_times)
-    found = zones(result.x, result.pressure, result.shear, result.slip, scene.friction.coefficient, history.time)
-    if not result.sheared:
-        words = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
-        found = replace(found, notes=(f"{words}; without a shear nothing says what slips, and what touches is drawn as sticking",))
-    steps = _last_cycle(scene, history.time)
-    density, skipped, notes = np.full(len(result.x), np.nan), _skipped(result, history.time, steps), list(found.notes)
-    if "dissipation" not in skipped:
-        assert result.slip is not None
-        density = friction_work(result.shear[steps], result.slip[steps])
-        notes.append(f"its dissipation is the sum of q ds of its own shear and slip over the {len(steps)} instants of a cycle")
+    skipped = _skipped(result, history.time, _instants_of_cycle(scene, history.time))
     if history.guess:
         guesses = (*guesses, history.guess)
     if history.either_sign and mapping.signs.shear is None:  # nothing in the file can tell
@@ -84,94 +75,160 @@ def contact_solution(
             "the shear acts on the lower body: its instants were found from the shear itself, and the scene's path fits it turned "
             "round as well (signs.shear, or columns of P and Q, say it for certain)",
         )
-    normal, tangential, more = result.normal_load, result.tangential_load, []
+    normal, tangential, of_scene, notes = result.normal_load, result.tangential_load, list[str](), list[str]()
     if normal is None or tangential is None:
-        normal, tangential, more = history.normal_load, history.tangential_load, ["normal_load", "tangential_load"]
+        normal, tangential, of_scene = history.normal_load, history.tangential_load, ["normal_load", "tangential_load"]
         notes.append("P and Q are the scene's at its instants")
-    nothing = np.full(len(history.time), np.nan)
-    blank = np.full((len(nothing), 2), np.nan)
-    said = (*result.notes, *history.notes, *notes)
-    solution = ContactSolution(
+    count = len(history.time)
+    nothing, edges = freeze(np.full(count, np.nan)), freeze(np.full((count, 2), np.nan))
+    unknown: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), edges)
+    unknown |= dict.fromkeys(("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"), nothing)
+    bare = ContactSolution(
         engine=result.code or Path(result.source).name,
         scene=scene,
         time=freeze(history.time),
         normal_load=freeze(normal),
         tangential_load=freeze(tangential),
-        **(
-            _edges_of(found)
-            if result.sheared
-            else _edges_of(found) | {"stick_edges": freeze(blank), "stick_half_width": freeze(nothing)}
-        ),
-        tangential_displacement=freeze(nothing),
-        normal_approach=freeze(nothing),
         x=result.x,
         pressure=result.pressure,
         shear=result.shear,
-        slip=freeze(np.full_like(result.pressure, np.nan) if result.slip is None else result.slip),
-        dissipation_density=freeze(density),
-        dissipation=float(np.trapezoid(density, result.x)),
-        cycle_dissipation=freeze([np.trapezoid(density, result.x)]),
-        permanent_stick_half_width=_permanent_stick(found.stick_edges[steps]) if result.sheared else float("nan"),
+        slip=freeze(np.full_like(result.pressure, np.nan)) if result.slip is None else result.slip,
+        state=freeze(np.zeros(result.pressure.shape), np.int8),
+        **unknown,
+        dissipation_density=freeze(np.full(len(result.x), np.nan)),
+        dissipation=np.nan,
+        cycle_dissipation=freeze([np.nan]),
+        permanent_stick_half_width=np.nan,
         steady_from=None,
-        record=Record(True, "end of path", f"read from {result.source}", freeze(np.zeros(len(history.time)), np.int64), notes=said),
-        work=Work({"instants": len(history.time), "points": len(result.x)}, skipped),
-        **_of_bulk(scene, history.time, result, found.stick_edges[steps]),
-        settings={"source": result.source, DERIVED: ["state", "contact_edges", "stick_edges", *more]}
+        record=Record(True, "end of path", f"read from {result.source}", freeze(np.zeros(count), np.int64)),
+        work=Work({"instants": count, "points": len(result.x)}, skipped),
+        **_imposed(scene, history.time),
+        settings={"source": result.source, DERIVED: ["state", "contact_edges", "stick_edges", *of_scene]}
         | ({"element_size": mapping.element_size} if mapping.element_size else {}),
     )
+    solution, how = ruled(bare, slip=result.slip is not None, work="dissipation" not in skipped)
+    if "dissipation" not in skipped:
+        steps = len(solution.last_cycle)
+        notes.insert(0, f"its dissipation is the sum of q ds of its own shear and slip over the {steps} instants of a cycle")
+    said = (*result.notes, *history.notes, how, *notes)
+    solution = replace(solution, record=replace(solution.record, notes=said))
     return solution, (*guesses, *oddities(result, history.tangential_load, scene))
 
 
-def _of_bulk(scene: Scene, time: Array, result: SurfaceResult, stick: Array) -> dict[str, Any]:
-    """Bulk stresses and tilt of the scene at the instants, and moments of the tractions; nothing of a scene without either.
+def ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:
+    """A solution with states, edges, permanent stick zone and moments from its own tractions, and how they were told, in words.
 
-    Of a tilt that follows from a moment the tractions say nothing: there is none.
+    `slip`: the slip helps to tell what slips; `work`: the dissipation is the sum of q ds over its last cycle.
     """
-    if not scene.unsymmetric:
-        return {}
-    path = scene.load.path()
-    found = {"moment": freeze(np.trapezoid(result.x * result.pressure, result.x, axis=1))}
-    if result.sheared:
-        found["shear_moment"] = freeze(np.trapezoid(result.x * result.shear, result.x, axis=1))
-        found["permanent_stick_edges"] = freeze(_permanent_edges(stick))
+    friction, sheared = of.scene.friction.coefficient, not np.isnan(of.shear).all()
+    state, contact, stick, how = zones(of.x, of.pressure, of.shear, of.slip if slip else None, friction, of.time)
+    steps = of.last_cycle if WHOLE_CYCLE not in of.work.skipped else np.arange(0)
+    if not sheared:
+        how = f"{_IN_CONTACT}; without a shear nothing says what slips, and what touches is drawn as sticking"
+        stick = np.full_like(stick, np.nan)
+    ends = np.full(2, np.nan)
+    if len(steps) and not np.isnan(stick[steps]).any() and stick[steps, 1].min() > stick[steps, 0].max():
+        ends = np.array([stick[steps, 0].max(), stick[steps, 1].min()])
+    known: dict[str, Any] = {
+        "state": freeze(state, np.int8),
+        "contact_edges": freeze(contact),
+        "stick_edges": freeze(stick),
+        "contact_half_width": freeze(np.diff(contact, axis=1)[:, 0] / 2),
+        "stick_half_width": freeze(np.diff(stick, axis=1)[:, 0] / 2),
+        "permanent_stick_half_width": float(ends[1] - ends[0]) / 2,
+    }
+    if of.scene.unsymmetric:
+        known["moment"] = freeze(np.trapezoid(of.x * of.pressure, of.x, axis=1))
+        if sheared:
+            known["shear_moment"] = freeze(np.trapezoid(of.x * of.shear, of.x, axis=1))
+            known["permanent_stick_edges"] = freeze(ends)
+    if work:
+        density = friction_work(of.shear[steps], of.slip[steps])
+        whole = float(np.trapezoid(density, of.x))
+        known |= {"dissipation": whole, "dissipation_density": freeze(density), "cycle_dissipation": freeze([whole])}
+    return replace(of, **known), how
+
+
+def by_same_rule(reference: ContactSolution, result: ContactSolution, length: float) -> tuple[ContactSolution, tuple[str, ...]]:
+    """`reference` with states, edges and dissipation by the rules that gave `result` its own, and how far the rules are off.
+
+    The metrics then are about the result and not about the rules. A result that states everything itself leaves the reference
+    as it is; so does, of the dissipation, a reference on other instants than the result's. `length` is a_ref.
+    """
+    if "state" not in derived(result):
+        return reference, ()
+    lacks = missing(result)
+    work = np.array_equal(reference.time, result.time) and "dissipation" not in lacks
+    found, _ = ruled(reference, slip="slip" not in lacks, work=work)
+    own, by_rule = reference.stick_edges, found.stick_edges
+    # Instants at which the rule finds the reference's own stick edges; all, where those are the fewer.
+    told = np.isnan(own[:, 0]) == np.isnan(by_rule[:, 0])
+    told &= np.max(np.abs(np.nan_to_num(own - by_rule)), axis=1) <= UNTOLD * length
+    told = told if 2 * told.sum() > len(told) else np.ones_like(told)
+    contact, stick = (
+        float(np.nanmax(np.abs(one - other), initial=0.0)) / length
+        for one, other in ((reference.contact_edges, found.contact_edges), (own[told], by_rule[told]))
+    )
+    where = f"; at {int((~told).sum())} of {len(told)} instants it can't tell the stick edges, which are not judged"
+    words = [
+        "States and edges follow from one rule in the result and in the reference; against the reference's own it errs by up to "
+        f"{contact:.1e} a_ref at the contact edge and {stick:.1e} a_ref at the stick edge{'' if told.all() else where}."
+    ]
+    if work:
+        share = 100 * (found.dissipation / reference.dissipation - 1) if reference.dissipation else 0.0
+        words.append(
+            "Dissipation is compared by one rule, the sum of q ds over "
+            f"{len(found.last_cycle)} instants and {len(found.x)} points; "
+            f"of the reference that rule gives {share:+.2g} % more than its own."
+        )
+    return replace(found, stick_edges=freeze(np.where(told[:, None], by_rule, np.nan))), tuple(words)
+
+
+def _imposed(scene: Scene, time: Array) -> dict[str, Any]:
+    """Bulk stresses and tilt of the scene at the instants; of a tilt that follows from a moment the tractions say nothing."""
+    path, found = scene.load.path(), dict[str, Any]()
     for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("turning", ("tilt",))):
         own = path.companion(name)
         values = np.zeros((2, len(time))) if own is None else own.at(np.maximum(time, path.start))
-        if name == "bulk" or not path.moment_given:
+        if scene.unsymmetric and (name == "bulk" or not path.moment_given):
             found |= {key: freeze(value) for key, value in zip(keys, values, strict=False)}
     return found
 
 
-def _last_cycle(scene: Scene, time: Array) -> NDArray[np.intp]:
-    """Indices of the last whole cycle (of a path that is not periodic: all, if they go from its start to its end); or none."""
+def _instants_of_cycle(scene: Scene, time: Array) -> int:
+    """How many instants the last whole cycle has (of a path that is not periodic: all, if they go from its start to its end)."""
     path = scene.load.path()
     if path.period is None:
         tolerance = 1e-6 * (path.initial_loading[-1].end - path.start)
         whole = time[0] <= path.start + tolerance and time[-1] >= path.initial_loading[-1].end - tolerance
-        return np.arange(len(time) if whole else 0)
+        return len(time) if whole else 0
     tolerance = 1e-9 * path.period
     end = path.cycle_start + np.floor((time[-1] - path.cycle_start + tolerance) / path.period) * path.period
-    inside = np.flatnonzero((time >= end - path.period - tolerance) & (time <= end + tolerance))
-    if not len(inside) or time[inside[0]] > end - path.period + tolerance or time[inside[-1]] < end - tolerance:
-        return np.arange(0)
-    return inside
+    inside = time[(time >= end - path.period - tolerance) & (time <= end + tolerance)]
+    whole = len(inside) and inside[0] <= end - path.period + tolerance and inside[-1] >= end - tolerance
+    return len(inside) if whole else 0
 
 
-def _skipped(result: SurfaceResult, time: Array, steps: NDArray[np.intp]) -> dict[str, tuple[int, str]]:
-    """What the result lacks, with the reason."""
+def _skipped(result: SurfaceResult, time: Array, steps: int) -> dict[str, tuple[int, str]]:
+    """What the result lacks, with the reason; `steps` instants of it are a whole cycle."""
     lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), LACKING)
     if result.slip is None:
         lacking["slip"] = LACKING
     if not result.sheared:
         lacking |= {"shear": LACKING} | dict.fromkeys(("state", "stick_edges"), f"{LACKING}; it takes the shear")
-    if not len(steps):
+    if not steps:
         lacking[WHOLE_CYCLE] = f"{LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
-    if result.slip is None or not result.sheared or len(steps) < FEWEST:
-        few = f", for a cycle of {len(steps)} instants is too coarse to work it out (less than {FEWEST})"
-        whole = "; it takes a whole cycle, or a whole path from the unloaded start"
-        takes = "slip" if result.sheared else "the shear"
-        why = f"; it takes {takes}" if result.slip is None or not result.sheared else whole if not len(steps) else few
-        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), LACKING + why)
+    takes = (
+        "; it takes the shear"
+        if not result.sheared
+        else "; it takes slip"
+        if result.slip is None
+        else "; it takes a whole cycle, or a whole path from the unloaded start"
+        if not steps
+        else f", for a cycle of {steps} instants is too coarse to work it out (less than {FEWEST})"
+    )
+    if result.slip is None or not result.sheared or steps < FEWEST:
+        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), LACKING + takes)
     return {name: (len(time), why) for name, why in lacking.items()}
 
 
@@ -184,28 +241,17 @@ def friction_work(shear: Array, slip: Array) -> Array:
     return np.asarray(np.sum((shear[1:] + shear[:-1]) / 2 * np.diff(slip, axis=0), axis=0))
 
 
-def _permanent_stick(edges: Array) -> float:
-    """Half-width that sticks at every instant, of stick edges (k, 2) [length]; NaN where nothing does, or there is no instant."""
-    left, right = _permanent_edges(edges).tolist()
-    return (right - left) / 2
-
-
-def _permanent_edges(edges: Array) -> Array:
-    """Left and right end of that, (2,)."""
-    if not len(edges) or np.isnan(edges).any() or edges[:, 1].min() <= edges[:, 0].max():
-        return np.full(2, np.nan)
-    return np.array([edges[:, 0].max(), edges[:, 1].min()])
-
-
 # ----------------------------------------------------------------------------------------------- contact, stick and slip
-@dataclass(frozen=True, eq=False)
-class Zones:
+class Zones(NamedTuple):
     """state (n_steps, n_points) as int8; contact_edges and stick_edges (n_steps, 2) [length]; how they were told, in words."""
 
     state: NDArray[np.int8]
     contact_edges: Array
     stick_edges: Array
-    notes: tuple[str, ...]
+    how: str
+
+
+_IN_CONTACT = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
 
 
 def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array) -> Zones:
@@ -221,8 +267,7 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
     """
     touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
     slips, sense = touching & (np.abs(shear) >= (1 - CONE) * friction * pressure), np.sign(shear)
-    words = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
-    told = "tractions"
+    words, told = _IN_CONTACT, "tractions"
     if friction:
         words += f"; it slips where |q| is at least {1 - CONE:g} f p"
     if slip is not None and len(slip) > 1:
@@ -251,7 +296,7 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
         for side, at in ((0, 0), (1, -1)):
             if len(inside) and sticks[k, inside[at]]:
                 stick[k, side] = contact[k, side]
-    return Zones(state, contact, stick, (f"states and edges are worked out from its {told}: {words}",))
+    return Zones(state, contact, stick, f"states and edges are worked out from its {told}: {words}")
 
 
 def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tuple[float, float]:
@@ -284,65 +329,6 @@ def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tup
         return line
 
     return end(int(points[0]), -1), end(int(points[-1]), 1)
-
-
-def _edges_of(found: Zones) -> dict[str, Any]:
-    """States, edges and half-widths under their names in a solution."""
-    return {
-        "state": freeze(found.state, np.int8),
-        "contact_edges": freeze(found.contact_edges),
-        "stick_edges": freeze(found.stick_edges),
-        "contact_half_width": freeze(np.diff(found.contact_edges, axis=1)[:, 0] / 2),
-        "stick_half_width": freeze(np.diff(found.stick_edges, axis=1)[:, 0] / 2),
-    }
-
-
-def by_same_rule(reference: ContactSolution, result: ContactSolution, length: float) -> tuple[ContactSolution, tuple[str, ...]]:
-    """`reference` with states, edges and dissipation by the rules that gave `result` its own, and how far the rules are off.
-
-    The metrics then are about the result and not about the rules. A result that states everything itself leaves the reference
-    as it is; so does, of the dissipation, a reference on other instants than the result's. `length` is a_ref.
-    """
-    if "state" not in derived(result):
-        return reference, ()
-    slip = None if "slip" in missing(result) else reference.slip
-    friction = reference.scene.friction.coefficient
-    found = zones(reference.x, reference.pressure, reference.shear, slip, friction, reference.time)
-    own, ruled = reference.stick_edges, found.stick_edges
-    # Instants at which the rule finds the reference's own stick edges; all, where those are the fewer.
-    told = np.isnan(own[:, 0]) == np.isnan(ruled[:, 0])
-    told &= np.max(np.abs(np.nan_to_num(own - ruled)), axis=1) <= UNTOLD * length
-    told = told if 2 * told.sum() > len(told) else np.ones_like(told)
-    contact, stick = (
-        float(np.nanmax(np.abs(one - other), initial=0.0)) / length
-        for one, other in ((reference.contact_edges, found.contact_edges), (own[told], ruled[told]))
-    )
-    where = f"; at {int((~told).sum())} of {len(told)} instants it can't tell the stick edges, which are not judged"
-    words = [
-        "States and edges follow from one rule in the result and in the reference; against the reference's own it errs by up to "
-        f"{contact:.1e} a_ref at the contact edge and {stick:.1e} a_ref at the stick edge{'' if told.all() else where}."
-    ]
-    known = _edges_of(found) | {
-        "stick_edges": freeze(np.where(told[:, None], ruled, np.nan)),
-        "permanent_stick_half_width": _permanent_stick(ruled[reference.last_cycle]),
-    }
-    if reference.shear_moment is not None:
-        known["permanent_stick_edges"] = freeze(_permanent_edges(ruled[reference.last_cycle]))
-        known |= {
-            name: freeze(np.trapezoid(reference.x * field, reference.x, axis=1))
-            for name, field in (("moment", reference.pressure), ("shear_moment", reference.shear))
-        }
-    if np.array_equal(reference.time, result.time) and "dissipation" not in missing(result):
-        steps = reference.last_cycle
-        density = friction_work(reference.shear[steps], reference.slip[steps])
-        work = float(np.trapezoid(density, reference.x))
-        known |= {"dissipation": work, "dissipation_density": freeze(density), "cycle_dissipation": freeze([work])}
-        share = 100 * (work / reference.dissipation - 1) if reference.dissipation else 0.0
-        words.append(
-            f"Dissipation is compared by one rule, the sum of q ds over {len(steps)} instants and {len(reference.x)} points; "
-            f"of the reference that rule gives {share:+.2g} % more than its own."
-        )
-    return replace(reference, **known), tuple(words)
 
 
 # ------------------------------------------------------------------------------------------- units and signs that can't be

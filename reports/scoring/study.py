@@ -19,6 +19,7 @@ from meshes import collected_files
 from reports.comparison import Comparison, Report
 from reports.comparison.convergence import Extrapolation, Ladder, extrapolate
 from reports.comparison.metrics import Metric
+from reports.comparison.words import amount
 from reports.console import Stages
 from reports.scoring.against import OWN, Against, diagnosed, score_file
 from reports.scoring.mapping import Mapping
@@ -154,20 +155,14 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
-    found = line.found
+    found, signed = line.found, line.metric.definition.signed
+
+    def cell(value: float | None, plus: bool = signed) -> str:
+        return "–" if value is None else amount(value, line.metric, plus=plus, digits=3)
+
     order = f"{found.order:.2f}" if found.order is not None else found.kind
-    zero = "–" if found.value is None or line.mesh is None else _share(line.metric, found.value)
-    doubt = "–" if found.uncertainty is None else _share(line.metric, found.uncertainty).removeprefix("+")
-    mesh = "–" if line.mesh is None else _share(line.metric, line.mesh)
-    return (line.metric.label, *(_share(line.metric, value) for value in line.values), order, zero, doubt, mesh)
-
-
-def _share(metric: Metric, value: float) -> str:
-    """Three digits, in per cent unless the metric is absolute; what is below 1e-11 is rounding."""
-    if abs(value) < ROUNDING * 10:
-        return "0"
-    text = f"{abs(value) * (1 if metric.absolute else 100):.3g}" + ("" if metric.absolute else " %")
-    return ("−" if value < 0 else "+" if metric.definition.signed else "") + text
+    zero = None if line.mesh is None else found.value
+    return (line.metric.label, *map(cell, line.values), order, cell(zero), cell(found.uncertainty, False), cell(line.mesh))
 
 
 def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[float, str]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +21,8 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.charts.templating import script, template
-from reports.sweep.solving import axis_label, is_error, unit_of
-from reports.sweep.store import STATUS, Store, done
+from reports.sweep.solving import is_error, label_of
+from reports.sweep.store import STATUS, Locks, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
@@ -51,8 +50,9 @@ def state_of(store: Store) -> Mapping[str, Any]:
     study, points = store.read_plan()
     table = store.table(points)
     failures = [{"point": row.number, "reason": row.reason} for row in table.itertuples() if row.status != "done"]
-    addresses, waiting = set(table["address"]), len(points) - len(table)
-    running = len(store.running() & {point.address for point in points} - addresses)
+    addresses, locks = set(table["address"]), Locks(store)
+    running, waiting = len(locks.others({point.address for point in points} - addresses)), len(points) - len(table)
+    locks.close()
     times = []
     for address in addresses:
         with suppress(FileNotFoundError):  # set aside meanwhile
@@ -87,7 +87,7 @@ def write_page(store: Store) -> Path:
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
         uncertainty=_UNCERTAINTY[study.uncertainty] if "fe" in study.engines else exact,
         state=state,
-        words=[(plain(figure), unit_of(figure)) for figure in plain_figures(table, study.axes)],
+        words=[(plain(figure), "{} [{}]".format(*label_of(figure, study.scene))) for figure in plain_figures(table, study.axes)],
         pictures=draw(table, study.axes, study.scene),
         script=program,
         script_hash=digest,
@@ -118,40 +118,59 @@ def plain_figures(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
 
 def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
     """A figure of each quantity that has values, in the units of the `scene` that the sweep varies."""
-    found, plates = done(table), []
-    for name in plain_figures(found, axes):
-        shown = f"{name}.idealisation" if f"{name}.idealisation" in found else name
-        value, uncertainty = (found.get(key, found[name] * np.nan).to_numpy(float) for key in (shown, f"{name}.uncertainty"))
-        if np.isfinite(value).any():
-            named = {column: axis for axis in axes for column in axis.columns}
-            plates.append(_plate(Sheet(name, value, uncertainty, found, named, plain(axis_label(name, scene))), shown))
-    return plates
+    found = done(table)
+    sheets = [_Sheet(name, found, axes, scene) for name in plain_figures(found, axes)]
+    return [sheet.plate() for sheet in sheets if np.isfinite(sheet.value).any()]
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """One figure of a table, ready to be drawn: values and uncertainties (n,), NaN where there is none; `words` for its axis."""
+class _Sheet:
+    """One figure of a table: over one axis lines, over two that are a grid maps, else dots; each other combination has its own."""
 
-    name: str
-    value: Array
-    uncertainty: Array
-    table: pd.DataFrame
-    axes: dict[str, Axis]
-    words: str
+    def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
+        self.name, self.table = name, table
+        self.axes = {column: axis for axis in axes for column in axis.columns}
+        self.shown = f"{name}.idealisation" if f"{name}.idealisation" in table else name
+        blank = table[name] * np.nan
+        self.value, self.uncertainty = (table.get(key, blank).to_numpy(float) for key in (self.shown, f"{name}.uncertainty"))
+        margin = np.nan_to_num(self.uncertainty)
+        self.low, self.high = self.value - margin, self.value + margin
+        # An error that is not larger than its uncertainty.
+        self.unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
+        self.words = f"{plain(name)}  [{label_of(name, scene)[1]}]"
+
+    def plate(self) -> Plate:
+        """The figure with its caption and its numbers."""
+        moves = [name for name in self.axes if self.table[name].nunique() > 1]
+        sorts = [name for name in moves if any(isinstance(value, str | bool) for value in self.table[name].tolist())]
+        moving = [name for name in moves if name not in sorts]
+        stem, title = self.shown.replace(".", "-"), plain(self.shown)
+        csv = {**{column: self.numbers(column) for column in moving}, self.shown: self.value, "uncertainty": self.uncertainty}
+        if not moving:
+            text = f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
+            return Plate(stem, title, text, text, (), csv)
+        keys = np.array([", ".join(f"{name} = {row[name]}" for name in sorts) for row in self.table[sorts].to_dict("records")])
+        parts = np.unique(keys).tolist()
+        masks = [(part, keys == part) for part in parts[:_PANELS]]
+        legend: tuple[Key, ...] = ()
+        panels: list[Panel | Cell]
+        places = len(self.table[moving].drop_duplicates()) / np.prod([self.table[name].nunique() for name in moving])
+        if len(moving) == 1:
+            panels, how = [self.line(stem, masks, moving[0])], "bars are its uncertainty; hollow: not resolved"
+            legend = tuple(Key(f"line-{k}", plain(part)) for k, (part, _) in enumerate(masks) if part)
+        elif len(moving) == 2 and places > 0.3:
+            how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+            panels = [self.map(f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
+        else:
+            how = "hollow: unresolved; colour: the second axis"
+            panels = [self.cloud(f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
+        left = f" {len(parts) - _PANELS} more sets of the other axes are in index.csv." if len(parts) > _PANELS else ""
+        bars = how if np.isfinite(self.uncertainty).any() else "without uncertainty"
+        caption = f"Over {' and '.join(self.label(name) for name in moving[:2])}; {bars}.{left}"
+        return Plate(stem, title, caption, f"{title}. {caption}", tuple(panels), csv, legend, min(2, len(panels)))
 
     def numbers(self, column: str) -> Array:
         """A coordinate (n,)."""
         return self.table[column].to_numpy(float)
-
-    @property
-    def unresolved(self) -> Mask:
-        """Where an error is not larger than its uncertainty; never for a quantity that is no error."""
-        return np.abs(self.value) <= self.uncertainty if is_error(self.name) else np.zeros(len(self.value), dtype=bool)
-
-    def bounds(self) -> tuple[Array, Array]:
-        """Values minus and plus their uncertainties."""
-        margin = np.nan_to_num(self.uncertainty)
-        return self.value - margin, self.value + margin
 
     def title(self, row: int) -> str:
         """What a reader sees of a value."""
@@ -159,17 +178,16 @@ class Sheet:
 
     def label(self, column: str) -> str:
         """Words of an axis."""
-        axis = self.axes.get(column)
-        if axis is None or column != axis.name:
-            return plain(column)
-        return plain(axis.label or axis.name) + (f" [{axis.unit}]" if axis.unit else "")
+        axis = self.axes[column]
+        own = axis.label or axis.name if column == axis.name else ""
+        return plain(own or column) + (f" [{axis.unit}]" if own and axis.unit else "")
 
     def axis(self, column: str, *, cells: bool = False) -> marks.Axis:
         """An axis of numbers; its ticks stand at the values themselves where these are few and apart.
 
         With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
         """
-        log = column in self.axes and self.axes[column].by_factors
+        log = self.axes[column].by_factors
         values = np.unique(self.numbers(column))
         at = np.log(values) if log else values
         apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
@@ -178,72 +196,54 @@ class Sheet:
         own = tuple(zip(values.tolist(), labels([float(f"{value:.3g}") for value in values]), strict=True)) if apart else ()
         return marks.Axis(low, high, self.label(column), log, ticks=own)
 
+    def line(self, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
+        """Curves over one axis: dots with bars; of many points a band, and dots where unresolved, so that the page stays small."""
+        drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(self.name) else []
+        places = self.numbers(moving)
+        for k, (part, here) in enumerate(masks):
+            rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
+            x, y, low, high = (column[rows] for column in (places, self.value, self.low, self.high))
+            drawn.append(Curve(x, y, look, plain(part) or plain(self.name)))
+            if many := len(rows) > _MARKED:
+                drawn.insert(0, Band(x, low, high, f"p{k % _LOOKS} pale"))
+            else:
+                drawn.append(bars(x, low, high, look))
+            for a, b, hollow in zip(x.tolist(), y.tolist(), self.unresolved[rows], strict=True):
+                if hollow or not many:
+                    drawn.append(Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0))
+        up = marks.Axis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
+        return Panel(name, self.axis(moving), up, drawn, f"{plain(self.name)} over {self.label(moving)}", 560.0, 340.0)
 
-def _plate(sheet: Sheet, shown: str) -> Plate:
-    moves = [name for name in sheet.axes if sheet.table[name].nunique() > 1]
-    sorts = [name for name in moves if any(isinstance(value, str | bool) for value in sheet.table[name].tolist())]
-    moving = [name for name in moves if name not in sorts]
-    stem, title = shown.replace(".", "-"), plain(shown)
-    csv = {**{column: sheet.numbers(column) for column in moving}, shown: sheet.value, "uncertainty": sheet.uncertainty}
-    if not moving:
-        text = f"{number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers"
-        return Plate(stem, title, text, text, (), csv)
-    keys = np.array([", ".join(f"{name} = {row[name]}" for name in sorts) for row in sheet.table[sorts].to_dict("records")])
-    parts = np.unique(keys).tolist()
-    masks = [(part, keys == part) for part in parts[:_PANELS]]
-    legend: tuple[Key, ...] = ()
-    panels: list[Panel | Cell]
-    places, every = len(sheet.table[moving].drop_duplicates()), np.prod([sheet.table[name].nunique() for name in moving])
-    if len(moving) == 1:
-        panels, how = [_line(sheet, stem, masks, moving[0])], "bars are its uncertainty; hollow: not resolved"
-        legend = tuple(Key(f"line-{k}", plain(part)) for k, (part, _) in enumerate(masks) if part)
-    elif len(moving) == 2 and places > 0.3 * every:
-        how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
-        panels = [_map(sheet, f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
-    else:
-        how = "hollow: unresolved; colour: the second axis"
-        panels = [_cloud(sheet, f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
-    left = f" {len(parts) - _PANELS} more sets of the other axes are in index.csv." if len(parts) > _PANELS else ""
-    bars = how if np.isfinite(sheet.uncertainty).any() else "without uncertainty"
-    caption = f"Over {' and '.join(sheet.label(name) for name in moving[:2])}; {bars}.{left}"
-    return Plate(stem, title, caption, f"{title}. {caption}", tuple(panels), csv, legend, min(2, len(panels)))
+    def map(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+        """Coloured cells over two axes."""
+        axes = self.axis(moving[0], cells=True), self.axis(moving[1], cells=True)
+        least, most = float(np.nanmin(self.value)), float(np.nanmax(np.abs(self.value)))
+        low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(self.value)), "viridis")
+        share = np.where(here, (self.value - low) / ((high - low) or 1.0), np.nan)
+        names = [self.title(row) for row in range(len(share))]
+        drawn = heat_map(axes, (self.numbers(moving[0]), self.numbers(moving[1])), share, names, self.unresolved, colours)
+        panel = Panel(name, *axes, drawn, f"Map of {plain(self.name)}, {part}", 480.0, 360.0, plain(part))
+        return Cell((panel, colour_scale(f"{name}-colours", low, high, self.words, colours)), None)
+
+    def cloud(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+        """Dots over the first axis, coloured by the second."""
+        (x, second), (across, other) = map(self.numbers, moving[:2]), map(self.axis, moving[:2])
+        ends = np.array([other.low, other.high])
+        share = np.interp(np.log(second), np.log(ends), [0.0, 1.0]) if other.log else np.interp(second, ends, [0.0, 1.0])
+        drawn: list[Mark] = [bars(x[here], self.low[here], self.high[here], "faint")]
+        for row in np.flatnonzero(here & np.isfinite(self.value)).tolist():
+            look = "faint hollow" if self.unresolved[row] else ""
+            fill = "" if look else shades([share[row]])[0]
+            drawn.append(Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill))
+        up = marks.Axis(*limits(self.low, self.high), self.words)
+        panel = Panel(name, across, up, drawn, f"{plain(self.name)} over {across.words}, {part}", 480.0, 340.0, plain(part))
+        return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
 
 def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
     """Upright lines from `low` to `high` at each x."""
     gap = np.full(len(x), np.nan)
     return Curve(np.column_stack([x, x, gap]).ravel(), np.column_stack([low, high, gap]).ravel(), f"{look} bar-line")
-
-
-def _line(sheet: Sheet, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
-    drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(sheet.name) else []
-    places = sheet.numbers(moving)
-    low, high = sheet.bounds()
-    for k, (part, here) in enumerate(masks):
-        rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
-        x, y = places[rows], sheet.value[rows]
-        drawn.append(Curve(x, y, look, plain(part) or plain(sheet.name)))
-        many = len(rows) > _MARKED
-        if many:  # a band and no marks: the page stays small
-            drawn.insert(0, Band(x, low[rows], high[rows], f"p{k % _LOOKS} pale"))
-        else:
-            drawn.append(bars(x, low[rows], high[rows], look))
-        for a, b, hollow in zip(x.tolist(), y.tolist(), sheet.unresolved[rows], strict=True):
-            if hollow or not many:
-                drawn.append(Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0))
-    up = marks.Axis(*limits(low, high, zero=is_error(sheet.name)), sheet.words)
-    return Panel(name, sheet.axis(moving), up, drawn, f"{plain(sheet.name)} over {sheet.label(moving)}", 560.0, 340.0)
-
-
-def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
-    axes = sheet.axis(moving[0], cells=True), sheet.axis(moving[1], cells=True)
-    least, most = float(np.nanmin(sheet.value)), float(np.nanmax(np.abs(sheet.value)))
-    low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(sheet.value)), "viridis")
-    share = np.where(here, (sheet.value - low) / ((high - low) or 1.0), np.nan)
-    names = [sheet.title(row) for row in range(len(share))]
-    drawn = heat_map(axes, (sheet.numbers(moving[0]), sheet.numbers(moving[1])), share, names, sheet.unresolved, colours)
-    panel = Panel(name, *axes, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
-    return Cell((panel, colour_scale(f"{name}-colours", low, high, sheet.words, colours)), None)
 
 
 def heat_map(
@@ -265,22 +265,6 @@ def heat_map(
         fill = shades([share[row]], colours)[0]
         drawn.append(Block(ends[0][row], ends[1][row], "", names[row], fill, bool(unresolved[row])))
     return drawn
-
-
-def _cloud(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
-    x, second = (sheet.numbers(column) for column in moving[:2])
-    across, other = (sheet.axis(column) for column in moving[:2])
-    ends = np.array([other.low, other.high])
-    share = np.interp(np.log(second), np.log(ends), [0.0, 1.0]) if other.log else np.interp(second, ends, [0.0, 1.0])
-    least, most = sheet.bounds()
-    drawn: list[Mark] = [bars(x[here], least[here], most[here], "faint")]
-    for row in np.flatnonzero(here & np.isfinite(sheet.value)).tolist():
-        look = "faint hollow" if sheet.unresolved[row] else ""
-        fill = "" if look else shades([share[row]])[0]
-        drawn.append(Dot(float(x[row]), float(sheet.value[row]), look, 3.6, sheet.title(row), fill=fill))
-    up = marks.Axis(*limits(least, most), sheet.words)
-    panel = Panel(name, across, up, drawn, f"{plain(sheet.name)} over {across.words}, {part}", 480.0, 340.0, plain(part))
-    return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
 
 def cell_borders(middles: Array, *, log: bool = False) -> Array:

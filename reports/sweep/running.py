@@ -1,7 +1,7 @@
-"""A whole sweep: the study checked, points handed out to processes or to a dask cluster, results stored, the table returned.
+"""A whole sweep: the study checked, tasks handed to processes or to a dask cluster, results stored, the table returned.
 
-Whatever dies, tasks go out again. A task whose worker died goes out point by point with nothing beside it, so that the point that
-kills workers is found; lost again, it becomes a failure with that reason. What a lost scheduler held goes out again without blame.
+Where a worker dies, each point of the lost tasks goes out again with nothing beside it, so that the point that kills workers is
+found; lost again, it becomes a failure with that reason. A scheduler that is gone ends the sweep, and the next run resumes it.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import get_context, parent_process, resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -27,42 +27,36 @@ import pandas as pd
 from meshes.interrupts import interrupts_wait
 from reports.console import complain
 from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import Claims, Store
+from reports.sweep.store import Locks, Store
 from reports.sweep.study import Point, Study, expand, load_study
 from scenes import InputError
 from scenes.frozen import validated
 
 Report = Callable[[int, int, str], None]
-WORKER_DIED, SCHEDULER_GONE = "the worker died", "the scheduler is gone"
+Task = list[Point]
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of handing them out small.
 _EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
-# Seconds: a round of the loop; until points of another sweep are looked at again; a scheduler may be away; a first answer takes.
-_ROUND, _LOOK_AGAIN, _RECONNECT, _PATIENCE = 0.5, 2.0, 120.0, 10.0
-_LOSSES = 5  # of a scheduler, before the sweep ends
+# Seconds: a round of the loop; until points of another sweep are looked at again; a first answer of a scheduler takes.
+_ROUND, _LOOK_AGAIN, _PATIENCE = 0.5, 2.0, 10.0
 
 
 class Processes:
-    """Processes of this machine, behind an executor that can be started again once it broke.
-
-    Of these and of `Dask`: `blame` is what an exception means for worker or scheduler, "" where it is the task's own; tasks of a
-    crew that is `gone` never come back.
-    """
+    """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task means that its worker died."""
 
     executor: Executor
 
     def __init__(self, width: int) -> None:
         self.width = width
 
-    def blame(self, fault: BaseException) -> str:
-        return WORKER_DIED if isinstance(fault, BrokenExecutor | CancelledError) else ""
+    def died(self, fault: BaseException) -> bool:
+        return isinstance(fault, BrokenExecutor | CancelledError)
 
-    def gone(self) -> bool:
-        return False
+    def require_alive(self) -> None:
+        """InputError where tasks will never come back: not of these."""
 
     def start(self) -> None:
         with _born_without_ctrl_c():
-            context, pid = get_context("spawn"), os.getpid()
-            self.executor = ProcessPoolExecutor(self.width, mp_context=context, initializer=_begin, initargs=(pid,))
+            self.executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"), initializer=_begin)
             for _ in range(self.width):  # all of them start now
                 self.executor.submit(os.getpid)
 
@@ -88,18 +82,20 @@ class Dask:
 
     def __init__(self, address: str, width: int | None, tls: dict[str, str]) -> None:
         self._address, self._asked, self._tls = address, width, tls
+        self._where = f"--scheduler {address}" if address else "--executor dask"
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
-    def blame(self, fault: BaseException) -> str:
+    def died(self, fault: BaseException) -> bool:
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
 
-        if isinstance(fault, KilledWorker):
-            return WORKER_DIED
-        return SCHEDULER_GONE if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError) else ""
+        if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError):
+            raise InputError(f"{self._where}: the scheduler is gone; see to it, then start the sweep again: results are kept")
+        return isinstance(fault, KilledWorker)
 
-    def gone(self) -> bool:
-        return str(self._open[0].status) != "running"
+    def require_alive(self) -> None:
+        if str(self._open[0].status) != "running":
+            self.died(CancelledError())
 
     def start(self) -> None:
         try:
@@ -110,7 +106,6 @@ class Dask:
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        where = f"--scheduler {self._address}" if self._address else "--executor dask"
         security = Security(**self._tls, require_encryption=True) if self._tls else None
         place: Any = self._address
         try:
@@ -121,13 +116,13 @@ class Dask:
                 self._open = [place]
             client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
-            raise InputError(f"{where}: no dask scheduler answers there ({type(reason).__name__}: {reason})") from reason
+            raise InputError(f"{self._where}: no dask scheduler answers there ({type(reason).__name__}: {reason})") from reason
         self._open = [client, *self._open]
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError) as reason:
             self.stop(at_once=True)
-            raise InputError(f"{where}: the scheduler has no worker: start some, then start the sweep again") from reason
+            raise InputError(f"{self._where}: the scheduler has no worker: start some, then start the sweep again") from reason
         threads = [int(worker["nthreads"]) for worker in client.scheduler_info(n_workers=-1)["workers"].values()]
         self.width = self._asked or max(1, sum(threads))
         self.executor = client.get_executor(pure=False)
@@ -138,7 +133,7 @@ class Dask:
                 self._open.pop(0).close(timeout=3.0 if at_once else _PATIENCE)
 
 
-def crew_of(
+def workers_of(
     executor: str = "processes",
     scheduler: str = "",
     workers: int | None = None,
@@ -197,12 +192,12 @@ def _born_without_ctrl_c() -> Generator[None, None, None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin(parent: int) -> None:
+def _begin() -> None:
     """In a worker: the client sees to Ctrl-C; a worker whose client is gone goes too."""
 
     def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(0.5)
+        if (client := parent_process()) is not None:
+            client.join()
         os._exit(1)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -212,16 +207,12 @@ def _begin(parent: int) -> None:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A study that was checked, its store, and `groups` of points without a result that share their condensed bodies."""
+    """A study that was checked, its store, and the points without a result."""
 
     study: Study
     points: tuple[Point, ...]
     store: Store
-    groups: tuple[tuple[Point, ...], ...]
-
-    @property
-    def waiting(self) -> int:
-        return sum(map(len, self.groups))
+    waiting: tuple[Point, ...]
 
 
 def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int], None] = lambda _count: None) -> Prepared:
@@ -234,11 +225,7 @@ def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int
         points = expand(asked, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
-    groups: dict[str, list[Point]] = {}
-    for point in points:
-        if _final(store, point) is None:
-            groups.setdefault(point.shared_bodies if "fe" in asked.engines else "", []).append(point)
-    return Prepared(asked, points, store, tuple(map(tuple, groups.values())))
+    return Prepared(asked, points, store, tuple(point for point in points if _final(store, point) is None))
 
 
 def _final(store: Store, point: Point) -> dict[str, Any] | None:
@@ -253,42 +240,32 @@ def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: N
     InputError where no workers can be had, their code differs from ours, or results can't be stored.
     """
     store, points = prepared.store, prepared.points
-    crew = crew_of(**workers)
+    pool = workers_of(**workers)
     store.prepare()
     store.write_plan(json.loads(prepared.study.model_dump_json()), points)
-    if prepared.groups:
-        claims = Claims(store)
+    if prepared.waiting:
+        locks = Locks(store)
         try:
             # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round, and until the workers are gone.
             with interrupts_wait() as signals:
-                crew.start()
-                at_once = True
-                try:
-                    _Sweep(prepared, crew, claims, report, signals).go()
-                    at_once = bool(signals)
-                finally:
-                    crew.stop(at_once=at_once)
+                _Sweep(prepared, pool, locks, report, signals).go()
         except KeyboardInterrupt:
             store.write_table(store.table(points))
             raise
         finally:
-            claims.drop_all()
+            locks.close()
     table = store.table(points)
     store.write_table(table)
     return table
 
 
 def run(
-    study: Study | str | Path,
-    folder: str | Path,
-    *,
-    report: Report = lambda _done, _total, _words: None,
-    **workers: Any,
+    study: Study | str | Path, folder: str | Path, *, report: Report = lambda _done, _total, _words: None, **workers: Any
 ) -> pd.DataFrame:
     """Run a study into a folder, or resume an earlier run of it; returns the table.
 
     Called from a script, it stands under `if __name__ == "__main__":`, for the workers are processes that read the script again.
-    Who solves the points is stated as to `crew_of`: run("study.toml", "out", workers=4).
+    Who solves the points is stated as to `workers_of`: run("study.toml", "out", workers=4).
 
     Raises
     ------
@@ -298,62 +275,108 @@ def run(
     return work(prepare(study, folder), report=report, **workers)
 
 
-class _Sweep:
-    """The loop that hands tasks to a crew and stores what comes back; it ends early once `signals` holds one."""
+def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
+    """Points in the portions in which they are handed out: small enough that all of `width` workers have some until the end."""
+    most = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
+    size = max(1, min(most, -(-len(prepared.waiting) // (4 * width))))
+    return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
 
-    def __init__(self, prepared: Prepared, crew: Processes | Dask, claims: Claims, report: Report, signals: Sequence[int]) -> None:
-        self.prepared, self.store, self.crew, self.claims = prepared, prepared.store, crew, claims
-        self.report, self.signals = report, signals
-        # Tasks small enough that all workers have some to do until the end.
-        most = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
-        size = max(1, min(most, -(-prepared.waiting // (4 * crew.width))))
-        self.pending = deque([*group[k : k + size]] for group in prepared.groups for k in range(0, len(group), size))
-        self.suspects: deque[Point] = deque()
-        self.elsewhere: list[list[Point]] = []
-        self.flying: dict[Future[str], list[Point]] = {}
-        self.alone = False  # the one task that is handed out is a suspect
-        self.looked, self.losses, self.done, self.failed = time.monotonic(), 0, 0, 0
+
+class _Died(Exception):
+    """A worker died with these tasks."""
+
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        super().__init__()
+        self.points = [point for task in tasks for point in task]
+
+
+@dataclass
+class _Sweep:
+    """Hands tasks to a pool and stores what comes back; ends early once `signals` holds one."""
+
+    prepared: Prepared
+    pool: Processes | Dask
+    locks: Locks
+    report: Report
+    signals: Sequence[int]
+    solved: int = 0
+    failed: int = 0
 
     def go(self) -> None:
         """Work until every point has a result, or a signal asks to end."""
-        while (self.pending or self.suspects or self.elsewhere or self.flying) and not self.signals:
-            self._hand_out()
-            if not self.flying:
-                time.sleep(_ROUND if self.elsewhere else 0.0)
-            finished, faults = wait(self.flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done, list[BaseException]()
-            for future in finished:
-                fault = CancelledError() if future.cancelled() else future.exception()
-                if fault is None:
-                    self._keep(json.loads(future.result()), self.flying.pop(future))
-                else:
-                    faults.append(fault)
-            whys = [self._blamed(fault) for fault in faults]
-            if self.flying and self.crew.gone():
-                whys.append(SCHEDULER_GONE)
-            if whys:
-                self._again(whys[-1])
-            others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
-            flying = sum(map(len, self.flying.values()))
-            self.report(self.done + self.failed, self.prepared.waiting, f"{self.failed} failed, {flying} handed out{others}")
+        self.pool.start()
+        tasks, self.elsewhere, at_once = tasks_of(self.prepared, self.pool.width), list[Task](), True
+        try:
+            while (tasks or self.elsewhere) and not self.signals:
+                if not tasks:  # another sweep is solving all that is left
+                    time.sleep(_LOOK_AGAIN)
+                    tasks, self.elsewhere = deque(self.elsewhere), []
+                try:
+                    self._hand_out(tasks)
+                except _Died as lost:
+                    complain(f"sweep: the worker died: {len(lost.points)} points are handed out again")
+                    self._restart()
+                    for point in lost.points:
+                        self._alone(point)
+            at_once = bool(self.signals)
+        finally:
+            self.pool.stop(at_once=at_once)
 
-    def _hand_out(self) -> None:
-        """Keep every worker busy, and one task ready; a suspect goes alone."""
-        if self.elsewhere and not self.pending and time.monotonic() - self.looked > _LOOK_AGAIN:
-            self.pending.extend(self.elsewhere)
-            self.elsewhere, self.looked = [], time.monotonic()
-        if self.suspects and not self.flying:
-            self.alone = True
-            self._submit([self.suspects.popleft()])
-        while self.pending and not self.suspects and not self.alone and len(self.flying) <= self.crew.width:
-            self._submit(self._claimed(self.pending.popleft()))
+    def _alone(self, point: Point) -> None:
+        """A point with nothing beside it; a failure where its worker dies again."""
+        try:
+            self._hand_out(deque([[point]]))
+        except _Died:
+            self._restart()
+            reason = "the worker that solved it died twice (killed, or out of memory): see its memory, then start the sweep again"
+            failed = {"status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}, "seconds": 0.0, "host": ""}
+            self._keep(point, failed | {"again": True})
 
-    def _claimed(self, points: list[Point]) -> list[Point]:
-        """Those that have no result and that no other sweep is at work on."""
+    def _restart(self) -> None:
+        self.pool.stop(at_once=True)
+        self.pool.start()
+
+    def _hand_out(self, tasks: deque[Task]) -> None:
+        """Keep every worker busy, and one task ready, until `tasks` are done or elsewhere."""
+        flying: dict[Future[str], Task] = {}
+        try:
+            while (tasks or flying) and not self.signals:
+                while tasks and len(flying) <= self.pool.width:
+                    tasks[0] = self._claimed(tasks[0])
+                    if tasks[0]:
+                        asked = [point.question.as_json() for point in tasks[0]]
+                        task = json.dumps({"versions": code_versions(), "points": asked})
+                        flying[self.pool.executor.submit(solve_task, task)] = tasks[0]
+                    tasks.popleft()
+                answered = wait(flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done
+                for future in sorted(answered, key=lambda one: one.cancelled() or one.exception() is not None):
+                    answer = json.loads(future.result())
+                    if answer["mismatch"]:
+                        mixed = "results of different code are not to be mixed; install the same on all workers"
+                        raise InputError(f"{answer['mismatch']}: {mixed}")
+                    for point, result in zip(flying.pop(future), answer["answers"], strict=True):
+                        self._keep(point, result)
+                if flying:
+                    self.pool.require_alive()
+                others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
+                out = sum(map(len, flying.values()))
+                self.report(
+                    self.solved + self.failed, len(self.prepared.waiting), f"{self.failed} failed, {out} handed out{others}"
+                )
+        except InputError:
+            raise
+        except Exception as fault:  # also of a pool that broke, or a client that closed, between two tasks
+            if self.pool.died(fault):
+                raise _Died(flying.values()) from fault
+            raise
+
+    def _claimed(self, points: Task) -> Task:
+        """Those that have no result and that no other sweep is solving."""
         mine, others = [], []
         for point in points:
-            if not self.claims.take(point.address):
+            if not self.locks.take(point.address):
                 others.append(point)
-            elif (found := _final(self.store, point)) is not None:
+            elif (found := _final(self.prepared.store, point)) is not None:
                 self._count(point, found)
             else:
                 mine.append(point)
@@ -361,70 +384,15 @@ class _Sweep:
             self.elsewhere.append(others)
         return mine
 
-    def _submit(self, points: list[Point]) -> None:
-        if not points:
-            return
-        task = json.dumps({"versions": code_versions(), "points": [point.question.as_json() for point in points]})
-        try:
-            future = self.crew.executor.submit(solve_task, task)
-        except (RuntimeError, OSError) as fault:  # a pool that broke, or a client that closed, between two tasks
-            future = Future()
-            future.set_exception(fault)
-        self.flying[future] = points
-
-    def _keep(self, answer: dict[str, Any], points: list[Point]) -> None:
-        """Store the results of a task, with the question of each."""
-        if answer["mismatch"]:
-            raise InputError(
-                f"{answer['mismatch']}: results of different code are not to be mixed; install the same on all workers"
-            )
-        self.alone = False
-        for point, result in zip(points, answer["answers"], strict=True):
-            asked = point.question.as_json()
-            settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
-            about = {"address": point.address, "scene": asked["scene"], "settings": settings, "versions": code_versions()}
-            self.store.write(result | about)
-            self._count(point, result)
+    def _keep(self, point: Point, result: dict[str, Any]) -> None:
+        """Store a result with its question."""
+        asked = point.question.as_json()
+        settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
+        about = {"address": point.address, "scene": asked["scene"], "settings": settings, "versions": code_versions()}
+        self.prepared.store.write(result | about)
+        self._count(point, result)
 
     def _count(self, point: Point, result: dict[str, Any]) -> None:
-        self.claims.drop(point.address)
-        self.done += result["status"] == "done"
+        self.locks.drop(point.address)
+        self.solved += result["status"] == "done"
         self.failed += result["status"] != "done"
-
-    def _blamed(self, fault: BaseException) -> str:
-        """Who is to blame for a task that did not come back; a fault of its own is raised."""
-        if why := self.crew.blame(fault):
-            return why
-        raise fault
-
-    def _again(self, why: str) -> None:
-        """A new crew; what was handed out goes out again: after a worker's death point by point, each with nothing beside it."""
-        lost = [*self.flying.values()]
-        self.flying.clear()
-        points = [point for task in lost for point in task]
-        complain(f"sweep: {why}: {len(points)} points go out again")
-        if why == SCHEDULER_GONE:
-            self.losses += 1
-            if self.losses > _LOSSES:
-                raise InputError(f"the scheduler was lost {self.losses} times; see to it, then start the sweep again")
-            self.pending.extendleft(lost)
-        elif self.alone:
-            reason = "the worker that solved it died twice (killed, or out of memory): see its memory, then start the sweep again"
-            failed = {"status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}, "seconds": 0.0, "host": ""}
-            self._keep({"mismatch": "", "answers": [failed | {"again": True}]}, points)
-        else:
-            self.suspects.extend(points)
-        self.alone = False
-        self._renew()
-
-    def _renew(self) -> None:
-        """Workers in place of the broken ones; a scheduler is waited for, until a signal asks to end."""
-        self.crew.stop(at_once=True)
-        end = time.monotonic() + _RECONNECT
-        while not self.signals:
-            try:
-                self.crew.start()
-                break
-            except InputError:
-                if time.monotonic() > end:
-                    raise

@@ -14,12 +14,11 @@ import json
 import math
 import os
 import platform
-import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
@@ -73,11 +72,6 @@ def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
     return float(np.interp(wanted, loads[order], series[steps][order]))
 
 
-def _at_largest_shear(solution: ContactSolution) -> float:
-    steps = solution.last_cycle
-    return float(solution.stick_half_width[steps[int(np.argmax(np.abs(solution.tangential_load[steps])))]])
-
-
 _CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
 QUANTITIES: dict[str, Quantity] = {
     "dissipation": Quantity(lambda s: s.dissipation, "dissipation of the last cycle [energy / thickness]", ("dissipation",)),
@@ -99,7 +93,11 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_half_width": Quantity(
         lambda s: np.max(s.contact_half_width[s.last_cycle]), "largest contact half-width [length]", edges=_CONTACT
     ),
-    "stick_half_width": Quantity(_at_largest_shear, "stick half-width where |Q| is largest [length]", edges=_STICK),
+    "stick_half_width": Quantity(
+        lambda s: s.stick_half_width[s.last_cycle][np.argmax(np.abs(s.tangential_load[s.last_cycle]))],
+        "stick half-width where |Q| is largest [length]",
+        edges=_STICK,
+    ),
     "permanent_stick_half_width": Quantity(
         lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]", edges=_STICK
     ),
@@ -119,58 +117,42 @@ QUANTITIES: dict[str, Quantity] = {
 _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 
 
-def is_metric(name: str) -> bool:
-    """Whether a figure needs the whole comparison."""
-    return name in METRICS
-
-
 def is_error(name: str) -> bool:
     """Whether a figure states how far the engines are apart: it is 0 where they agree."""
-    return is_metric(name) or name.startswith("error.")
+    return name in METRICS or name.startswith("error.")
 
 
-def unit_of(name: str) -> str:
-    """What a figure is, with its unit or what it is a share of.
-
-    >>> unit_of("error.dissipation"), unit_of("stick_edge")
-    ('dissipation of the last cycle: finite elements over half-plane theory, minus 1', 'Stick edge: of a_ref')
-    """
-    if is_metric(name):
-        return f"{METRICS[name].label}: {METRICS[name].unit}"
-    prefix, _, quantity = name.partition(".")
-    words = QUANTITIES[quantity].words
-    return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, minus 1" if prefix == "error" else words
-
-
-def axis_label(name: str, scene: Scene) -> str:
-    """A figure on the axis of a drawing, with its unit in the scene's, or what it is a share of.
+def label_of(name: str, scene: Scene) -> tuple[str, str]:
+    """What a figure is, and its unit in the scene's units, or what it is a share of.
 
     >>> from scenes import load_scene
-    >>> [axis_label(name, load_scene("hertz-paper")) for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")]
-    ['fe.p0  [MPa]', 'exact.dissipation  [N·mm/mm]', "error.p0  [share of theory's]", 'stick_edge  [share of a_ref]']
+    >>> [label_of(name, load_scene("hertz-paper"))[1] for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")]
+    ['MPa', 'N·mm/mm', "share of theory's", 'share of a_ref']
     """
-    if is_metric(name):
-        return f"{name}  [share {METRICS[name].unit}]"
+    if name in METRICS:
+        return METRICS[name].label, f"share {METRICS[name].unit}"
     prefix, _, quantity = name.partition(".")
+    words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
     if prefix == "error":
-        return f"{name}  [share of theory's]"
+        return f"{words}: finite elements over half-plane theory, minus 1", "share of theory's"
     _, length, stress = units(scene)
-    own = {"stress": stress, "length": length, "energy / thickness": energy_unit(scene), "energy / area": f"{energy_unit(scene)}²"}
-    return f"{name}  [{own[QUANTITIES[quantity].words.rpartition(' [')[2].removesuffix(']')]}]"
+    energy = energy_unit(scene)
+    own = {"stress": stress, "length": length, "energy / thickness": energy, "energy / area": f"{energy}²"}
+    return f"{words}, {_ENGINES[prefix]}", own[unit]
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
     """ValueError for a name that is none, is there twice, or needs what isn't run."""
     for name in figures:
         prefix, _, quantity = name.partition(".")
-        if not is_metric(name) and (prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES):
+        if name not in METRICS and (prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES):
             raise ValueError(
                 f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
                 f"{', '.join(QUANTITIES)}"
             )
         if missing := ({*_ENGINES} if is_error(name) else {prefix}) - set(engines):
             raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
-        if uncertainty == "budget" and not is_metric(name):
+        if uncertainty == "budget" and name not in METRICS:
             raise ValueError(f"figures: {name!r} is no metric, and an error budget is of metrics; take uncertainty = 'cheap'")
     if len(set(figures)) < len(figures):
         raise ValueError("figures: one stands there twice")
@@ -178,11 +160,6 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         raise ValueError("uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty = 'none'")
     if uncertainty == "budget" and "exact" not in engines:
         raise ValueError("uncertainty: an error budget needs both engines")
-
-
-def fields_needed(figures: Sequence[str]) -> tuple[str, ...]:
-    """The fields of the half-plane engine that the quantities among `figures` need."""
-    return tuple(sorted({field for name in figures if not is_metric(name) for field in QUANTITIES[name.partition(".")[2]].fields}))
 
 
 def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
@@ -277,26 +254,9 @@ def solve_task(text: str) -> str:
         scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
         mesh, solver = MeshSettings(**asked.pop("mesh")), SolverSettings(**asked.pop("solver"))
         points.append(Question(scene, mesh, solver, **asked))
-    with threadpool_limits(limits=1), _shared_store(len(points) > 1 and points[0].share_condensations):
+    with threadpool_limits(limits=1):
         answers = [_answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
-
-
-@contextmanager
-def _shared_store(wanted: bool) -> Generator[None, None, None]:
-    """A store of condensed bodies for the time of a task, where the user keeps none."""
-    from halfplane_fe.store import cache_folder
-
-    if not wanted or cache_folder() is not None:
-        yield
-        return
-    before = os.environ.get("HALFPLANE_CACHE")
-    with tempfile.TemporaryDirectory(prefix="halfplane-") as folder:
-        os.environ["HALFPLANE_CACHE"] = folder
-        try:
-            yield
-        finally:
-            os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
 def _answer(point: Question) -> dict[str, Any]:
@@ -317,20 +277,16 @@ def _answer(point: Question) -> dict[str, Any]:
 
 def _solve(point: Question) -> dict[str, Any]:
     """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
-    if "fe" in point.engines:
-        fe, notes = finite_elements(point)
-        found = evaluate(point, fe)
-        values, notes, record = dict(found.values), notes | found.notes, _record(fe)
-        record["notes"] += found.of_theory
+    fe, notes = finite_elements(point) if "fe" in point.engines else (None, {})
+    found = evaluate(point, fe)
+    values, record = dict(found.values), _record(found.exact if fe is None else fe)
+    notes |= found.notes
+    if fe is not None:
+        record["notes"] += [f"half-plane theory: {note}" for note in (found.exact.record.notes if found.exact else ())]
         if point.uncertainty == "cheap":
             values |= _cheap_uncertainty(point, fe, found, notes)
         if point.uncertainty == "budget":
             values |= _budget(point, found, notes)
-    else:
-        exact = exact_alone(point)
-        taken = {name: take(name, None, exact) for name in point.figures}
-        values, record = {name: value for name, (value, _) in taken.items()}, _record(exact)
-        notes = {name: why for name, (_, why) in taken.items() if why}
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -355,13 +311,6 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
         "worst": {name: value if math.isfinite(value) else None for name, value in worst.items()},
     }
-
-
-def exact_alone(point: Question) -> ContactSolution:
-    """Half-plane theory on its own points and instants of the steady cycle, no field more than the figures need."""
-    import semi_analytic
-
-    return semi_analytic.solve(point.scene, cycles="steady", fields=fields_needed(point.figures))
 
 
 def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
@@ -399,60 +348,62 @@ def _scales_of(scene: str) -> Scales:
     return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0, dissipation=float("nan"))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Evaluated:
-    """Figures by name, why some have no value, how uncertain the solution itself states some to be; the notes of theory."""
+    """Figures by name, why some have no value, how uncertain the solution itself states some to be; theory and comparison."""
 
-    values: Values
-    notes: dict[str, str]
-    stated: dict[str, float]
-    of_theory: tuple[str, ...]
-    comparison: Comparison | None
+    exact: ContactSolution | None = None
+    comparison: Comparison | None = None
+    values: Values = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    stated: dict[str, float] = field(default_factory=dict)
 
 
-def evaluate(point: Question, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
-    """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
+def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
+    """Every figure that is asked for; against theory on the points and instants of `fe`, on the polygon of its steps if wanted.
+
+    Theory alone is evaluated on its own points and instants of the steady cycle.
+    """
     import semi_analytic
 
-    metrics = [name for name in point.figures if is_metric(name)]
-    exact = comparison = None
+    found, metrics = Evaluated(), set(point.figures) & METRICS.keys()
     if "exact" in point.engines:
-        fields = semi_analytic.FIELDS if metrics else fields_needed(point.figures)
-        exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
-    if metrics and exact is not None:
+        quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures if name not in METRICS]
+        fields = semi_analytic.FIELDS if metrics else sorted({field for one in quantities for field in one.fields})
+        if fe is None:
+            found.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
+        else:
+            found.exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+    if metrics and found.exact is not None and fe is not None:
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
         straight = None
-        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & set(metrics)):
+        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics):
             straight = theory_on_steps(fe)
-        comparison = compare(exact, fe, polygon_reference=straight)
-    values: Values = {}
-    notes: dict[str, str] = {}
-    stated: dict[str, float] = {}
+        found.comparison = compare(found.exact, fe, polygon_reference=straight)
     for name in point.figures:
-        if is_metric(name) and comparison is not None:
-            metric = {one.key: one for one in comparison.metrics}.get(name)
-            if metric is None:
-                values[name], notes[name], stated[name] = None, "this scene has no such metric", 0.0
-                continue
-            values[name], why = metric.value, metric.note or "there is nothing to compare"
-            stated[name] = _stated(metric, fe, comparison.scales.half_width)
+        found.stated[name] = 0.0
+        if found.comparison is None or name not in METRICS:
+            found.values[name], why = take(name, fe, found.exact)
+            if fe is not None:
+                found.stated[name] = stated_by_edges(name, fe, found.exact)
+        elif (metric := next((one for one in found.comparison.metrics if one.key == name), None)) is None:
+            found.values[name], why = None, "this scene has no such metric"
         else:
-            values[name], why = take(name, fe, exact)
-            stated[name] = stated_by_edges(name, fe, exact)
-        if values[name] is None:
-            notes[name] = why
-    of_theory = tuple(f"half-plane theory: {note}" for note in exact.record.notes) if exact is not None else ()
-    return Evaluated(values, notes, stated, of_theory, comparison)
+            found.values[name], why = metric.value, metric.note or "there is nothing to compare"
+            found.stated[name] = _stated(metric, found.comparison)
+        if found.values[name] is None:
+            found.notes[name] = why
+    return found
 
 
-def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:
+def _stated(metric: Metric, compared: Comparison) -> float:
     """What the result states for a metric's uncertainty: the metric's own, or that of the edges at its instant over a_ref; or 0."""
-    found = [0.0, metric.uncertainty or 0.0]
+    found, fe = [0.0, metric.uncertainty or 0.0], compared.result
     edges = getattr(fe, f"{metric.key}_uncertainty", None)
     if edges is not None and metric.time is not None:
-        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / half_width)
+        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / compared.scales.half_width)
     return max(value for value in found if math.isfinite(value))
 
 
@@ -499,7 +450,7 @@ def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
     from reports.comparison.budget import climb, error_budget
 
     assert found.comparison is not None
-    refined = climb(found.comparison, point.mesh, point.solver, _silent)
+    refined = climb(found.comparison, point.mesh, point.solver, lambda _name: nullcontext(lambda *_: None))
     budgets = {budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets}
     more: Values = {}
     for name in found.values:
@@ -510,8 +461,3 @@ def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
             why = "; ".join(f"{term.name}: {term.how}" for term in (budget.terms if budget else ()) if not term.measured)
             notes[f"{name}.uncertainty"] = why or "the budget has no such metric"
     return more
-
-
-@contextmanager
-def _silent(_name: str) -> Generator[Callable[[int, int | None, str], None], None, None]:
-    yield lambda _done, _total, _text: None

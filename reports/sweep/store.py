@@ -1,9 +1,9 @@
-"""The store of a sweep: one file for each result, under the address of its question; its table; who is at work on which point.
+"""The store of a sweep: one file for each result, under the address of its question; its table; locks of points at work.
 
 DIR/sweep.json           the study as it was asked, the address and coordinates of every point
 DIR/results/<address>.json
-DIR/results/<address>.bad-<n>   results whose checksum is wrong, set aside
-DIR/claims/<address>     who is at work on a point: a link to a folder that a living sweep keeps locked
+DIR/results/<address>.bad       a result whose checksum is wrong, set aside
+DIR/locks                one byte for each point, locked by the sweep that is solving it
 DIR/index.csv            one row for each point that has a result; made again from the above
 
 No pickle, never half a file, and right whoever writes: two writers of one address write the same.
@@ -16,7 +16,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Collection, Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -26,7 +26,7 @@ from typing import Any
 import pandas as pd
 
 from reports.charts.table import table_text
-from reports.staging import CannotLock, hidden_folder, lock, remove, remove_left_behind, replace_file
+from reports.staging import fcntl, remove_left_behind, replace_file
 from scenes import InputError
 from scenes.errors import shown
 from scenes.files import parsed_json
@@ -60,36 +60,27 @@ class Store:
         """Folder of the results."""
         return self.folder / "results"
 
-    @property
-    def claims(self) -> Path:
-        """Folder of the claims."""
-        return self.folder / "claims"
-
     def path(self, address: str) -> Path:
         """Where the result of an address is."""
         return self.results / f"{address}.json"
 
+    def _named(self, pattern: str) -> list[str]:
+        return sorted(path.name for path in self.results.glob(pattern) if _ADDRESS.fullmatch(path.stem))
+
     def addresses(self) -> set[str]:
         """Of all results, whole or not."""
-        return {name[:64] for name in _names(self.results) if name.endswith(".json") and len(name) == 69}
+        return {name[:64] for name in self._named("*.json")}
 
     def damaged(self) -> list[str]:
         """Names of the results that were set aside."""
-        return sorted(name for name in _names(self.results) if ".bad-" in name)
-
-    def running(self) -> set[str]:
-        """Addresses of the points that some sweep is at work on."""
-        return {name for name in _names(self.claims) if _ADDRESS.fullmatch(name) and at_work(self.claims / name)}
+        return self._named("*.bad")
 
     def prepare(self) -> None:
         """Make the folders, and remove what killed sweeps left in them; StoreError where that can't be."""
         with self._writing():
-            for folder in (self.results, self.claims):
-                folder.mkdir(parents=True, exist_ok=True)
-                remove_left_behind(folder)
-            for claim in map(self.claims.joinpath, _names(self.claims)):
-                if _ADDRESS.fullmatch(claim.name) and not at_work(claim):
-                    claim.unlink(missing_ok=True)
+            self.results.mkdir(parents=True, exist_ok=True)
+            remove_left_behind(self.results)
+            (self.folder / "locks").touch()
 
     def write(self, result: Mapping[str, Any]) -> None:
         """Store a result under its address; the last of two writers wins, and both wrote the same."""
@@ -120,8 +111,7 @@ class Store:
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
             result = stored["result"]
-            found = (stored["format"], stored["sha256"], result["address"])
-            if found == (_FORMAT, checksum(canonical(result)), address):
+            if (stored["format"], stored["sha256"], result["address"]) == (_FORMAT, checksum(canonical(result)), address):
                 return dict(result)
         except FileNotFoundError:
             return None
@@ -130,9 +120,8 @@ class Store:
             raise StoreError(f"{path}: this result can't be read: {why}; mend that, or name another --out") from reason
         except (ValueError, KeyError, TypeError):
             pass
-        number = sum(name.startswith(f"{address}.bad-") for name in _names(self.results))
         with self._writing(), suppress(FileNotFoundError):  # another sweep was faster
-            os.replace(path, path.with_suffix(f".bad-{number}"))
+            os.replace(path, path.with_suffix(".bad"))
         return None
 
     def write_plan(self, study: Mapping[str, Any], points: Sequence[Planned]) -> None:
@@ -145,12 +134,10 @@ class Store:
         path = self.folder / "sweep.json"
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
-            points = []
-            for point in stored["points"]:
-                address = point["address"]  # it becomes the name of a file
-                if not isinstance(address, str) or not _ADDRESS.fullmatch(address):
-                    raise ValueError(f"{shown(address)} is no address of a result")
-                points.append(Planned(int(point["number"]), address, dict(point["coordinates"])))
+            points = [Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"])) for row in stored["points"]]
+            for point in points:  # an address becomes the name of a file
+                if not _ADDRESS.fullmatch(point.address):
+                    raise ValueError(f"{shown(point.address)} is no address of a result")
             return dict(stored["study"]), tuple(points)
         except FileNotFoundError:
             start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
@@ -163,17 +150,18 @@ class Store:
 
         Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
         """
-        found = [(point, result) for point in points if (result := self.read(point.address)) is not None]
-        figures = tuple(dict.fromkeys(name for _, result in found for name in result["figures"]))
-        rows = []
-        for point, result in found:
+        rows, figures = [], dict[str, type]()
+        for point in points:
+            if (result := self.read(point.address)) is None:
+                continue
             record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
             on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]  # without a name on all of them
             status = {name: result[name] for name in STATUS[:3]} | {"notes": "; ".join([*record.get("notes", ()), *on_figures])}
             rows.append({"number": point.number, **point.coordinates, **result["figures"], **status, "address": point.address})
-        axes = tuple(points[0].coordinates) if points else ()
+            figures |= dict.fromkeys(result["figures"], float)
+        axes = points[0].coordinates if points else ()
         columns = list(dict.fromkeys(("number", *axes, *figures, *STATUS)))
-        return pd.DataFrame(rows, columns=columns).astype(dict.fromkeys(figures, float))
+        return pd.DataFrame(rows, columns=columns).astype(figures)
 
     def write_table(self, table: pd.DataFrame) -> None:
         """index.csv, and index.parquet where pyarrow is installed, each in one go."""
@@ -200,60 +188,49 @@ def read_index(folder: str | Path) -> pd.DataFrame:
     return store.table(store.read_plan()[1])
 
 
-class Claims:
-    """The points of a store that one sweep is at work on, so that two sweeps don't compute the same.
+class Locks:
+    """The points of a store that this process is solving, so that two sweeps don't compute the same.
 
-    A claim is a link to a folder that its sweep keeps locked, and the system lets go of a lock when its process ends. Claims only
-    save time. Where the disk has neither links nor locks there are none, and two sweeps write the same twice.
+    A point is one byte of a file, at the place that its address gives; the system unlocks it when its process ends. Locks only save
+    time: where a disk has none, two sweeps write the same twice.
     """
 
     def __init__(self, store: Store) -> None:
-        self._folder, self._held = store.claims, set[str]()
-        with store._writing():
-            self._own, self._lock = hidden_folder(store.claims, store.claims)
-            self._own.chmod(0o755)  # another user's sweep looks whether it is locked
+        self._handle: int | None = None
+        with suppress(OSError):
+            self._handle = os.open(store.folder / "locks", os.O_RDWR)
 
     def take(self, address: str) -> bool:
-        """Whether the point is ours from now on; not where a sweep that lives has it."""
-        path = self._folder / address
-        for _ in range(2 if self._lock is not None and address not in self._held else 0):
-            try:
-                path.symlink_to(self._own.name)
-                self._held.add(address)
-                break
-            except FileExistsError:
-                if at_work(path):
-                    return False
-                with suppress(OSError):
-                    path.unlink()
-            except OSError:
-                break
+        """Whether the point is ours from now on; not where another process has it."""
+        try:
+            self._set(address, "LOCK_EX", "LOCK_NB")
+        except (BlockingIOError, PermissionError):
+            return False
+        except OSError:  # there are no locks here
+            pass
         return True
 
     def drop(self, address: str) -> None:
         """Let go of a point."""
-        self._held.discard(address)
-        with suppress(OSError):  # the store is gone, or not ours any more: a claim counts for nothing once we end
-            if os.readlink(self._folder / address) == self._own.name:
-                (self._folder / address).unlink()
-
-    def drop_all(self) -> None:
-        """Let go of everything."""
-        for address in [*self._held]:
-            self.drop(address)
         with suppress(OSError):
-            remove(self._own, self._lock)
+            self._set(address, "LOCK_UN")
 
+    def others(self, addresses: Collection[str]) -> set[str]:
+        """Those that other processes are solving."""
+        found = {address for address in addresses if not self.take(address)}
+        for address in addresses:
+            self.drop(address)
+        return found
 
-def at_work(claim: Path) -> bool:
-    """Whether the sweep lives that a claim is of."""
-    try:
-        held = lock(claim)
-    except (CannotLock, OSError):
-        return False
-    if held is not None:
-        os.close(held)
-    return held is None
+    def close(self) -> None:
+        """Let go of everything."""
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None
+
+    def _set(self, address: str, *how: str) -> None:
+        if self._handle is not None and fcntl is not None:
+            fcntl.lockf(self._handle, sum(getattr(fcntl, name) for name in how), 1, int(address[:15], 16))
 
 
 def canonical(value: Any) -> str:
@@ -264,10 +241,3 @@ def canonical(value: Any) -> str:
 def checksum(text: str) -> str:
     """SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _names(folder: Path) -> list[str]:
-    """Of the files in a folder of the store; of none where it is gone."""
-    with suppress(FileNotFoundError, NotADirectoryError):
-        return os.listdir(folder)
-    return []

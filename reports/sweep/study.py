@@ -288,15 +288,6 @@ class Point(Planned):
 
     question: Question
 
-    @property
-    def shared_bodies(self) -> str:
-        """Everything that condensed bodies depend on that are cut for all points of a group; the same for all of them."""
-        from halfplane_fe.scales import largest_load
-
-        scene = self.question.scene
-        parts = {name: getattr(scene, name).model_dump(mode="json") for name in ("bodies", "material", "profile")}
-        return json.dumps(parts | {"mesh": asdict(self.question.mesh), "load": largest_load(scene)}, sort_keys=True)
-
 
 def expand(study: Study, report: Callable[[int], None] = lambda _count: None) -> tuple[Point, ...]:
     """All points of a study, checked; `report` is called with the number of points so far.

@@ -58,7 +58,8 @@ def test_half_plane_theory_gives_the_frozen_values(name: str) -> None:
 
 @pytest.mark.parametrize("name", some(FINITE_ELEMENTS, ("cattaneo-mindlin", "flat-rounded-paper", "blocks")))
 def test_finite_elements_give_the_frozen_values(name: str) -> None:
-    assert not list(differences(frozen("finite_elements")[name], fe_values(finite_elements(name)), lambda _: FE_AGREES))
+    # 1e-15 is round-off of a loop that encloses nothing: the closed integral of Q dU where no node slips.
+    assert not list(differences(frozen("finite_elements")[name], fe_values(finite_elements(name)), lambda _: FE_AGREES, 1e-15))
 
 
 @pytest.mark.parametrize("name", some(COMPARED, ("cattaneo-mindlin", "blocks")))

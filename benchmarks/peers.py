@@ -6,6 +6,7 @@ elements and loads of the deck that `halfplane export` writes. Times are CPU tim
 
 from __future__ import annotations
 
+import functools
 import os
 import shutil
 import statistics
@@ -14,14 +15,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from claim import ROOT, kept_json, markdown, with_children
+from claim import ROOT, markdown, stored, with_children
 from finite_elements import FEW_STEPS, cattaneo_mindlin
-from numpy.typing import NDArray
 
 import halfplane_fe
 import semi_analytic
@@ -32,7 +31,7 @@ from scenes import Scene, load_scene
 sys.path.insert(0, str(ROOT / "tests"))
 from semi_analytic import grid as dense_grid
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 TITLE = "Beside other codes"
 RUNS = 3
 HERE = Path(__file__).parent
@@ -46,8 +45,7 @@ GROWTH = {40: 0.4, 80: 0.2, 160: 0.1}
 OURS, THEORY = "halfplane, finite elements", "halfplane, theory"
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """Tractions of a code at points, and the CPU seconds that they took."""
 
     x: Array
@@ -139,7 +137,7 @@ def kratos(scene: Scene, edge: int) -> Answer:
         command = [str(PEERS), str(KRATOS), str(folder / "deck.inp"), str(folder / "result.csv")]
         subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, cwd=folder)
         rows = np.loadtxt(folder / "result.csv", delimiter=",", skiprows=1)
-        spent = kept_json(folder / "made.json")["seconds"]
+        spent = stored(folder / "made.json")["seconds"]
     last = rows[rows[:, 0] == rows[-1, 0]]
     return Answer(last[:, 3], last[:, 4], last[:, 5], spent + meshed)
 
@@ -159,53 +157,45 @@ def calculix(scene: Scene, edge: int) -> Answer:
     return Answer(found.x, found.pressure[-1], found.shear[-1], spent + meshed)
 
 
-def has(code: str) -> bool:
-    """Whether a code is there."""
-    if code == "ccx":
-        return shutil.which("ccx") is not None
-    python = DEBIAN if code == "getfem" else PEERS
-    find = f"import importlib.util as u, sys; sys.exit(u.find_spec({code!r}) is None)"
-    return python.exists() and subprocess.run([str(python), "-c", find], check=False, capture_output=True).returncode == 0
+# How each code is found: a program, a package of Debian's interpreter, or one of `make peers`' interpreter.
+CODES = {"tamaas": PEERS, "ContactMechanics": PEERS, "KratosMultiphysics": PEERS, "GetFEM": DEBIAN, "CalculiX": Path("ccx")}
+VERSION = "from importlib.metadata import version as v; print(v({!r}))"
+
+
+@functools.cache
+def version_of(code: str) -> str | None:
+    """The version of a code; None where it is not there."""
+    where = CODES[code]
+    command = [str(where), "-c", VERSION.format(code)]
+    if code == "CalculiX":
+        command = ["ccx", "-v"]
+    elif code == "GetFEM":
+        command = ["dpkg-query", "-W", "-f", "${Version}", "python3-getfem"]
+    if shutil.which(command[0]) is None:
+        return None
+    said = subprocess.run(command, check=False, capture_output=True, text=True).stdout.split()
+    return said[-1] if said else None
 
 
 def lines_by_hand() -> dict[str, int]:
     """Lines of code that a user writes for the scene, blank ones and comments left out."""
 
-    def count(lines: list[str]) -> int:
-        return sum(bool(line.strip()) and not line.strip().startswith("#") for line in lines)
+    def count(text: str) -> int:
+        return sum(bool(line.strip()) and not line.strip().startswith("#") for line in text.splitlines())
 
-    def of(file: Path) -> list[str]:
-        return file.read_text(encoding="utf-8").splitlines()
+    def read(file: Path) -> str:
+        return file.read_text(encoding="utf-8")
 
-    codes, found = [line.strip() for line in of(HERE / "peer_codes.py")], {}
-    for name in ("tamaas", "contactmechanics", "getfem"):
-        after = codes[codes.index(f"# by hand: {name}") :]
-        found[name] = count(after[: after.index("# so far")])
+    codes = read(HERE / "peer_codes.py")
+    found = {
+        name: count(codes.partition(f"# by hand: {name}\n")[2].partition("# so far")[0])
+        for name in ("tamaas", "contactmechanics", "getfem")
+    }
     # The scene file is what is written for ours, without what it expects of itself.
-    scene = (ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").read_text(encoding="utf-8").split("[[expected]]")[0]
-    written = sum(bool(line.strip()) for line in scene.splitlines())
-    return found | {
-        "kratos": count(of(KRATOS)),
-        "naive": count(of(Path(dense_grid.__file__))),
-        "ours": written,
-        "calculix": written,
-    }
-
-
-def versions() -> dict[str, str]:
-    """Of the codes that are there."""
-    commands = {
-        "CalculiX": ("ccx", ["ccx", "-v"]),
-        "GetFEM": ("getfem", ["dpkg-query", "-W", "-f", "${Version}", "python3-getfem"]),
-    }
-    for name in ("tamaas", "ContactMechanics", "KratosMultiphysics"):
-        commands[name] = (name, [str(PEERS), "-c", f"from importlib.metadata import version; print(version({name!r}))"])
-    told = {
-        name: subprocess.run(command, check=False, capture_output=True, text=True).stdout.split()
-        for name, (code, command) in commands.items()
-        if has(code)
-    }
-    return {name: words[-1] if words else "unknown" for name, words in told.items()}
+    scene = read(ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").partition("[[expected]]")[0]
+    written = sum(map(bool, map(str.strip, scene.splitlines())))
+    found |= {"kratos": count(read(KRATOS)), "naive": count(read(Path(dense_grid.__file__)))}
+    return found | {"ours": written, "calculix": written}
 
 
 # ----------------------------------------------------------------------------------------------------------------- measuring
@@ -250,8 +240,8 @@ def normal_entries() -> Iterator[Entry]:
     yield from ours(scene, SolverSettings(steps_per_cycle=8))
     for n in PER_HALF_WIDTH:
         yield "naive discretised half-plane", f"a/{n}", "naive", lambda n=n: naive_hertz(n)
-        for code in ("tamaas", "ContactMechanics"):
-            if has(code) and (code == "tamaas" or n in (40, 160)):
+        for code in ("tamaas", *(["ContactMechanics"] if n in (40, 160) else [])):
+            if version_of(code):
                 yield code, f"a/{n}", code.lower(), lambda n=n, code=code: periodic(code.lower(), n)
 
 
@@ -261,13 +251,12 @@ def shear_entries() -> Iterator[Entry]:
     yield THEORY, "200 points", "ours", lambda: our_theory(scene, 2.0)
     yield OURS, "coarse", "ours", lambda: our_model(scene, MeshSettings.coarse(), FEW_STEPS)
     yield from ours(scene, FEW_STEPS)
+    codes = (("GetFEM", getfem, EDGES), ("KratosMultiphysics", kratos, EDGES[:2]), ("CalculiX", calculix, EDGES[:1]))
     for edge in EDGES:
-        if has("getfem"):
-            yield "GetFEM", f"a/{edge}", "getfem", lambda edge=edge: getfem(scene, edge)
-        if has("KratosMultiphysics") and edge < 160:
-            yield "Kratos", f"a/{edge}", "kratos", lambda edge=edge: kratos(scene, edge)
-    if has("ccx"):
-        yield "CalculiX", "a/40", "calculix", lambda: calculix(scene, 40)
+        for code, solve, edges in codes:
+            if version_of(code) and edge in edges:
+                name = code.removesuffix("Multiphysics")
+                yield name, f"a/{edge}", name.lower(), lambda edge=edge, solve=solve: solve(scene, edge)
 
 
 def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
@@ -292,13 +281,12 @@ def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
 
 def measure() -> dict[str, Any]:
     """Both scenes."""
-    needed = ("tamaas", "ContactMechanics", "getfem", "KratosMultiphysics", "ccx")
     return {
         "normal": measured(normal_entries(), load_scene("hertz-normal")),
         "shear": measured(shear_entries(), cattaneo_mindlin()),
         "lines": lines_by_hand(),
-        "versions": versions(),
-        "missing": [name for name in needed if not has(name)],
+        "versions": {name: version_of(name) for name in CODES if version_of(name)},
+        "missing": [name for name in CODES if not version_of(name)],
     }
 
 
@@ -306,7 +294,7 @@ def measure() -> dict[str, Any]:
 SHOWN = (("normal", "p", "Hertz, normal load: pressure"), ("shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"))
 
 
-def panels(found: dict[str, Any]) -> dict[str, list[tuple]]:
+def panels(found: dict[str, Any]) -> list[tuple]:
     """Error over time, a panel a scene."""
     drawn = []
     for name, key, title in SHOWN:
@@ -315,7 +303,7 @@ def panels(found: dict[str, Any]) -> dict[str, list[tuple]]:
             if row.get(key) is not None:
                 lines.setdefault(row["code"], []).append((statistics.median(row["seconds"]), max(row[key], 1e-16)))
         drawn.append((title, "CPU time, set-up included [s]", f"relative L2 error of {key}", lines))
-    return {"peers": drawn}
+    return drawn
 
 
 def rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str, Any] | None:
@@ -384,12 +372,8 @@ def page(found: dict[str, Any]) -> list[str]:
                 times = statistics.median(best["seconds"]) / statistics.median(row["seconds"])
                 if times > max(1.0, faster.get(row["code"], (0.0, ""))[0]):
                     faster[row["code"]] = times, row["size"]
-        words = [f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items()]
-        said = (
-            f"faster than our finite elements at their own error are {', '.join(words)}"
-            if words
-            else "none is faster at its own error"
-        )
+        words = ", ".join(f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items())
+        said = f"faster than our finite elements at their own error are {words}" if words else "none is faster at its own error"
         lines.append(f"- {title}: {said}.")
     return [
         *lines,

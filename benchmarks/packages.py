@@ -1,0 +1,281 @@
+"""What pip installs: pins, licences, and the wheel in an environment of its own.
+
+    python benchmarks/packages.py pins              (make constraints) constraints.txt made again from the newest packages
+    python benchmarks/packages.py check             (make nightly) the present pins looked up for every Python
+    python benchmarks/packages.py lowest FOLDER     (make lowest) the wheel with the lowest versions that pyproject.toml allows
+    python benchmarks/packages.py pinned FOLDER     the same with the pinned versions
+    python benchmarks/packages.py commands FOLDER   every command of the wheel, with the packages of the present environment
+    python benchmarks/packages.py licences          docs/licences.md
+
+The wheel runs outside the checkout. `lowest` and `pinned` print what a run finds there beside what it finds in the present
+environment: exit code 1 where they differ by over 1e-6. `commands`: 1 where one does not end as it must, or has no line here.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import tomllib
+import venv
+from importlib.metadata import Distribution, distribution
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+PINS, LICENCES = ROOT / "constraints.txt", ROOT / "docs" / "licences.md"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+REQUIREMENTS: list[str] = PROJECT["dependencies"]
+
+
+def run(*words: str | Path, cwd: Path | None = None) -> str:
+    """What a command prints; an error with its last lines where it fails."""
+    outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    outside |= {"HALFPLANE_CACHE": "off", "MPLBACKEND": "Agg"}
+    done = subprocess.run([str(word) for word in words], cwd=cwd, env=outside, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(map(str, words))} ended with {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}")
+    return done.stdout
+
+
+# --------------------------------------------------------------------------------------------------------------------- pins
+def pythons() -> list[str]:
+    """The minor versions that pyproject.toml names, oldest first.
+
+    >>> pythons()[0]
+    '3.11'
+    """
+    return [word.rsplit(" ", 1)[1] for word in PROJECT["classifiers"] if re.search(r"Python :: 3\.\d+$", word)]
+
+
+def pinned() -> list[str]:
+    """name==version, as constraints.txt has them."""
+    return [line for line in PINS.read_text("utf-8").splitlines() if line and not line.startswith("#")]
+
+
+def look_up(version: str, words: list[str], *options: str) -> str:
+    """What pip would install, as wheels, on the first release of a Python, without doing so."""
+    with tempfile.TemporaryDirectory() as nowhere:
+        install = ["-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed", "--only-binary", ":all:"]
+        return run(sys.executable, *install, "--python-version", f"{version}.0", "--target", nowhere, *options, *words)
+
+
+def newest() -> list[str]:
+    """name==version of all that the project and its extras bring, for the oldest Python."""
+    oldest = pythons()[0]
+    if sys.version_info[:2] != tuple(map(int, oldest.split("."))):
+        # pip reads markers such as python_version < "3.12" by the Python it runs on, whatever --python-version is.
+        raise RuntimeError(f"pins are made with the oldest Python, {oldest}; this is {sys.version.split()[0]}")
+    extras = [word for extra in PROJECT["optional-dependencies"].values() for word in extra]
+    # editables is what hatchling wants for `pip install -e`.
+    report = json.loads(look_up(oldest, ["hatchling", "editables", *REQUIREMENTS, *extras], "--report", "-"))
+    found = [f"{package['metadata']['name']}=={package['metadata']['version']}" for package in report["install"]]
+    return sorted(found, key=str.lower)
+
+
+def check(pins: list[str]) -> None:
+    """RuntimeError where a pin has no wheel for one of the Pythons."""
+    for version in pythons():
+        look_up(version, pins, "--no-deps")
+        print(f"{len(pins)} pins have wheels for Python {version}.0 and later")
+
+
+def renew() -> None:
+    """constraints.txt with the newest packages, checked."""
+    pins = newest()
+    check(pins)
+    head = [line for line in PINS.read_text("utf-8").splitlines() if line.startswith("#")]
+    PINS.write_text("\n".join([*head, *pins, ""]), "utf-8")
+
+
+# ----------------------------------------------------------------------------------------------------------------- licences
+HEAD = """# Licences
+
+halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install halfplane` brings, by their own
+metadata. Written by `python benchmarks/packages.py licences`; a test compares it with what is installed.
+
+| package | licence |
+|---|---|
+"""
+
+
+def plain(word: str) -> str:
+    """The name in a requirement.
+
+    >>> plain("Jinja2>=3.1")
+    'jinja2'
+    """
+    return re.sub(r"[-_.]+", "-", re.split(r"[^A-Za-z0-9._-]", word, maxsplit=1)[0]).lower()
+
+
+def closure() -> dict[str, Distribution]:
+    """Every package that the requirements need here, theirs included, without extras."""
+    from packaging.requirements import Requirement
+
+    found: dict[str, Distribution] = {}
+    waiting = [*REQUIREMENTS]
+    while waiting:
+        word = waiting.pop()
+        marker = Requirement(word).marker
+        if plain(word) not in found and (marker is None or marker.evaluate({"extra": ""})):
+            found[plain(word)] = distribution(plain(word))
+            waiting += found[plain(word)].requires or []
+    return dict(sorted(found.items()))
+
+
+def licence(package: Distribution) -> str:
+    """The SPDX expression, else the classifiers, else the first line of the free text."""
+    meta = package.metadata
+    classifiers = [line.split(" :: ")[-1] for line in meta.get_all("Classifier") or [] if line.startswith("License :: ")]
+    named = ", ".join(name for name in classifiers if name != "OSI Approved")
+    text = (meta.get("License") or "").strip().partition("\n")[0][:60]
+    return meta.get("License-Expression") or named or text or "not stated"
+
+
+def licences() -> str:
+    """The page."""
+    return HEAD + "".join(f"| {name} | {licence(package).replace('|', ' or ')} |\n" for name, package in closure().items())
+
+
+# ---------------------------------------------------------------------------------------------------------------- the wheel
+AGREE = 1e-6  # on metrics, as `halfplane diff` has it: other versions of numpy and scipy round otherwise
+FIGURES = ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
+COARSE = "--steps-per-cycle 16 --element-size 0.1 --edge-element-size 0.05 --quiet"
+# What every command is asked, one after another in one folder, and its exit code; `run` is too coarse for its limits.
+COMMANDS = {
+    "init plain.toml": 0,
+    "init bodies.toml --bodies": 0,
+    "check bodies.toml": 0,
+    "scenes hertz-paper": 0,
+    "schema": 0,
+    "doctor": 0,
+    "completion bash": 0,
+    "exact plain.toml --out exact --quiet": 0,
+    f"fe plain.toml --out fe {COARSE}": 0,
+    f"run plain.toml --out run {COARSE}": 1,
+    f"fields plain.toml --out fields --at 14 {COARSE}": 0,
+    "export plain.toml --out deck --to calculix --steps-per-cycle 8 --quiet": 0,
+    "score exact/semi_analytic.nc --scene plain.toml --out score --quiet": 0,
+    "diff run run": 0,
+    "advise bodies.toml": 1,
+    "sweep study.toml --workers 1 --quiet": 0,
+    "sweep status out/study": 0,
+    "sweep report out/study": 0,
+    "map limits": 2,  # an installed copy's own tables are not written over
+    "map limits --out maps --pages": 0,
+    "paper --out paper --quiet": 0,
+}
+STUDY = """
+title = "Friction"
+scene = "plain.toml"
+engines = ["exact"]
+figures = ["exact.dissipation"]
+[[axes]]
+name = "f"
+key = "friction.coefficient"
+values = [0.6, 0.7]
+"""
+# One process for all of them: half of what a short command takes is its start.
+DRIVER = """
+import json, sys
+from pathlib import Path
+from reports.cli import main
+from reports.cli.application import app
+from reports.maps.laws import PUBLISHED
+if __name__ == "__main__":
+    Path("maps").mkdir()
+    for table in PUBLISHED.glob("limits-*.csv"):
+        (Path("maps") / table.name).write_bytes(table.read_bytes())
+    found = {"": [name for name in app if name[0] != "-"]}
+    for words in json.loads(sys.argv[1]):
+        try:
+            found[words] = main(words.split())
+        except BaseException as fault:
+            found[words] = repr(fault)
+    Path("codes.json").write_text(json.dumps(found))
+"""
+
+
+def lowest() -> list[str]:
+    """name==version of every lower bound.
+
+    >>> all("==" in pin for pin in lowest())
+    True
+    """
+    return [word.replace(">=", "==") for word in REQUIREMENTS]
+
+
+def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
+    """Python of a new environment with the wheel of this checkout; without pins all other packages are the present one's."""
+    run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", scratch, ROOT)
+    (wheel,) = scratch.glob("halfplane-*.whl")
+    venv.create(home, clear=True, with_pip=pins is not None)
+    python = home / "bin" / "python"
+    if pins is None:
+        run(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel)
+        (own,) = home.glob("lib/python*/site-packages")
+        # A plain path: the .pth files of that folder, which lead to the checkout, are not read.
+        (own / "packages.pth").write_text(sysconfig.get_path("purelib"), "utf-8")
+    else:
+        run(python, "-m", "pip", "install", "--quiet", *pins)
+        run(python, "-m", "pip", "install", "--quiet", wheel)
+        run(python, "-m", "pip", "check")
+    where = run(python, "-c", "import reports; print(reports.__file__)", cwd=scratch).strip()
+    if not Path(where).is_relative_to(home):
+        raise RuntimeError(f"the checkout was run, not the wheel: {where}")
+    return python
+
+
+def every_command(home: Path, folder: Path) -> list[str]:
+    """A line for each command that did not end as it must."""
+    folder.mkdir()
+    python = environment(home, folder, None)
+    run(home / "bin" / "halfplane", "--version", cwd=folder)
+    (folder / "study.toml").write_text(STUDY, "utf-8")
+    (folder / "driver.py").write_text(DRIVER, "utf-8")
+    said = run(python, "driver.py", json.dumps(list(COMMANDS)), cwd=folder)
+    codes = json.loads((folder / "codes.json").read_text("utf-8"))
+    without = set(codes.pop("")) - {words.split()[0] for words in COMMANDS}
+    wrong = [f"halfplane {words}: {codes[words]} for {code}" for words, code in COMMANDS.items() if codes[words] != code]
+    return [*wrong, *(f"halfplane {name}: not run" for name in sorted(without)), *([said[-2000:]] if wrong else [])]
+
+
+def compared(home: Path, folder: Path, pins: list[str]) -> list[str]:
+    """The headline metrics of `halfplane run hertz-paper` there and here; a line for each that differs."""
+    folder.mkdir()
+    found = []
+    for python in (environment(home, folder, pins), sys.executable):
+        run(python, "-m", "reports", "run", "hertz-paper", "--quiet", "--out", f"out-{len(found)}", cwd=folder)
+        metrics = json.loads((folder / f"out-{len(found)}" / "comparison.json").read_text("utf-8"))["metrics"]
+        found.append({name: metrics[name]["value"] for name in FIGURES})
+    there, here = found
+    for name in FIGURES:
+        print(f"{name:16}{there[name]: .9e}  here {here[name]: .9e}  apart {there[name] - here[name]: .1e}")
+    return [f"{name} differs by more than {AGREE:g}" for name in FIGURES if not abs(there[name] - here[name]) <= AGREE]
+
+
+def main(words: list[str]) -> int:
+    kind, *rest = words
+    try:
+        if kind == "licences":
+            LICENCES.write_text(licences(), encoding="utf-8")
+        elif kind in {"pins", "check"}:
+            renew() if kind == "pins" else check(pinned())
+        else:
+            pins = {"commands": None, "lowest": lowest(), "pinned": ["-c", str(PINS), *REQUIREMENTS]}[kind]
+            with tempfile.TemporaryDirectory(prefix="halfplane-") as scratch:
+                home, folder = Path(rest[0]).resolve(), Path(scratch) / "there"
+                wrong = every_command(home, folder) if pins is None else compared(home, folder, pins)
+            print("\n".join(wrong) or f"{kind}: ok")
+            return int(bool(wrong))
+    except RuntimeError as refused:
+        print(f"packages: {refused}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
