@@ -146,13 +146,12 @@ def _root_beyond(zeta: Array, c: Array) -> Array:
 
 # ---------------------------------------------------------------------------------------------------- the frozen slope
 class Quadrature(NamedTuple):
-    """Nodes on parts of stick intervals: rows (k,) of the intervals, then (k, m): x, weight, s', s, x - b1, b2 - x."""
+    """Nodes on parts of stick intervals: rows (k,) of the intervals, then (k, m): x, weight, s', x - b1, b2 - x."""
 
     row: NDArray[np.intp]
     x: Array
     weight: Array
     slope: Array
-    slip: Array
     up: Array
     down: Array
 
@@ -165,13 +164,21 @@ class Frozen:
     """
 
     def __init__(self, ends: Array, series: Array, at: float = 0.0, slip: float = 0.0) -> None:
-        self.ends, self.series, self.low, self.length = ends, series, ends[:-1], np.diff(ends)
-        nodes = _nodes(len(series) + 15)
-        rate = chebyshev.chebval(nodes, series) * self.length[:, None] * np.sin(np.pi * (nodes + 1) / 2) * np.pi / 4
-        self._rise = _primitive(_fit(rate.T))
-        self._rise[0] += np.append(0.0, np.cumsum(np.sum(self._rise, axis=0))[:-1])
-        self._rise[0] += slip - float(self.slip(np.array([at]))[0])
-        self._whole = self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi)
+        self.ends, self.series, self.low, self.length, self._known = ends, series, ends[:-1], np.diff(ends), (at, slip)
+
+    @cached_property
+    def _whole(self) -> Array:
+        return self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi)
+
+    @cached_property
+    def _rise(self) -> Array:
+        """Series of s."""
+        nodes, (at, slip) = _nodes(len(self.series) + 15), self._known
+        rate = chebyshev.chebval(nodes, self.series) * self.length[:, None] * np.sin(np.pi * (nodes + 1) / 2) * np.pi / 4
+        rise = _primitive(_fit(rate.T))
+        rise[0] += np.append(0.0, np.cumsum(np.sum(rise, axis=0))[:-1])
+        rise[0] += slip - float(self._at(rise, np.array([at]))[0])
+        return rise
 
     def _theta(self, number: NDArray[np.intp], x: Array) -> Array:
         return np.asarray(2 * np.arcsin(np.sqrt(np.clip((x - self.low[number]) / self.length[number], 0, 1))))
@@ -221,14 +228,14 @@ class Frozen:
         return Frozen(np.concatenate(parts), np.concatenate([kept, new.series][::side], axis=1), edge, known)
 
     def _rule(self, number: NDArray[np.intp], begin: Array, end: Array) -> Array:
-        """Weight, s', s and distances from both ends at nodes of parts of pieces, theta from `begin` to `end` (k,): (5, k, m)."""
+        """Weight, s' and distances from both ends at nodes of parts of pieces, theta from `begin` to `end` (k,): (4, k, m)."""
         begin, span = begin[:, None], (end - begin)[:, None]
         theta = np.concatenate([begin + span * _HALF, end[:, None] - span * _HALF], axis=1)
         length, numbers, at = self.length[number][:, None], np.repeat(number[:, None], len(_SHARE), axis=1), 2 * theta / np.pi - 1
         up = length * np.sin((theta + begin) / 2) * np.sin(span * _SHARE / 2)
         down = length * np.sin((theta + end[:, None]) / 2) * np.sin(span * _REST / 2)
         weight = span * _SHARE_WEIGHT * length / 2 * np.sin(theta)
-        return np.stack([weight, clenshaw(self.series, numbers, at), clenshaw(self._rise, numbers, at), up, down])
+        return np.stack([weight, clenshaw(self.series, numbers, at), up, down])
 
     def quadrature(self, b1: Array, b2: Array) -> Quadrature:
         """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel."""
@@ -237,17 +244,17 @@ class Frozen:
         some, found = np.flatnonzero(cut1 | cut2), self._whole[:, p]
         q, left, right = p[some], np.where(cut1, b1[k], self.low[p])[some], np.where(cut2, b2[k], self.ends[p + 1])[some]
         found[:, some] = self._rule(q, self._theta(q, left), self._theta(q, right))
-        weight, slope, slip, up, down = found
+        weight, slope, up, down = found
         x = np.maximum(b1[k], self.low[p])[:, None] + up
         up += np.maximum(self.low[p] - b1[k], 0.0)[:, None]
         down += np.maximum(b2[k] - self.ends[p + 1], 0.0)[:, None]
-        return Quadrature(k, x, weight, slope, slip, up, down)
+        return Quadrature(k, x, weight, slope, up, down)
 
-    def moments(self, b1: Array, b2: Array) -> Array:
-        """int s'/w, int zeta s'/w, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (4, n)."""
+    def moments(self, b1: Array, b2: Array, *, slip: bool = False) -> Array:
+        """int s'/w, int zeta s'/w and, where asked for, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (2 or 4, n)."""
         each = self.quadrature(b1, b2)
         w, zeta = each.weight / np.sqrt(each.up * each.down), (each.up - each.down) / 2
-        wanted = (each.slope, zeta * each.slope, zeta**2 * each.slope, each.slip)
+        wanted = [each.slope, zeta * each.slope] + ([zeta**2 * each.slope, self.slip(each.x)] if slip else [])
         return np.array([np.bincount(each.row, np.sum(w * values, axis=1), len(b1)) for values in wanted])
 
 
@@ -355,7 +362,7 @@ class Stick:
     def excess(self) -> Array:
         """A K of the loads at both edges, (2, n): 0 at the edges of stick."""
         f, A, c = self.friction, self.contact.compliance, self.half
-        g0, g1, _, _ = self.frozen.moments(*self.edges)
+        g0, g1 = self.frozen.moments(*self.edges)
         h0, h1 = np.pi * self.middle / self.contact.radius, np.pi * c**2 / 2 / self.contact.radius
         found = []
         for _, side in _SIDES:
@@ -450,7 +457,7 @@ class Stick:
     def displacement(self) -> tuple[Array, Array]:
         """U and m_q, (n,) each: from the means of the equations of stick over 1/w."""
         (_, Q, eps, _), A, m, c = self.loads, self.contact.compliance, self.middle, self.half
-        _, _, second, slip = self.frozen.moments(*self.edges)
+        _, _, second, slip = self.frozen.moments(*self.edges, slip=True)
         U = slip / np.pi + eps * m - A / np.pi * Q * np.log(c / 2)
         moment = m * Q + (second + eps * np.pi * c**2 / 2) / A
         for i, side in _SIDES:
