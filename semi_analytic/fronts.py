@@ -57,9 +57,10 @@ ERROR = 1e-8
 STEADY = 1e-8
 # Panels of half an interval, ever shorter towards its end: roots of what lies close beyond the end are resolved there.
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
-# What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
-_RESOLVED, _SHORTEST, _BRIDGED = 2e-9, 1e-7, 2e-3
-# Share of A f P that the equations of the edges may change by while edges are held: 1e-7 moves them by 1e-8 of their size.
+# What a step may leave unresolved, as share of the half-width; the shortest step, as share of the longest.
+_RESOLVED, _SHORTEST = 2e-9, 1e-7
+# Share of A f P that the equations of the edges may still change by up to a turning point where edges are held: a loop that closes
+# there meets a stretch without q*.
 _CLOSING = 1e-8
 # Gap that is left where an edge comes to an old one, share of the contact: beyond it s' has another series.
 _GAP = 3e-10
@@ -671,7 +672,7 @@ class Follower:
                 full = np.array([-residual[i, 0] / rates[i, 0], 0.0])
                 if free:
                     full = -np.linalg.lstsq(np.nan_to_num(rates), np.nan_to_num(residual[:, 0]), rcond=None)[0]
-                new = min(max(time + float(full[0]), (low + 3 * time) / 4 if time > low else low), (high + 3 * time) / 4)
+                new = min(max(time + float(full[0]), (low + time) / 2), (high + time) / 2)
                 change, time, other = abs(new - time), new, other + float(full[1])
                 if change < 1e-13 * (high - low):
                     break
@@ -782,41 +783,12 @@ class Follower:
         return state, (slips[0], slips[1])
 
     def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
-        """A short step with edges held."""
+        """A short step with edges held, up to a turning point or over a jump."""
         time = _times(state.time, end, self.order)
         return self._finished(Step(time, self._stick(state, slips, time)))
 
-    def _bridge(self, state: State, slips: tuple[int, int], stop: float, patient: bool) -> tuple[Step, State, set[int]] | None:
-        """Edges held up to `stop`, or a turning point, that is near: where a loop closes there they meet a stretch without q*.
-
-        Near is where the loads have next to nothing to do any more, and while `patient` is over a share of the longest step.
-        """
-        if 0 in slips:
-            return None
-        left = np.ptp(self._stick(state, slips, np.array([state.time, stop])).excess(), axis=1)
-        if max(left) < _CLOSING * self.contact.compliance * self.friction * float(self.loads.values(np.array([state.time]))[0, 0]):
-            self.counts["bridged"] += 1
-            return *self._held(state, slips, stop), set()
-        if not patient:
-            return None
-        end = min(stop, state.time + _BRIDGED * self.longest)
-        step, _ = self._held(state, slips, end)
-        turns = []
-        for _, side in _SIDES:
-            values = -step.stick.edge_load(side)
-            if values[-1] < 0 < values[0]:
-                turns.append((float(np.interp(0.0, -values, step.time)), side))
-        if not turns and stop - state.time > 2e-4 * self.longest:
-            return None
-        self.counts["bridged"] += 1
-        if turns:
-            end = max(min(turns)[0], state.time + 1e-9 * self.longest)
-        return *self._held(state, slips, end), {min(turns)[1]} if turns else set()
-
     def _jump(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State] | None:
         """A step over the instant at which edges leave a stretch without q*, which a loop that closes has left; None for none."""
-        if 0 in slips:
-            return None
         (b1, b2), old, size = state.edges, state.frozen.ends[1:-1], state.edges[1] - state.edges[0]
         pairs = sorted(((right - left, left, right) for left in (b1, *old) for right in (*old, b2) if left < right), reverse=True)
         start = np.array(pairs[:40]).T[1:] + 1e-4 * size * np.array([[1], [-1]])
@@ -870,14 +842,17 @@ class Follower:
                         state = state.closed(event[2], float(step.stick.contact_edges[(event[2] + 1) // 2, -1]))
                     trial = min(self.longest, 2 * trial)
                     break
-                trial = min(trial, until - state.time) / 2
+                trial, held = min(trial, until - state.time) / 2, None
+                now = self._stick(state, slips, np.array([state.time, stop]))
                 with np.errstate(all="ignore"):
-                    bridged = self._bridge(state, slips, stop, patient=trial <= 1e-4 * self.longest)
-                    if bridged is None and trial <= 2 * _SHORTEST * self.longest and not searched:
-                        jumped, searched = self._jump(state, slips, stop), True
-                        bridged = (*jumped, set()) if jumped is not None else None
-                if bridged is not None:
-                    (step, state, turned), trial = bridged, self.longest / 16
+                    left = float(np.max(np.ptp(now.excess(), axis=1)))
+                    if 0 not in slips and left < _CLOSING * self.contact.compliance * self.friction * now.loads[0, 0]:
+                        self.counts["bridged"] += 1
+                        held = self._held(state, slips, stop)
+                    elif 0 not in slips and trial <= 2 * _SHORTEST * self.longest and not searched:
+                        held, searched = self._jump(state, slips, stop), True
+                if held is not None:
+                    (step, state), trial, turned = held, self.longest / 16, set()
                     break
                 if trial <= _SHORTEST * self.longest:
                     raise NotOneStickInterval(

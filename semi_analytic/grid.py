@@ -283,7 +283,7 @@ class _Path:
     _known: dict[bytes, Array] = field(default_factory=dict)
 
     def rows(self, number: int, asked: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Of a cycle (-1: before): P, Q, eps, alpha at its instants (n, 4), rows of those that are `asked` for, and which they are."""
+        """Of a cycle (-1: before): P, Q, eps, alpha at its instants (n, 4), rows of those `asked` for, and which they are."""
         path, first = self.loads.path, self.loads.path.initial_loading[0]
         whole = path.cycle or path.initial_loading
         length, own = whole[-1].end - whole[0].start, asked - max(number, 0) * (path.period or 0.0)
