@@ -98,11 +98,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     }
     if not anywhere:
         return found
-    stress, moment, imposed = (
-        scales.load / scales.half_width,
-        scales.load * scales.half_width,
-        np.array([s.imposed for s in states]),
-    )
+    stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
+    imposed = np.array([state.imposed for state in states])
     return found | {
         "permanent_stick_edges": freeze(permanent * scales.half_width),
         "bulk_stress_lower": freeze(imposed[:, 0] * stress),
