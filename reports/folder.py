@@ -13,7 +13,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 from meshes.interrupts import interrupts_wait
-from reports.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
+from reports.staging import fcntl, hidden_folder, made, remove, remove_left_behind
 from scenes import InputError
 from scenes.files import parsed_json, text_of
 
@@ -57,7 +57,7 @@ def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
             raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
         for place in (folder, _above(folder)):
             remove_left_behind(place)
-        remove(*_staging(folder))
+        remove(_staging(folder))
         with (
             suppress(FileNotFoundError),
             _alone_in(folder, out),
@@ -97,12 +97,12 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     """
     folder, moving = claim(out), False
     try:
-        staging, held = _staging(folder)
+        staging = _staging(folder)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     results = staging / "results"
     with ExitStack() as at_the_end:
-        at_the_end.callback(remove, staging, held)
+        at_the_end.callback(remove, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
@@ -156,8 +156,8 @@ def _above(folder: Path) -> Path:
     return next(path for path in Path(os.path.abspath(folder)).parents if path.exists())
 
 
-def _staging(folder: Path) -> tuple[Path, int | None]:
-    """A new empty folder of the user alone, from which files can be moved to `folder`, and its lock; OSError if that can't be.
+def _staging(folder: Path) -> Path:
+    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if that can't be.
 
     Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """
@@ -242,22 +242,25 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
     One that goes meanwhile is made again, or FileNotFoundError.
     """
     end, handle = time.monotonic() + _PATIENCE, None
-    while handle is None:
-        try:
-            handle = lock(folder)
-        except CannotLock:
-            break
-        except FileNotFoundError:
-            if not make:
-                raise
+    while fcntl is not None:
+        if make:
             folder.mkdir(parents=True, exist_ok=True)
-        if handle is None and time.monotonic() > end:
+        handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):  # else it was just replaced
+                break
+        except BlockingIOError:
+            pass
+        except OSError:  # there are no locks here
+            break
+        os.close(handle)
+        if time.monotonic() > end:
             raise InputError(
                 f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves no files (is it stopped?); "
                 "end it, or name another folder"
             )
-        if handle is None:
-            time.sleep(0.01)
+        time.sleep(0.01)
     try:
         yield
     finally:

@@ -1,6 +1,6 @@
-"""Files and folders that are under a hidden name until they are whole, and locked: a lock of the system ends with its process.
+"""Files and folders that are under a hidden name until they are whole; the name holds the machine and the process that writes.
 
-So what a killed process left under such a name is locked by nobody, and the next run removes it.
+So the next run finds what a killed process left, and removes it.
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ import os
 import platform
 import re
 import shutil
+import sys
 import tempfile
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
@@ -21,52 +22,19 @@ from pathlib import Path
 from meshes.interrupts import interrupts_wait
 from scenes import InputError, files
 
-# None on Windows, which locks no folders.
+# None on Windows, which has other locks.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
 
-# The machine is part of the name: some network disks lock for one machine alone, and there a run on another looks dead.
-_HERE = hashlib.sha256(platform.node().encode()).hexdigest()[:6]
-_PREFIX = f".halfplane-{_HERE}-"
-_OURS = re.compile(r"\.halfplane-[0-9a-f]{6}-\w{8}")
-# Seconds: where no lock says whether its process lives, what did not change for a day is left behind.
+# Of a container its own processes: one of another with the same name and number may live.
+_SPACE = Path("/proc/self/ns/pid")
+_HERE = hashlib.sha256(f"{platform.node()} {_SPACE.readlink() if _SPACE.is_symlink() else ''}".encode()).hexdigest()[:6]
+_OURS = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
+# Seconds: where nobody says whether its process lives, what did not change for a day is left behind.
 _LEFT_BEHIND = 86400.0
-# A run that cleans up takes a name only between its birth and its lock, which is microseconds.
-_TRIALS = 100
 
 
-class CannotLock(OSError):
-    """The system has no locks here."""
-
-
-def lock(path: Path) -> int | None:
-    """A handle that locks a file or folder until it is closed; None while another process does, or where `path` was just replaced.
-
-    Raises
-    ------
-    CannotLock
-        On Windows, and on some network disks.
-    OSError
-        Where `path` is not there, or can't be opened.
-    """
-    if fcntl is None:
-        raise CannotLock("folders can't be locked")
-    with interrupts_wait():
-        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.path.exists(path) and os.path.samestat(os.fstat(handle), os.stat(path)):
-                return handle
-        except BlockingIOError:
-            pass
-        except OSError as reason:
-            os.close(handle)
-            raise CannotLock(str(reason)) from reason
-        os.close(handle)
-        return None
-
-
-def hidden_folder(place: Path, better: Path) -> tuple[Path, int | None]:
-    """A new folder for this user alone, made in `place` and moved to `better` where that can be, and its lock; for `remove`.
+def hidden_folder(place: Path, better: Path) -> Path:
+    """A new folder for this user alone, made in `place` and moved to `better` where that can be.
 
     Raises
     ------
@@ -74,22 +42,24 @@ def hidden_folder(place: Path, better: Path) -> tuple[Path, int | None]:
         Where it can't be made.
     """
     with interrupts_wait():
-        path, held = _locked(lambda: Path(tempfile.mkdtemp(prefix=_PREFIX, dir=place)))
+        path = Path(tempfile.mkdtemp(prefix=_prefix(), dir=place))
         if place != better:
             with suppress(OSError):  # another disk, or a folder of others
                 path = path.rename(better / path.name)
-    return path, held
+    return path
 
 
-def remove(path: Path, held: int | None) -> None:
-    """Remove a hidden file or folder, then let go of its lock."""
+def _prefix() -> str:
+    return f".halfplane-{_HERE}-{os.getpid()}-"
+
+
+def remove(path: Path) -> None:
+    """Remove a hidden file or folder."""
     with interrupts_wait():
         if path.is_dir():
             shutil.rmtree(path, ignore_errors=True)
         else:
             path.unlink(missing_ok=True)
-        if held is not None:
-            os.close(held)
 
 
 def replace_file(path: str | Path, content: bytes | memoryview) -> None:
@@ -100,11 +70,9 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     OSError
         Where it can't be written; the old one stays.
     """
-    new, held = _locked(lambda: _new_file(Path(os.path.realpath(path)).parent))
-    try:
-        files.replace_file(path, content, new)
-    finally:
-        remove(new, held)  # after an error; else it has its other name
+    handle, name = tempfile.mkstemp(prefix=_prefix(), dir=Path(os.path.realpath(path)).parent)
+    os.close(handle)
+    files.replace_file(path, content, Path(name))
 
 
 def replace_text(path: Path, text: str) -> None:
@@ -135,40 +103,20 @@ def remove_left_behind(folder: Path) -> None:
     """Remove what killed processes left in `folder` under a hidden name of ours."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in [entry for entry in entries if _OURS.fullmatch(entry.name) and not entry.is_symlink()]:
-            with suppress(OSError), interrupts_wait():
-                _remove_if_dead(Path(entry.path))
+            with suppress(OSError):
+                if _is_dead(Path(entry.path)):
+                    remove(Path(entry.path))
 
 
-def _remove_if_dead(path: Path) -> None:
-    try:
-        held = lock(path)
-        if held is None:
-            return
-    except CannotLock:
-        held = None
-    known = held is not None and path.name.startswith(_PREFIX)
-    if known or time.time() - max(found.stat().st_mtime for found in (path, *path.rglob("*"))) > _LEFT_BEHIND:
-        remove(path, held)
-    elif held is not None:
-        os.close(held)
-
-
-def _locked(make: Callable[[], Path]) -> tuple[Path, int | None]:
-    """What `make` makes, and the handle that locks it; None where the system has no locks."""
-    for _ in range(_TRIALS):
-        path = make()
+def _is_dead(path: Path) -> bool:
+    """Whether the process that made a hidden file or folder has ended: one of this machine is asked for, of others age counts."""
+    found = _OURS.fullmatch(path.name)
+    if found and found[1] == _HERE and found[2] and sys.platform != "win32":
         try:
-            held = lock(path)
-        except CannotLock:
-            return path, None
-        except FileNotFoundError:
-            continue
-        if held is not None:
-            return path, held
-    raise OSError(f"{path.parent}: whatever is made there is taken away at once")
-
-
-def _new_file(folder: Path) -> Path:
-    handle, name = tempfile.mkstemp(prefix=_PREFIX, dir=folder)
-    os.close(handle)
-    return Path(name)
+            os.kill(int(found[2]), 0)
+        except ProcessLookupError:
+            return True
+        except PermissionError:  # somebody else's
+            pass
+        return False
+    return time.time() - max(there.stat().st_mtime for there in (path, *path.rglob("*"))) > _LEFT_BEHIND
