@@ -3,7 +3,8 @@
     python docs/executed.py PAGE.md ...      (part of `make pages`)
 
 - a `python` block runs; a `text` block right behind it is what it prints
-- a `console` block runs: `$ halfplane ...` lines are commands, the lines below each are what it prints (no lines: not compared)
+- a `console` block runs: `$ halfplane ...` lines are commands, the lines below each are what it prints (no lines: not compared);
+  `# ends with N` at the end of a command is its exit code
 - a `{code-block}` with a `:caption:` is a file of that name, there for the blocks behind it
 - pictures that a block saves as SVG are kept in docs/figures
 
@@ -21,129 +22,87 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 FOLDER = Path(__file__).parent
 FIGURES = FOLDER / "figures"
-_FENCE = re.compile(
-    r"^```(?P<directive>\{code-block\} )?(?P<language>\w+)\n(?P<options>(?::\w+:[^\n]*\n)*)(?P<body>.*?)^```$", re.M | re.S
-)
-_CAPTION = re.compile(r"^:caption: (?P<name>\S+)$", re.M)
-_STYLE = {"svg.hashsalt": "halfplane", "svg.fonttype": "none", "figure.dpi": 100, "savefig.bbox": "tight"}
-_LIMIT = 120
-
-
-@dataclass(frozen=True)
-class Block:
-    """A fenced block: where its body stands in the page, its language, and the file that it is, if any."""
-
-    language: str
-    file: str
-    body: str
-    begin: int
-    end: int
+OPTIONS = r"(?P<options>(?::\w+:[^\n]*\n)*)"
+FENCE = re.compile(rf"^```(?P<directive>\{{code-block\}} )?(?P<language>\w+)\n{OPTIONS}(?P<body>.*?)^```$", re.M | re.S)
+STYLE = {"svg.hashsalt": "halfplane", "svg.fonttype": "none", "figure.dpi": 100, "savefig.bbox": "tight"}
+LIMIT = 120
 
 
 class StaleError(Exception):
     """A command of a page ended with another exit code than 0 without saying so."""
 
 
-def blocks(text: str) -> list[Block]:
-    """Every fenced block with a language, in order."""
-    found = []
-    for match in _FENCE.finditer(text):
-        caption = _CAPTION.search(match["options"])
-        file = caption["name"] if match["directive"] and caption else ""
-        found.append(Block(match["language"], file, match["body"], match.start("body"), match.end("body")))
-    return found
-
-
 def run(text: str, folder: Path) -> str:
     """The page with what its blocks print when they are run in `folder`; pictures are left there."""
-    pieces, done = [], 0
-    with _ready(folder):
-        for block, body in _results(text, folder):
-            pieces += [text[done : block.begin], body]
-            done = block.end
+    names: dict[str, Any] = {}
+    pieces: list[str] = []
+    done, printed = 0, None
+    with ready(folder):
+        for block in FENCE.finditer(text):
+            language, body, said = block["language"], block["body"], None
+            between = re.sub(r"[\s`]", "", text[done : block.start()])
+            if language == "text" and printed is not None and not between:
+                said = printed
+            printed = None
+            caption = re.search(r"^:caption: (\S+)$", block["options"], re.M)
+            if block["directive"] and caption:
+                (folder / caption[1]).write_text(body.lstrip("\n"), encoding="utf-8")
+            elif language == "python":
+                with contextlib.redirect_stdout(io.StringIO()) as out:
+                    exec(compile(body, "a page", "exec"), names)
+                printed = out.getvalue()
+            elif language == "console":
+                said = console(body, folder)
+            pieces += [text[done : block.start("body")], body if said is None else said]
+            done = block.end("body")
     return "".join([*pieces, text[done:]])
 
 
-def _results(text: str, folder: Path) -> Iterator[tuple[Block, str]]:
-    """Blocks whose body is an output, with the output."""
-    names: dict[str, Any] = {}
-    printed, behind = None, 0
-    for block in blocks(text):
-        if block.language == "text" and printed is not None and not re.sub(r"[\s`]|text", "", text[behind : block.begin]):
-            yield block, printed
-        printed, behind = None, block.end
-        if block.file:
-            (folder / block.file).write_text(block.body.lstrip("\n"), encoding="utf-8")
-        elif block.language == "python":
-            printed = _python(block.body, names)
-        elif block.language == "console":
-            yield block, _console(block.body, folder)
-
-
-def _python(body: str, names: dict[str, Any]) -> str:
-    out = io.StringIO()
-    with contextlib.redirect_stdout(out):
-        exec(compile(body, "a page", "exec"), names)
-    return out.getvalue()
-
-
-def _console(body: str, folder: Path) -> str:
-    """`$ command` lines with what they print; `# ends with N` at the end of a command is its exit code."""
+def console(body: str, folder: Path) -> str:
+    """`$ command` lines with what they print."""
     lines: list[str] = []
     for part in re.split(r"^(?=\$ )", body, flags=re.M):
-        if not part.startswith("$ "):
+        command, _, shown = part.partition("\n")
+        if not command.startswith("$ "):
             lines.append(part)
             continue
-        command, _, shown = part.partition("\n")
+        program, *words = shlex.split(command[2:], comments=True)
         expected = re.search(r"# ends with (\d)$", command)
-        said = _command(shlex.split(command[2:], comments=True), folder, int(expected[1]) if expected else 0)
+        whole = [sys.executable, *(["-m", "reports"] if program == "halfplane" else []), *words]
+        environment = os.environ | {"COLUMNS": "120", "NO_COLOR": "1"}
+        done = subprocess.run(whole, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False)
+        if done.returncode != (int(expected[1]) if expected else 0):
+            raise StaleError(f"{command[2:]} ended with {done.returncode}: {done.stdout}{done.stderr}")
+        said = "".join(f"{line.rstrip()}\n" for line in done.stdout.splitlines())
         lines.append(f"{command}\n{said if shown.strip() else shown}")
     return "".join(lines)
 
 
-def _command(words: list[str], folder: Path, expected: int) -> str:
-    program = {"halfplane": [sys.executable, "-m", "reports"], "python": [sys.executable]}[words[0]]
-    environment = os.environ | {"COLUMNS": "120", "NO_COLOR": "1"}
-    done = subprocess.run(
-        [*program, *words[1:]], cwd=folder, env=environment, capture_output=True, text=True, timeout=_LIMIT, check=False
-    )
-    if done.returncode != expected:
-        raise StaleError(f"{shlex.join(words)} ended with {done.returncode}: {done.stdout}{done.stderr}")
-    return "\n".join(line.rstrip() for line in done.stdout.splitlines()) + "\n"
-
-
 @contextlib.contextmanager
-def _ready(folder: Path) -> Iterator[None]:
+def ready(folder: Path) -> Iterator[None]:
     """The folder as the current one, pictures in the project's style, without dates, and closed afterwards."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     from matplotlib import pyplot
 
-    from reports.charts.publication import STYLE
+    from reports.charts import publication
 
-    before = os.environ.get("SOURCE_DATE_EPOCH")
-    os.environ["SOURCE_DATE_EPOCH"] = "0"
-    try:
-        with contextlib.chdir(folder), mpl.rc_context(STYLE | _STYLE):
-            yield
-    finally:
-        pyplot.close("all")
-        if before is None:
-            del os.environ["SOURCE_DATE_EPOCH"]
-        else:
-            os.environ["SOURCE_DATE_EPOCH"] = before
+    undated = mock.patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
+    with undated, contextlib.chdir(folder), mpl.rc_context(publication.STYLE | STYLE):
+        yield
+    pyplot.close("all")
 
 
 def runnable(text: str) -> bool:
     """Whether a page has anything to run."""
-    return any(block.language in {"python", "console"} for block in blocks(text))
+    return any(block["language"] in {"python", "console"} for block in FENCE.finditer(text))
 
 
 def main(names: list[str]) -> int:

@@ -32,7 +32,6 @@ FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
-WIDE = '<div class="wide">'  # a table whose numbers are not broken; on a phone it scrolls in a box of its own
 THIRD = ROOT / "benchmarks" / "third.json"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
@@ -48,17 +47,17 @@ def made(examples: Paper | None = None) -> dict[str, str]:
     written = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.md")}
     written["../README.md"] = (ROOT / "README.md").read_text(encoding="utf-8")
     generated = {
-        "verification.md": "\n".join([*verification()]) + "\n",
-        "gallery.md": "\n".join([*gallery()]) + "\n",
-        "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
-        "scenes.md": library(written["scenes.md"]),
+        "verification.md": "\n".join(verification()) + "\n",
+        "gallery.md": "\n".join(gallery()) + "\n",
+        "misprints.md": "\n".join(misprint_page(examples)) + "\n",
+        "scenes.md": between(written["scenes.md"], "the library", library()),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
-        "metrics.md": _between(written["metrics.md"], "the metrics", markdown().splitlines()),
+        "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
-    known = values(examples)
+    known = quoting.values(examples, published(), third())
     with_numbers = {name: quoting.with_numbers(text, known) for name, text in (written | generated).items()}
     return {name: text for name, text in with_numbers.items() if name in generated or quoting.NUMBER.search(text)}
 
@@ -66,17 +65,6 @@ def made(examples: Paper | None = None) -> dict[str, str]:
 def without_rounding(text: str) -> str:
     """Discrepancies of rounding, which another processor has in other digits, as one sign."""
     return ROUNDING.sub("~0", text)
-
-
-def values(examples: Paper) -> dict[str, str]:
-    """Key -> number, of all that a page can quote."""
-    known = quoting.paper_values(examples) | quoting.published_values(published())
-    known |= quoting.limit_values() | quoting.third_values(third(), published())
-    known |= quoting.uncertain_values(json.loads((FOLDER / "uncertainty.json").read_text(encoding="utf-8")))
-    known |= quoting.claim_values(json.loads((FOLDER / "numbers.json").read_text(encoding="utf-8")))
-    for path in sorted((PUBLISHED / "maps").glob("*.md")):
-        known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))
-    return known
 
 
 def third() -> dict[str, Any]:
@@ -87,43 +75,56 @@ def third() -> dict[str, Any]:
 def third_solver(text: str) -> str:
     """The page with its two tables: CalculiX' values as benchmarks/third.py measured them, ours as published."""
     cases = third()
-    for words, of in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):
-        text = _between(
-            text, words, _third_table({name: case for name, case in cases.items() if name.partition(",")[0] + of == name})
-        )
+    for words, suffix in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):
+        chosen = {name: case for name, case in cases.items() if name.partition(",")[0] + suffix == name}
+        text = between(text, words, third_table(chosen))
     return text
 
 
-def _between(text: str, words: str, lines: Iterable[str]) -> str:
+def between(text: str, words: str, lines: Iterable[str]) -> str:
     """The page with these lines between the two marks of a table."""
     begin, end = f"<!-- {words}: written by `make pages` -->", f"<!-- end of {words} -->"
     before, _, rest = text.partition(begin)
     return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{rest.partition(end)[2]}"])
 
 
-def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
+def table(head: str, rows: Iterable[Iterable[str]], wide: bool = True) -> Iterator[str]:
+    """A table; a wide one keeps its numbers whole, and scrolls in a box of its own on a phone."""
+    yield from ('<div class="wide">', "") if wide else ()
+    yield from (f"| {head} |", "|" + "---|" * (head.count(" | ") + 1))
+    for row in rows:
+        line = f"| {' | '.join(row)} |"
+        yield line.replace(" %", "\u00a0%") if wide else line
+    yield from ("", "</div>") if wide else ()
+
+
+def third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     """A row for each case: size, cost, each error beside ours, and when it was measured."""
-    scenes = published()
-    days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
-    yield from (f"Measured with {' and '.join(days)}.", "")
-    errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
-    yield from (WIDE, "")
-    yield f"| scene | nodes, instants | time [s] | {errors} | commit |"
-    yield f"|{'---|' * 10}"
+    scenes, rows = published(), []
     for name, case in sorted(cases.items()):
         scene = name.partition(",")[0]
         cells = [scene, f"{case['nodes']}, {case['instants']}", f"{case['seconds']:.0f}"]
         for key in ("peak_pressure", "shear", "dissipation"):
             theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
             cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
-        yield f"| {' | '.join([*cells, case['commit']])} |".replace(" %", "\u00a0%")
-    yield from ("", "</div>")
+        rows.append([*cells, case["commit"]])
+    days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
+    yield from (f"Measured with {' and '.join(days)}.", "")
+    errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
+    yield from table(f"scene | nodes, instants | time [s] | {errors} | commit", rows)
 
 
 # ----------------------------------------------------------------------------------------------------------- verification
 
 
-METRICS = ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
+METRICS = {
+    "dissipation": "W",
+    "peak_pressure": "peak p",
+    "pressure": "p",
+    "shear": "q",
+    "contact_edge": "contact edge",
+    "stick_edge": "stick edge",
+}
 
 
 def verification() -> Iterator[str]:
@@ -136,11 +137,11 @@ def verification() -> Iterator[str]:
     )
     yield from ("", "## Requirements")
     for area, rows in requirements().items():
-        yield from ("", f"### {area}", "", "| requirement | tests |", "|---|---|")
-        for row in rows:
-            yield f"| {cell(row['requirement'])} | {'<br>'.join(f'`{test}`' for test in row['tests'])} |"
-    met = sum(all(_judged(content).values()) for content in scenes.values())
-    laws = sum(content["admissible"] for content in scenes.values())
+        yield from ("", f"### {area}", "")
+        cells = ([cell(row["requirement"]), "<br>".join(f"`{test}`" for test in row["tests"])] for row in rows)
+        yield from table("requirement | tests", cells, wide=False)
+    judged = {name: [met for met in content["accurate"].values() if met is not None] for name, content in scenes.items()}
+    laws, met = sum(content["admissible"] for content in scenes.values()), sum(map(all, judged.values()))
     yield from ("", "## Scenes", "")
     yield (
         "Error = finite elements/theory − 1, with default settings; of p and q in the L2 norm, of edges over the half-width; "
@@ -151,16 +152,12 @@ def verification() -> Iterator[str]:
         "[values.json](../reports/published/values.json) has every value, "
         "[expected.csv](expected.csv) each expected value with its source."
     )
-    heads = "W | peak p | p | q | contact edge | stick edge | tolerances satisfied"
-    yield from ("", WIDE, "", f"| scene | {heads} |", f"|{'---|' * 8}")
-    for name, content in scenes.items():
-        judged = _judged(content)
-        errors = [
-            _error(content, key) for key in ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
-        ]
-        link = f"[{name}](../reports/published/{name}.md)"
-        yield f"| {' | '.join([link, *errors, f'{sum(judged.values())} of {len(judged)}'])} |".replace(" %", "\u00a0%")
-    yield from ("", "</div>")
+    yield ""
+    rows = [
+        [f"[{name}](../reports/published/{name}.md)", *(error(content, key) for key in METRICS), f"{sum(good)} of {len(good)}"]
+        for (name, content), good in zip(scenes.items(), judged.values(), strict=True)
+    ]
+    yield from table(f"scene | {' | '.join(METRICS.values())} | tolerances satisfied", rows)
 
 
 def requirements() -> dict[str, list[dict[str, Any]]]:
@@ -169,11 +166,7 @@ def requirements() -> dict[str, list[dict[str, Any]]]:
     return {area["title"]: area["requirements"] for area in table["area"]}
 
 
-def _judged(content: Mapping[str, Any]) -> Mapping[str, bool]:
-    return {key: satisfied for key, satisfied in content["accurate"].items() if satisfied is not None}
-
-
-def _error(content: Mapping[str, Any], key: str) -> str:
+def error(content: Mapping[str, Any], key: str) -> str:
     """A metric of a published scene, bold if it is outside its tolerance."""
     value = content["frozen"].get(f"metric.{key}")
     if value is None:
@@ -183,7 +176,6 @@ def _error(content: Mapping[str, Any], key: str) -> str:
 
 
 # ---------------------------------------------------------------------------------------------------------------- scenes
-
 SYMBOLS = {
     "dissipation": "W",
     "largest_half_width": "a",
@@ -198,23 +190,17 @@ SYMBOLS = {
 }
 
 
-def library(text: str) -> str:
-    """The page of scenes with its table: a row a scene."""
-    return _between(text, "the library", _library())
-
-
-def _library() -> Iterator[str]:
-    yield from (WIDE, "")
-    yield "| scene | purpose | source | theory | finite elements |"
-    yield "|---|---|---|---|---|"
+def library() -> Iterator[str]:
+    """The table of scenes: a row a scene."""
+    rows = []
     for scene in map(load_scene, scene_names()):
         purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
-        numbers = [_numbers(scene, engine, digits) for engine, digits in (("half-plane theory", 9), ("finite elements", 6))]
-        yield f"| {' | '.join([f'`{scene.name}`', cell(purpose), cell(scene.source), *numbers])} |"
-    yield from ("", "</div>")
+        each = [numbers(scene, engine, digits) for engine, digits in (("half-plane theory", 9), ("finite elements", 6))]
+        rows.append([f"`{scene.name}`", cell(purpose), cell(scene.source), *each])
+    yield from table("scene | purpose | source | theory | finite elements", rows)
 
 
-def _numbers(scene: Scene, engine: str, digits: int) -> str:
+def numbers(scene: Scene, engine: str, digits: int) -> str:
     """Expected numbers of one engine, by their symbols; several of one quantity have several sources."""
     found: dict[str, list[str]] = {}
     for one in scene.expected:
@@ -226,11 +212,11 @@ def _numbers(scene: Scene, engine: str, digits: int) -> str:
 def expected() -> str:
     """Every expected number of the library, with its tolerance and source."""
     written = io.StringIO()
-    table = csv.writer(written, lineterminator="\n")
-    table.writerow(["scene", "quantity", "value", "tolerance", "engine", "source"])
+    rows = csv.writer(written, lineterminator="\n")
+    rows.writerow(["scene", "quantity", "value", "tolerance", "engine", "source"])
     for scene in map(load_scene, scene_names()):
-        rows = ([one.quantity, f"{one.value:.9g}", f"{one.tolerance:g}", one.engine, one.source] for one in scene.expected)
-        table.writerows([scene.name, *row] for row in rows)
+        for one in scene.expected:
+            rows.writerow([scene.name, one.quantity, f"{one.value:.9g}", f"{one.tolerance:g}", one.engine, one.source])
     return written.getvalue()
 
 

@@ -12,9 +12,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from meshes import bodies, foreign
@@ -26,8 +28,7 @@ from scenes import files, text_tables
 from scenes.errors import in_words
 
 NUMBER = re.compile(r"(<!-- n:([^<>]+?) -->)[^<]*(<!-- /n -->)")
-_ROUNDED_OFF = 1e-6
-_WORDS = 5
+ROOT = Path(__file__).parents[1]
 
 
 def with_numbers(page: str, known: Mapping[str, str]) -> str:
@@ -39,17 +40,25 @@ def with_numbers(page: str, known: Mapping[str, str]) -> str:
     return NUMBER.sub(lambda mark: f"{mark[1]}{known[mark[2]]}{mark[3]}", page)
 
 
+def values(examples: Paper, published: Mapping[str, Any], third: Mapping[str, Any]) -> dict[str, str]:
+    """Key -> number, of all that a page can quote."""
+
+    def stored(name: str) -> dict[str, Any]:
+        return json.loads((ROOT / "docs" / name).read_text(encoding="utf-8"))
+
+    known = paper_values(examples) | published_values(published) | limit_values() | third_values(third, published)
+    known |= uncertain_values(stored("uncertainty.json")) | claim_values(stored("numbers.json"))
+    for path in sorted((ROOT / "reports" / "published" / "maps").glob("*.md")):
+        known |= map_values(path.stem, path.read_text(encoding="utf-8"))
+    return known
+
+
 def paper_values(examples: Paper) -> dict[str, str]:
     """Key -> number of the paper's statements and misprints."""
-    found: dict[str, str] = {}
-    for case in (examples.hertz, examples.rounded):
-        name = case.scene.name
-        found[f"permanent stick, {name}"] = f"{case.stick_edge:.4f}"
     said, wrong = statements(examples), misprints(examples)
-    for row in said:
-        for quantity, value in row.values.items():
-            if abs(value) > _ROUNDED_OFF:
-                found[f"{row.key}: {quantity}"] = _minus(f"{value:.4g}")
+    found = {f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}" for case in (examples.hertz, examples.rounded)}
+    pairs = [(f"{row.key}: {quantity}", value) for row in said for quantity, value in row.values.items()]
+    found |= {key: _minus(f"{value:.4g}") for key, value in pairs if abs(value) > 1e-6}  # below is rounded off
     counts = {f"statements {verdict}": count for verdict, count in tally(said).items()}
     counts |= {"statements": len(said), "misprints": len(wrong), "misprints proven": sum(row.proven is True for row in wrong)}
     return found | {key: str(count) for key, count in counts.items()}
@@ -135,28 +144,20 @@ def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[st
 
 def map_values(name: str, page: str) -> dict[str, str]:
     """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
-    pairs = [*_cells(page), *_sentences(page)]
-    often = Counter(key for key, _ in pairs)
-    return {f"{name}: {key}": _minus(text) for key, text in pairs if often[key] == 1}
-
-
-def _cells(page: str) -> Iterator[tuple[str, str]]:
-    """(row: column, cell) of every table; a row is known by as many of its first cells as tell it from the others."""
+    pairs: list[tuple[str, str]] = []
     for block in re.findall(r"(?:^\|.*\|\n)+", page, flags=re.M):
         head, _, *rows = ([cell.strip() for cell in line.strip("| ").split(" | ")] for line in block.splitlines())
+        # A row is known by as many of its first cells as tell it from the others; a row without a law has fewer cells.
         known = next((n for n in range(1, len(head)) if len({tuple(row[:n]) for row in rows}) == len(rows)), len(head))
-        for row in rows:
-            for column, cell in zip(head[known:], row[known:], strict=False):  # a row without a law has fewer cells
-                yield f"{', '.join(row[:known])}: {column}", cell
-
-
-def _sentences(page: str) -> Iterator[tuple[str, str]]:
-    """(first words, sentence) of every sentence in plain paragraphs."""
+        pairs += [
+            (f"{', '.join(row[:known])}: {one}", cell) for row in rows for one, cell in zip(head[known:], row[known:], strict=False)
+        ]
     for line in page.splitlines():
         plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)  # the question before an answer, or a whole caption
-        if plain and plain[0] not in "#|!<":
-            for sentence in re.split(r"(?<=\.) (?=[A-Z`])", plain):
-                yield " ".join(sentence.split()[:_WORDS]), sentence.replace("**", "")
+        sentences = re.split(r"(?<=\.) (?=[A-Z`])", plain) if plain and plain[0] not in "#|!<" else []
+        pairs += [(" ".join(sentence.split()[:5]), sentence.replace("**", "")) for sentence in sentences]
+    often = Counter(key for key, _ in pairs)
+    return {f"{name}: {key}": _minus(text) for key, text in pairs if often[key] == 1}
 
 
 def _minus(text: str) -> str:

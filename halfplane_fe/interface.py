@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
@@ -117,7 +118,7 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
     else:
         sides = _mortar(lower, upper)
-        by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
+        by_lower, by_upper = (csr_array(_flattened(part)) for part in (sides.lower, sides.upper))  # next to nothing but zeros
         total = by_lower @ _square(lower.compliance) @ by_lower.T + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]

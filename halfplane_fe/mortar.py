@@ -13,8 +13,6 @@ D_j are positive on a line). Both sides feel the same traction p n, q t: resulta
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,21 +63,6 @@ class Mortar:
     upper: Array
 
 
-@dataclass(frozen=True)
-class _Segment:
-    """A piece of the common refinement: points, their share of the middle line, and what stands there."""
-
-    element: int
-    below: Members
-    x: Array
-    phi: Array
-    above: Members
-    chi: Array
-    share: Array
-    normal: Array  # (2, n_points), unit
-    distance: Array
-
-
 def mortar(lower: Side, upper: Side) -> Mortar:
     """Couple two sides that end above each other.
 
@@ -93,69 +76,51 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     >>> (coupled.upper[0, :, 1] @ np.array([0.0, 0.3, 1.0])).round(12).tolist()  # linear functions pass
     [0.0, 0.5, 1.0]
     """
-    segments = list(_segments(lower, upper))
-    psi = _dual_bases(segments, lower.order + 1)
-    n = len(lower.x)
-    weights, normals, gap = np.zeros(n), np.zeros((2, n)), np.zeros(n)
-    by_lower, by_upper = np.zeros((2, n, 2, n)), np.zeros((2, n, 2, len(upper.x)))
-    for piece in segments:
-        dual = psi[piece.element] @ piece.phi * piece.share
-        weights[piece.below] += dual.sum(axis=1)
-        gap[piece.below] += dual @ piece.distance
-        nx, ny = piece.normal
-        for component, (along_normal, along_tangent) in enumerate(((nx, ny), (ny, -nx))):
-            normals[component, piece.below] += dual @ along_normal
-            for direction, factor in enumerate((along_normal, along_tangent)):
-                by_lower[direction, :, component][np.ix_(piece.below, piece.below)] += (dual * factor) @ piece.phi.T
-                by_upper[direction, :, component][np.ix_(piece.below, piece.above)] += (dual * factor) @ piece.chi.T
-    over = weights[:, None, None]
-    x, distance = (np.concatenate([getattr(piece, name) for piece in segments]) for name in ("x", "distance"))
-    least = int(np.argmin(distance))
-    nearest = float(x[least]), float(distance[least])
-    return Mortar(weights, normals / weights, gap / weights, nearest, by_lower / over, by_upper / over)
-
-
-def _segments(lower: Side, upper: Side) -> Iterator[_Segment]:
+    # notation: k nodes of an element, s segments of the common refinement, m points of each
     span = lower.x[-1] - lower.x[0]
     if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * span:
         raise ValueError("the two contact sides do not begin and end together")
     corners = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
     corners = corners[np.concatenate([[True], np.diff(corners) > 1e-12 * span])]
-    for begin, end in itertools.pairwise(corners):
-        x = (begin + end) / 2 + (end - begin) / 2 * _POINTS
-        below, phi, slope_below = _shape_functions(lower, x)
-        above, chi, slope_above = _shape_functions(upper, x)
-        slope = (slope_below + slope_above) / 2
-        stretch = np.sqrt(1 + slope**2)
-        normal = np.stack([-slope, np.ones_like(x)]) / stretch
-        distance = (upper.y[above] @ chi - lower.y[below] @ phi) * normal[1]
-        share = (end - begin) / 2 * _WEIGHTS * stretch
-        yield _Segment(int(below[0]), below, x, phi, above, chi, share, normal, distance)
+    middle, half = (corners[1:] + corners[:-1])[:, None] / 2, np.diff(corners)[:, None] / 2
+    x = middle + half * _POINTS
+    below, phi, y_below, slope_below = _on_side(lower, x)
+    above, chi, y_above, slope_above = _on_side(upper, x)
+    slope = (slope_below + slope_above) / 2
+    stretch = np.sqrt(1 + slope**2)
+    share, normal = half * _WEIGHTS * stretch, np.stack([-slope, np.ones_like(x)]) / stretch
+    distance = (y_above - y_below) * normal[1]
+    element, n = below[:, 0] // lower.order, len(lower.x)
+    mass = np.zeros(((n - 1) // lower.order, lower.order + 1, lower.order + 1))
+    np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, share, phi))
+    # psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side.
+    dual = np.einsum("skl,slm,sm->skm", (mass.sum(axis=2)[:, :, None] * np.linalg.inv(mass))[element], phi, share)
+
+    def at_nodes(values: Array) -> Array:
+        return np.asarray(np.bincount(below.ravel(), np.einsum("skm,sm->sk", dual, values).ravel(), n), dtype=np.float64)
+
+    weights = at_nodes(np.ones_like(x))
+    by_lower, by_upper = np.zeros((2, n, 2, n)), np.zeros((2, n, 2, len(upper.x)))
+    for direction, along in enumerate((normal, np.stack([normal[1], -normal[0]]))):
+        for component, factor in enumerate(along):
+            for operator, nodes, shape in ((by_lower, below, phi), (by_upper, above, chi)):
+                block = np.einsum("skm,sm,slm->skl", dual, factor, shape) / weights[below][:, :, None]
+                np.add.at(operator[direction, :, component], (below[:, :, None], nodes[:, None, :]), block)
+    least = np.unravel_index(np.argmin(distance), distance.shape)
+    normals = np.stack([at_nodes(one) for one in normal]) / weights
+    return Mortar(weights, normals, at_nodes(distance) / weights, (float(x[least]), float(distance[least])), by_lower, by_upper)
 
 
-def _dual_bases(segments: list[_Segment], nodes: int) -> dict[int, Array]:
-    """Matrix A with psi = A phi by element of the lower side: A = diag(int phi) (int phi phi^T)^-1."""
-    mass: dict[int, Array] = {}
-    for piece in segments:
-        mass.setdefault(piece.element, np.zeros((nodes, nodes)))
-        mass[piece.element] += (piece.phi * piece.share) @ piece.phi.T
-    return {element: np.diag(matrix.sum(axis=1)) @ np.linalg.inv(matrix) for element, matrix in mass.items()}
-
-
-def _shape_functions(side: Side, x: Array) -> tuple[Members, Array, Array]:
-    """Nodes of the element that holds the points `x`, their shape functions there (order + 1, n_points), and the side's slope."""
-    n_elements = (len(side.x) - 1) // side.order
-    element = int(np.clip(np.searchsorted(side.x[:: side.order], x.mean()) - 1, 0, n_elements - 1))
-    members = np.arange(element * side.order, (element + 1) * side.order + 1)
-    values, slopes = _lagrange(side.x[members], x)
-    return members, values, side.y[members] @ slopes
-
-
-def _lagrange(nodes: Array, x: Array) -> tuple[Array, Array]:
-    """Lagrange polynomials and their derivatives, each (n_nodes, n_points)."""
-    values, slopes = np.ones((len(nodes), len(x))), np.zeros((len(nodes), len(x)))
-    for j, own in enumerate(nodes):
-        for other in np.delete(nodes, j):
-            slopes[j] = (slopes[j] * (x - other) + values[j]) / (own - other)
-            values[j] *= (x - other) / (own - other)
-    return values, slopes
+def _on_side(side: Side, x: Array) -> tuple[Members, Array, Array, Array]:
+    """Nodes (s, k) of the elements that hold the segments with points `x` (s, m), shape functions (s, k, m), y and slope (s, m)."""
+    element = np.clip(np.searchsorted(side.x[:: side.order], x.mean(axis=1)) - 1, 0, (len(side.x) - 1) // side.order - 1)
+    members = element[:, None] * side.order + np.arange(side.order + 1)
+    nodes = side.x[members][:, :, None]
+    values, slopes = np.ones((*members.shape, x.shape[1])), np.zeros((*members.shape, x.shape[1]))
+    for j in range(side.order + 1):  # Lagrange polynomials and their derivatives
+        for other in (k for k in range(side.order + 1) if k != j):
+            apart = nodes[:, j] - nodes[:, other]
+            slopes[:, j] = (slopes[:, j] * (x - nodes[:, other]) + values[:, j]) / apart
+            values[:, j] *= (x - nodes[:, other]) / apart
+    y, slope = (np.einsum("sk,skm->sm", side.y[members], shape) for shape in (values, slopes))
+    return members, values, y, slope

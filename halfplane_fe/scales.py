@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal, untouched
 from halfplane_fe.edges import contact_edges, stick_edges, visible_states
 from halfplane_fe.interface import (
     Interface,
@@ -129,14 +129,13 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
                 raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
     pressed = max(run.states, key=lambda state: state.normal_load)
-    half_width = _half_widths(problem, [pressed])[0]
+    half_width = float(np.nan_to_num(np.diff(_contact_edges(problem, [pressed]))[0, 0] / 2))
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)[cycles]
-        nearest = _nearest_edge if scene.unsymmetric else _least_half_width
-        inner = nearest(problem, run.states[cycles], seen)
+        inner = _innermost_edge(problem, run.states[cycles], seen, anywhere=scene.unsymmetric)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     return Scales(
@@ -228,26 +227,23 @@ def _past_the_end(scene: Scene) -> InputError:
     )
 
 
-def _half_widths(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
-    """(k,) of the contact; 0 without one."""
-    x, weights = problem.interface.x, problem.interface.weights
-    pressure, gap, closed = (np.array([getattr(state, name) for state in states]) for name in ("pressure", "gap", "closed"))
-    return np.nan_to_num(np.diff(contact_edges(x, pressure / weights, gap, closed, 1.0))[:, 0] / 2)
+def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
+    """(k, 2) of the contact; NaN without one."""
+    _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
+    closed = np.stack([state.closed for state in states])
+    return contact_edges(problem.interface.x, pressure / problem.interface.weights, gap, closed, 1.0)
 
 
-def _least_half_width(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8]) -> float:
-    """The least half-width of the contact or of its stick zone; 0 where nothing sticks."""
-    contact, closed = _half_widths(problem, states), np.array([state.closed for state in states])
-    edges = stick_edges(problem.interface.x, seen == STICK, closed, np.column_stack([-contact, contact]))
-    stick = np.where((seen == STICK).any(axis=1), np.diff(edges)[:, 0] / 2, 0.0)
-    return float(np.minimum(contact, stick).min())
+def _innermost_edge(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8], anywhere: bool) -> float:
+    """The least half-width of the contact or of its stick zone, 0 where nothing sticks.
 
-
-def _nearest_edge(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8]) -> float:
-    """The least distance of a contact or stick edge from x = 0; 0 where one is on the other side of it, or nothing sticks."""
-    x, weights = problem.interface.x, problem.interface.weights
-    pressure, gap, closed = (np.array([getattr(state, name) for state in states]) for name in ("pressure", "gap", "closed"))
-    contact = contact_edges(x, pressure / weights, gap, closed, 1.0)
-    stick = stick_edges(x, seen == STICK, closed, contact, anywhere=True)
+    Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where one is on the other side of it.
+    """
+    contact, closed, x = _contact_edges(problem, states), np.stack([state.closed for state in states]), problem.interface.x
+    if not anywhere:
+        contact = np.nan_to_num(np.diff(contact) / 2) * [-1.0, 1.0]
+    stick = stick_edges(x, seen == STICK, closed, contact, anywhere=anywhere)
+    if not anywhere:
+        stick = np.where((seen == STICK).any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0) * [-1.0, 1.0]
     outwards = np.concatenate([contact, stick]) * [-1.0, 1.0]
     return max(float(np.nan_to_num(outwards).min()), 0.0)

@@ -6,7 +6,7 @@ The half-disc stands for a half-plane. `build` goes from a shape to its mesh.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import gmsh
 import numpy as np
@@ -20,7 +20,6 @@ from meshes.bodies import (
     check_count,
     rounded,
     scaled_grading,
-    size_field,
     size_formula,
     surface_points,
 )
@@ -64,7 +63,6 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Size = Callable[[float, float], float]
 
 
 def solid(
@@ -90,8 +88,7 @@ def solid(
     height = shape.radius if isinstance(shape, Cylinder) else shape.height
     unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
     outline = _Outline(face, half_width / length, height / length, length)
-    size = size_field(unit, growth)
-    mesh = mirrored_mesh(lambda: outline.draw(unit, size), size_formula(unit, growth), order, cells, outline.settle)
+    mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size_formula(unit, growth), order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
 
@@ -143,14 +140,14 @@ class _Outline:
     def _true_depth(self, x: Array) -> Array:
         return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
 
-    def draw(self, grading: SurfaceGrading, size: Size) -> dict[str, list[int]]:
+    def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
         """Contact side, the rest of the face, side, base, axis."""
         geo, places = gmsh.model.geo, surface_points(grading)
         surface = [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
         contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
         for line in contact:
             geo.mesh.setTransfiniteCurve(line, 2)
-        free, end = self._rest_of_face(float(places[-1]), surface[-1], size)
+        free, end = self._rest_of_face(float(places[-1]), surface[-1], grading.edge_size, growth)
         axis_end = geo.addPoint(0, -self._height, 0)
         sides, foot = [], end
         if self._drop < self._height * (1 - 1e-9):
@@ -161,7 +158,7 @@ class _Outline:
         geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
         return {"contact": contact, "free": free, "base": [base]} | ({"sides": sides} if sides else {})
 
-    def _rest_of_face(self, start: float, first: int, size: Size) -> tuple[list[int], int]:
+    def _rest_of_face(self, start: float, first: int, size: float, growth: float) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
         geo, end = gmsh.model.geo, self._half_width
         if self._face.arc is not None:
@@ -169,15 +166,16 @@ class _Outline:
             if start >= begin:
                 last = geo.addPoint(end, -self._drop, 0)
                 return [geo.addCircleArc(first, geo.addPoint(begin, -radius, 0), last)], last
-        places = np.array([end]) if self._face.flat else self._places(start, end, size)
+        places = np.array([end]) if self._face.flat else self._places(start, end, size, growth)
         points = [first] + [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
         return [geo.addLine(a, b) for a, b in itertools.pairwise(points)], points[-1]
 
-    def _places(self, start: float, end: float, size: Size) -> Array:
+    def _places(self, start: float, end: float, size: float, growth: float) -> Array:
         """Points up to the face's end, as far apart as the elements are large."""
         places = [start]
         while places[-1] < end:
-            places.append(places[-1] + size(places[-1], -float(self._depth(np.array(places[-1])))))
+            away = float(np.hypot(places[-1] - start, self._depth(np.array(places[-1]))))
+            places.append(places[-1] + size + growth * away)
         return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
 
     def settle(self, points: Array, named: dict[str, Indices]) -> Array:

@@ -1,7 +1,8 @@
 """Comparison of two solutions, the page about it, and the command line.
 
-`compare`, `score` and `write` are all that a script needs. The names are loaded when they are first asked for:
-`halfplane --help` must not wait for numpy.
+`compare`, `score` and `write` are all that a script needs. Public is what `__all__` of `reports`, `reports.maps` and
+`reports.sweep` names; the modules beneath may change. Names are loaded when they are first asked for: `halfplane --help`
+must not wait for numpy.
 """
 
 from __future__ import annotations

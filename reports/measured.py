@@ -20,7 +20,7 @@ from scenes.reduction import means
 Array = NDArray[np.float64]
 
 # Of W: a change that is worth a warning.
-WARNED = 0.01
+_WARNED = 0.01
 # Rows beyond which W of other reductions is not computed: half-plane theory takes a second for 100,000.
 _MOST_ROWS = 200_000
 # Differences of the second and of the fourth order of white noise state one sigma; of anything smooth the latter are far less.
@@ -76,7 +76,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
         half = _work(scene, threshold={"P": load.threshold.P / 2, "Q": load.threshold.Q / 2})
     if any(sigma):
-        average = longest_means(rows, sigma)
+        average = _longest_means(rows, sigma)
         averaged = _work(scene, average=average, **whole) if average > 1 else None
     return RecordCheck(len(rows), kept, own, unreduced, every, half, sigma, average, averaged)
 
@@ -115,7 +115,7 @@ def noise_of(values: Array) -> float:
     return fourth if missed > _ALIKE[0] * fourth else 0.0
 
 
-def longest_means(rows: Array, sigma: tuple[float, float]) -> int:
+def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
     """How many rows (n, 3) a mean may stand for: as long as the means still look like noise, they blur nothing of the loads."""
     count = 1
     while len(rows) // (count + 1) >= _LEAST_ROWS:
@@ -134,7 +134,7 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
     def change(value: float | None, before: float | None) -> tuple[str, bool]:
         """In per cent, and whether it is worth a warning."""
         share = value / before - 1 if value is not None and before else 0.0
-        return minus(f"{100 * share:+.2g} %"), abs(share) > WARNED
+        return minus(f"{100 * share:+.2g} %"), abs(share) > _WARNED
 
     if load.reduce is not None:
         words = f"The path goes through {found.kept:,} of {found.rows:,} rows"
@@ -327,23 +327,5 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
         return None
     cycles = [(name_of(one.engine).capitalize(), found) for one in solutions if (found := load_cycles(one)) is not None]
     first = cycles[0][1].cycles if cycles else ()
-    order = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
-    rows = [
-        [
-            f"{first[k].count:g}",
-            *(minus(f"{value:.4g}") for value in (first[k].range, first[k].mean, first[k].start, first[k].end)),
-            *(f"{found.cycles[k].dissipation:.4g}" if len(found.cycles) == len(first) else "–" for _, found in cycles),
-        ]
-        for k in order
-    ]
-    totals = [(name, f"{found.counted:g}", f"{found.per_cycle:.4g}", f"{found.cumulative[-1]:.6g}") for name, found in cycles]
-    return {
-        "read": read,
-        "said": list(record_in_words(scene, record)) if record else [],
-        "engines": [name for name, _ in cycles],
-        "rows": rows,
-        "left": len(first) - len(order),
-        "totals": totals,
-        "load": load_unit(scene),
-        "energy": energy_unit(scene),
-    }
+    most = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
+    return {"read": read, "said": list(record_in_words(scene, record)) if record else [], "cycles": cycles, "most": most}

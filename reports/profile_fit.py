@@ -19,7 +19,7 @@ from scenes.profiles import Fitted
 
 # Other measurements that the noise could have given. Twice their standard deviation is known to 7 %, and a normal spread lies
 # within it in 95 %.
-RESAMPLES = 100
+_RESAMPLES = 100
 # Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer record.
 _MARCHES, _MOST_ROWS = 30, 2_000
 # Standard deviations of a slope: chance alone gives so much in one case of 16,000. Share of the rows' own lean below which a shift
@@ -62,7 +62,7 @@ def fit_of(scene: Scene) -> Fitted | None:
     return getattr(scene.profile, "fitted", None)
 
 
-def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> FitUncertainty:
+def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) -> FitUncertainty:
     """W, a and p0 with their 95 % uncertainty: of what other noise on the fitted curve changes, 2 standard deviations and the mean.
 
     In place of the mean, if it is more: the change by a tenth of the smoothing. The curve that gets the noise has lost already what
@@ -192,7 +192,7 @@ def lean(scene: Scene) -> Spread | None:
     return Spread(slope, 2 * noise / float(np.sqrt(square)))
 
 
-def uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
+def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
     """The three values, with what makes them uncertain."""
     _, length, stress = units(scene)
 
@@ -221,7 +221,7 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
         found = fit_uncertainty(scene)
     except InputError as fault:
         return (*fit_in_words(scene, half_width), f"The uncertainty from the noise has no value: {fault}."), None
-    return (*fit_in_words(scene, half_width), uncertainty_in_words(scene, found)), found
+    return (*fit_in_words(scene, half_width), _uncertainty_in_words(scene, found)), found
 
 
 def content(scene: Scene) -> dict[str, Any] | None:

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison
 
 FOLDER = Path(__file__).with_name("published")
-TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
-ROLLER = TRUTHS.with_name("roller.json")
+_TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
+ROLLER = _TRUTHS.with_name("roller.json")
 # Largest difference from the frozen values before they count as stale, before the defaults of `difference`.
-STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
-EXACT = 1e-12  # tolerance of half-plane theory
+_STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
+_EXACT = 1e-12  # tolerance of half-plane theory
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class External:
 # Rigid parabola on a bonded layer (no half-plane): tests/layer_truth.py, Fourier integrals; a is 1 mm by the choice of the load.
 # Tolerances: two elements of the contact edge (a/160), and what the library's Hertz scenes state for a peak.
 _BY_FOURIER = "Fourier integrals for a bonded layer (Johnson 1985, section 5.8)"
-LAYER = (
+_LAYER = (
     External("halfplane_fe.largest_half_width", "1.0", 0.0125, _BY_FOURIER),
     External("halfplane_fe.largest_pressure", "15.14298214", 2e-4, _BY_FOURIER),
 )
@@ -121,7 +121,7 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
     from reports.comparison.metrics import compliance
     from scenes import Hertz
 
-    truths = json.loads(TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
+    truths = json.loads(_TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
     known: list[tuple[str, str, str, str]] = []  # quantity, value, metric whose tolerance finite elements have, source
     if "reference" in truths:
         source = "half-plane theory in 30-digit arithmetic, an independent evaluation (benchmarks/regress.py)"
@@ -133,11 +133,11 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
         known.append(("largest_pressure", repr(2 * largest_load / (math.pi * half_width)), "peak_pressure", "Hertz: 2 P/(π a)"))
     for quantity, value, metric, source in known:
         if quantity != "largest_pressure":  # of theory it is that of its points, which may miss the peak
-            yield External(f"semi_analytic.{quantity}", value, EXACT, source)
+            yield External(f"semi_analytic.{quantity}", value, _EXACT, source)
         if scene.bodies.half_planes:
             yield External(f"halfplane_fe.{quantity}", value, float(scene.tolerances.limit(metric) or 0.0), source)
     if scene.name == "layer":
-        yield from LAYER
+        yield from _LAYER
     if scene.load.has_bulk_or_tilt:
         works = (one for one in scene.expected if one.quantity == "dissipation")
         yield from (External(_key(one), repr(one.value), one.tolerance, one.source) for one in works)
@@ -177,7 +177,7 @@ def stored_content(comparison: Comparison) -> dict[str, Any]:
 
 def frozen(name: str, stored: Mapping[str, Any]) -> Findings:
     """The frozen figures of a scene, for a comparison with those of now."""
-    return Findings(f"values.json: {name}", load_scene(name), stored["frozen"], {}, tolerances=STALE)
+    return Findings(f"values.json: {name}", load_scene(name), stored["frozen"], {}, tolerances=_STALE)
 
 
 def values() -> dict[str, Any]:
@@ -335,7 +335,7 @@ def _number(value: float | None) -> str:
 # ------------------------------------------------------------------------------------------------------------- the command
 
 
-def publish(names: Sequence[str]) -> int:
+def _publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
     from reports.page.figures import published
 
@@ -349,14 +349,14 @@ def publish(names: Sequence[str]) -> int:
     kept = dict(sorted(kept.items()))
     content = {"written by": "make publish", "settings": "both engines' defaults", "scenes": kept}
     replace_text(FOLDER / "values.json", json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
-    write_pages(kept)
+    _write_pages(kept)
     for path in FOLDER.iterdir():
         if path.suffix in (".md", ".svg") and path.stem not in (*kept, "README"):
             path.unlink()
     return moved
 
 
-def write_pages(scenes: Mapping[str, Mapping[str, Any]]) -> None:
+def _write_pages(scenes: Mapping[str, Mapping[str, Any]]) -> None:
     """The pages and their index, from the stored numbers: enough where only words have changed."""
 
     for name, stored in scenes.items():
@@ -377,17 +377,17 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 def main(arguments: Sequence[str]) -> int:
     """Publish the whole library or the scenes named; with --pages write the pages again from values.json."""
-    if not TRUTHS.exists():
+    if not _TRUTHS.exists():
         say("reports are published from a checkout: benchmarks/regress.json is not there")
         return 2
     if list(arguments) == ["--pages"]:
-        write_pages(values()["scenes"])
+        _write_pages(values()["scenes"])
         return 0
     if unknown := set(arguments) - set(scene_names()):
         say(f"no such scene in the library: {', '.join(sorted(unknown))}")
         return 2
     names = tuple(arguments) or scene_names()
-    moved = publish(names)
+    moved = _publish(names)
     say(f"{FOLDER.name}: {len(names)} scenes, {moved} moved; look at `git diff` before you commit")
     return 0
 

@@ -70,6 +70,8 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
             return f"unknown key {key} = {shown(value)};{hint}{more}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {listed} lists the keys{more}"
+        case "key_missing":
+            return f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists the keys{more}"
         case "missing":
             rule = "a point is [P, Q]"
         case "union_tag_not_found":

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
@@ -94,8 +94,6 @@ class LineOfAction(Frozen):
 
 V = TypeVar("V")
 Pair = tuple[Any, Any]
-# A list of numbers; what has passed a function in Python is no JSON any more, where a list would be a tuple.
-Column = Annotated[tuple[float, ...], BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value)]
 _PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
 KEYS = (*_PAIRS["bulk"], *_PAIRS["turning"], "line_of_action")
 """Keys of bulk stress and tilt, of every load."""
@@ -280,7 +278,7 @@ class EllipseLoad(CyclicLoad[Wave]):
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
 
-class StraightLoad(BulkAndTilt[Column]):
+class StraightLoad(BulkAndTilt[tuple[float, ...]]):
     """A load of straight lines, whose bulk stresses and tilts are straight between its corners too."""
 
     entries: ClassVar[str]
@@ -330,11 +328,12 @@ class PolygonLoad(StraightLoad):
     def _moves(self) -> Self:
         path = self.path()
         for leg in (*path.initial_loading, *path.cycle):
-            parts = [part for part in (leg, leg.bulk, leg.turning) if isinstance(part, StraightSegment)]
-            if all(part.first == part.last for part in parts):
+            ends, parts = np.array([leg.start, leg.end]), [part for part in (leg, leg.bulk, leg.turning) if part is not None]
+            if all(first == last for part in parts for first, last in part.loads(ends)):
                 lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
                 beside = " with the same bulk stress and tilt" if lists else ""
-                raise ValueError(f"the point {list(parts[0].last)} stands twice in a row{beside}: leave one out")
+                point = [float(load) for load in leg.loads(leg.start)]
+                raise ValueError(f"the point {point} stands twice in a row{beside}: leave one out")
         return self
 
     def path_of_loads(self) -> LoadPath:
@@ -419,7 +418,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     kind: Literal["time_series"] = "time_series"
     file: str | None = Field(None, description="text table with the columns time, P, Q; path relative to the scene file")
-    rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)")
+    rows: Table = Field(
+        default_factory=Table.of_a_file,
+        description="the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)",
+    )
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
     columns: OfLoads[str | int] | None = Field(None, description=COLUMNS)
     units: OfLoads[str] | None = Field(None, description=UNITS)
@@ -560,11 +562,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             except Unresolved as fault:
                 why = "not finite, or it jumps or swings too fast"
                 raise ValueError(f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}") from fault
-        found = []
         pair = [functions["normal_load"], functions["tangential_load"]]
-        for low, high in pairwise(edges.tolist()):
-            found.append(_chebyshev_piece(low, high, pair, scale))
-        return found
+        return [_chebyshev_piece(low, high, pair, scale) for low, high in pairwise(edges.tolist())]
 
     def path_of_loads(self) -> LoadPath:
         segments = tuple(self._segments())
@@ -578,7 +577,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         functions = [values_of(one) if callable(one) else lambda time, one=one: np.full(np.shape(time), one or 0.0) for one in pair]
         legs = (*path.initial_loading, *path.cycle)
-        pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in legs if isinstance(leg, ChebyshevSegment)]
+        pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in legs if leg.start >= 0]
         return [*growing(legs[: -len(pieces)], pair, pieces[0].loads(0.0)), *pieces]
 
     def in_words(self, unit: str) -> str:

@@ -6,21 +6,17 @@ import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import (
-    BeforeValidator,
-    ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    TypeAdapter,
-    ValidationError,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
@@ -68,6 +64,11 @@ class Table:
         return f"Table({len(self.values)} rows of {self.values.shape[1]})"
 
     @classmethod
+    def of_a_file(cls) -> Table:
+        """What stands in place of rows until a file is read; without a row."""
+        return cls(np.empty((0, 0)))
+
+    @classmethod
     def __get_pydantic_core_schema__(cls, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(
             cls.of, serialization=core_schema.plain_serializer_function_ser_schema(lambda table: table.values.tolist())
@@ -78,16 +79,7 @@ class Table:
         return {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
 
 
-def _rows_may_stand_in_a_file(schema: dict[str, Any], model: type[FromFile]) -> None:
-    schema["required"].remove(model.table)
-
-
-def _in_tuples(pairs: Any) -> Any:
-    """JSON has no tuples, and a table that may read a file is checked as what Python made of it."""
-    return tuple(tuple(pair) if isinstance(pair, list) else pair for pair in pairs) if isinstance(pairs, list) else pairs
-
-
-ReadAs = Annotated[tuple[tuple[str, str], ...], BeforeValidator(_in_tuples)]
+ReadAs = tuple[tuple[str, str], ...]
 # Keys that say how a file is read.
 READING = ("columns", "units", "thickness", "scale", "zero", "sign")
 # What each of them is, for descriptions.
@@ -103,8 +95,6 @@ class FromFile(Frozen):
     A number of the scene is sign x scale x unit x (number of the file - zero) / thickness.
     """
 
-    model_config = ConfigDict(json_schema_extra=_rows_may_stand_in_a_file)
-
     table: ClassVar[str]
     quantities: ClassVar[dict[str, Kind]]
     further: ClassVar[dict[str, Kind]] = {}
@@ -114,27 +104,25 @@ class FromFile(Frozen):
     file: str | None
     read_as: ReadAs | None
 
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(cls.table) is not None:
-            return data
-        stated = {key: data[key] for key in READING if key in cls.model_fields and data.get(key) is not None}
-        try:
-            for key, value in stated.items():
-                field = cls.model_fields[key]
-                adapter: TypeAdapter[Any] = TypeAdapter(Annotated[field.annotation, field])  # type: ignore[arg-type]
-                stated[key] = adapter.validate_python(value)
-        except ValidationError:  # said with its key when the fields are checked, for which rows are needed
-            return data | {cls.table: [[0.0] * len(cls.quantities)]}
-        units, named = (info.context or {}).get("units"), cls._named(stated.get("columns"))
-        wanted = cls.quantities | {name: cls.further[name] for name in named}
-        rows, read_as = _columns_of(_folder(info) / data["file"], wanted, stated, units if isinstance(units, str) else _UNITS)
-        if both := [name for name in named if data.get(name) is not None]:
-            raise InputError(f"{data['file']}: {both[0]} is a column of the file and stated beside it: leave one out")
-        count = len(cls.quantities)
-        more = {name: tuple(rows.values[:, count + k].tolist()) for k, name in enumerate(named)}
-        return data | {cls.table: Table.of(rows.values[:, :count]) if named else rows, "read_as": read_as} | more
+    @model_validator(mode="after")
+    def _read(self, info: ValidationInfo) -> Self:
+        if self.table in self.model_fields_set:
+            return self
+        if self.file is None:
+            raise PydanticCustomError("key_missing", "the key {key} is missing", {"key": self.table})
+        stated = {key: value for key in READING if (value := getattr(self, key, None)) is not None}
+        units, named = (info.context or {}).get("units"), self._named(stated.get("columns"))
+        wanted = self.quantities | {name: self.further[name] for name in named}
+        rows, read_as = _columns_of(_folder(info) / self.file, wanted, stated, units if isinstance(units, str) else _UNITS)
+        if both := [name for name in named if getattr(self, name) is not None]:
+            raise InputError(f"{self.file}: {both[0]} is a column of the file and stated beside it: leave one out")
+        count = len(self.quantities)
+        found = {self.table: Table.of(rows.values[:, :count]) if named else rows, "read_as": read_as}
+        found |= {name: tuple(rows.values[:, count + k].tolist()) for k, name in enumerate(named)}
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
+        self.model_fields_set.update(found)
+        return self
 
     @classmethod
     def _named(cls, columns: Frozen | None) -> list[str]:

@@ -6,13 +6,13 @@ The one verb that both engines share.
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BeforeValidator, Field, PrivateAttr, TypeAdapter, ValidationError, ValidationInfo, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
 
 from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail, values_of
 from scenes.errors import InputError, RowError
@@ -505,7 +505,10 @@ class Tabulated(FromFile):
 
     kind: Literal["tabulated"] = "tabulated"
     file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
-    points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
+    points: Table = Field(
+        default_factory=Table.of_a_file,
+        description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)",
+    )
     symmetric: bool = Field(True, description="false keeps two unequal sides as they are; each must rise from x = 0")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
     columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
@@ -687,32 +690,18 @@ def _slopes(x: Array, secant: Array) -> Array:
     return slope
 
 
-def _curve_of_rows(data: Any, info: ValidationInfo) -> Any:
-    """The keys of the curve through rows that come with the key `fit`; anything else as it is.
-
-    What has passed a function in Python is checked as Python's, where a list is no tuple, wherever it came from.
-    """
-    if isinstance(data, Mapping):
-        data = {
-            key: tuple(value) if key in ("rises", "breaks") and isinstance(value, list) else value for key, value in data.items()
-        }
-    wanted = isinstance(data, Mapping) and data.get("kind") == "tabulated" and data.get("fit") is not None
-    if not wanted and not (isinstance(data, Tabulated) and data.fit is not None):
-        return data
-    try:
-        return Tabulated.model_validate(data, context=info.context).curve()
-    except ValidationError:
-        return data  # refused in what follows, by key and row
-
-
-Profile = Annotated[
-    Annotated[
-        Hertz | FlatRounded | PowerLaw | Compound | Wedge | EvenPolynomial | Tabulated | CallableProfile,
-        Field(discriminator="kind"),
-    ],
-    BeforeValidator(_curve_of_rows),
+Curve = Annotated[
+    Hertz | FlatRounded | PowerLaw | Compound | Wedge | EvenPolynomial | Tabulated | CallableProfile, Field(discriminator="kind")
 ]
-_ANY: TypeAdapter[Profile] = TypeAdapter(Profile)
+_ANY: TypeAdapter[Curve] = TypeAdapter(Curve)
+
+
+def _curve_of_rows(profile: Curve) -> Curve:
+    """The curve through rows that come with the key `fit`; any other profile as it is."""
+    return _ANY.validate_python(profile.curve()) if profile.kind == "tabulated" and profile.fit is not None else profile
+
+
+Profile = Annotated[Curve, AfterValidator(_curve_of_rows)]
 
 
 def fit_profile(
@@ -741,6 +730,6 @@ def fit_profile(
     fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent}
     data = {"kind": "tabulated", "points": points, "fit": fit}
     try:
-        return _ANY.validate_python(data)  # type: ignore[return-value]
+        return _curve_of_rows(_ANY.validate_python(data))  # type: ignore[return-value]
     except ValidationError as faults:
         raise InputError(f"fit_profile: {refusal(faults, data, Tabulated)}") from faults

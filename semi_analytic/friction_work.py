@@ -80,32 +80,66 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    slipping = [span for span in spans if span.direction and span.active is not None]
-    marks = [corner_times(contact, span) for span in slipping]
-    rough = [len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, slipping, strict=True)]
-    works = np.zeros(len(slipping))
-    for k, (span, halved) in enumerate(zip(slipping, rough, strict=True)):
-        works[k] = _work_of_span(contact, span, [span.begin.time], [span.end.time], crowded if halved else graded)[0]
-    # One size for all: a short span by itself may be all rounding, and would never converge to its own.
-    size, error = float(np.sum(works)), 0.0
+    parts = [_whole(span) for span in spans if span.direction and span.active is not None]
+
+    def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
+        return _work_of_span(contact, span, low, high, rule)
+
+    def rounding(span: Span, _: Indices) -> float:
+        return float(_rounding(span, contact.dissipation_kernel)[0])
+
+    return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work, rounding)))
+
+
+Part = tuple[Span, Array, Array]
+"""A span, and when the integrals along it begin and end, (k,) each; nothing where the end is not after the begin."""
+
+
+def _whole(span: Span) -> Part:
+    return span, np.array([span.begin.time]), np.array([span.end.time])
+
+
+def _over_spans(
+    contact: Contact,
+    modulus: float,
+    parts: Sequence[Part],
+    count: int,
+    integral: Callable[[Span, Indices, Array, Array, Rule], Array],
+    rounding: Callable[[Span, Indices], float] | None = None,
+) -> Split:
+    """A/pi times the sums of `count` integrals along spans: by one rule, or by halving where edges run unevenly or pass corners.
+
+    Parameters
+    ----------
+    integral : integral(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k] to high[k], (n,)
+    rounding : what the last digits of P may leave in those of a span
+    """
+    marks = [corner_times(contact, span) for span, *_ in parts]
+    rough = np.array([len(cuts) > 0 or uneven(contact, part[0]) for cuts, part in zip(marks, parts, strict=True)], dtype=bool)
+    values, errors = np.zeros((2, len(parts), count))
+    for number, (span, begin, end) in enumerate(parts):
+        some = np.flatnonzero(end > begin)
+        if len(some):
+            values[number, some] = integral(span, some, begin[some], end[some], crowded if rough[number] else graded)
+    # One size for all: a short span by itself may be all rounding, and would never converge to its own. Of a closed integral what
+    # is stored and given back may be much larger than the rest.
+    every, stored = np.abs(np.sum(values, axis=0)), np.sum(np.abs(values[rough]), axis=0)
+    size = max(float(np.max(every)), _STORED * float(np.max(stored)))
     for number in np.flatnonzero(rough).tolist():
-        span = slipping[number]
+        span, begin, end = parts[number]
+        some = np.flatnonzero(end > begin)
+        if not len(some):
+            continue
 
-        def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
-            return _work_of_span(contact, span, begin, end, crowded)
+        def part(which: Indices, low: Array, high: Array, span: Span = span, some: Indices = some) -> Array:
+            return integral(span, some[which], low, high, crowded)
 
-        allowed = max(_share(contact, marks[number]) * size, float(_rounding(span, contact.dissipation_kernel)[0]))
-        found = by_halving(part, [span.begin.time], [span.end.time], allowed, marks[number])
-        works[number] = found.value[0]
-        error += float(found.error[0])
-    forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
-    factor = 2 / (math.pi * modulus)
-    return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]), np.asarray(factor * error))
-
-
-def _share(contact: Contact, marks: Array) -> float:
-    """Share of the whole at which a part has converged: 1e-14 across corners, for many small kinks may hide from one halving."""
-    return min(CONVERGED, 25 * contact.noise) if len(marks) else CONVERGED
+        # 1e-14 across corners, for many small kinks may hide from one halving.
+        share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
+        allowed = max(share * max(size, float(np.max(np.abs(values[number])))), rounding(span, some) if rounding else 0.0)
+        values[number, some], errors[number, some] = by_halving(part, begin[some], end[some], allowed, marks[number])
+    forward, factor = np.array([span.direction > 0 for span, *_ in parts], dtype=bool), 2 / (math.pi * modulus)
+    return Split(*(factor * np.sum(each, axis=0) for each in (values[forward], values[~forward], errors)))
 
 
 Rule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
@@ -152,38 +186,22 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     >>> float(work[0]), round(float(work[1]), 12), round(float(0.5 * contact.pressure(1.0, 1.0) * slip), 12)
     (0.0, 0.008438314611, 0.008438314611)
     """
-    work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
-    edge_load = contact.load(x)
-    todo = []
-    for span in spans:
-        if span.direction and span.active is not None:
-            begin, end = slip_times(span, edge_load)
-            here = np.flatnonzero(end > begin)
-            if len(here):
-                marks = corner_times(contact, span)
-                halved = len(marks) > 0 or uneven(contact, span)
-                rule = crowded if halved else graded
-                rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here], rule)
-                work[span.direction][here] += rough
-                if halved:
-                    todo.append((span, here, begin, end, rough, marks))
-    error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
-    for span, here, begin, end, rough, marks in todo:
-        at, edge = x[here], edge_load[here]
+    edge = contact.load(x)
+    parts = [(span, *slip_times(span, edge)) for span in spans if span.direction and span.active is not None]
 
-        def part(which: Indices, low: Array, high: Array, span: Span = span, at: Array = at, edge: Array = edge) -> Array:
-            return _work_at(contact, span, at[which], edge[which], low, high, crowded)
+    def work(span: Span, which: Indices, low: Array, high: Array, rule: Rule) -> Array:
+        return _work_at(contact, span, x[which], edge[which], low, high, rule)
 
-        def weighed(load: float, slipped: Array, at: Array = at, edge: Array = edge) -> Array:
-            ratio = contact.arccosh_ratio(at, np.maximum(edge - (load - slipped), 0.0), contact.advance(load - slipped))
-            return np.asarray(contact.pressure(at, load) * ratio)
+    def rounding(span: Span, which: Indices) -> float:
+        def weighed(load: float, slipped: Array) -> Array:
+            ratio = contact.arccosh_ratio(
+                x[which], np.maximum(edge[which] - (load - slipped), 0.0), contact.advance(load - slipped)
+            )
+            return np.asarray(contact.pressure(x[which], load) * ratio)
 
-        allowed = max(_share(contact, marks) * size, float(np.median(_rounding(span, weighed))))
-        found = by_halving(part, begin[here], end[here], allowed, marks)
-        work[span.direction][here] += found.value - rough
-        error[here] += found.error
-    factor = 2 / (math.pi * modulus)
-    return Split(factor * work[1], factor * work[-1], factor * error)
+        return float(np.median(_rounding(span, weighed)))
+
+    return _over_spans(contact, modulus, parts, len(x), work, rounding)
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -240,31 +258,13 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ways = [span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1] for span in spans]
     doubt = _DIGITS_OF_SHIFT * spans[0].friction * size * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
 
-    def loop(some: Sequence[Span], begin: ArrayLike, end: ArrayLike, rule: Rule) -> Array:
-        """The integral from begin to end over each span, or over each of many parts of the only one."""
-        times, weights = rule(begin, end)
-        along = list(zip(some, times.reshape(len(some), -1), strict=True))
-        rates = np.concatenate([span.leg.rate_of(Combination(0.0, 1.0), time) for span, time in along])
-        return -np.sum((integrals.over(take(along))[:, 0] * rates).reshape(times.shape) * weights, axis=1)
+    def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
+        times, weights = rule(low, high)
+        shift = integrals.over(take([(span, times.ravel())]))[:, 0].reshape(times.shape)
+        return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
 
-    marks = [corner_times(contact, span) for span in spans]
-    rough = np.array([len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, spans, strict=True)])
-    values = np.zeros(len(spans))
-    for which, rule in ((np.flatnonzero(rough), crowded), (np.flatnonzero(~rough), graded)):
-        some = [spans[k] for k in which.tolist()]
-        if some:
-            values[which] = loop(some, [span.begin.time for span in some], [span.end.time for span in some], rule)
-    # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
-    size = max(abs(float(np.sum(values))), _STORED * float(np.sum(np.abs(values[rough]))))
-    for k in np.flatnonzero(rough).tolist():
-
-        def parts(_: Indices, begin: Array, end: Array, span: Span = spans[k]) -> Array:
-            return loop([span], begin, end, crowded)
-
-        allowed = _share(contact, marks[k]) * max(size, abs(values[k]))
-        values[k] = by_halving(parts, [spans[k].begin.time], [spans[k].end.time], allowed, marks[k]).value[0]
-    total = float(np.sum(values))
-    return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
+    total = _over_spans(contact, modulus, [_whole(span) for span in spans], 1, work).total[0]
+    return float(total), 2 / (math.pi * modulus) * doubt
 
 
 def _flat_at(contact: Contact, largest: float) -> Contact:

@@ -2,20 +2,24 @@
 
 # notation: A = 2/E*; p, q tractions, q > 0 on the lower face; s slip of the upper face over the lower; eps bulk strain,
 #           alpha tilt; a1, a2 edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m,
-#           w = sqrt(c^2 - zeta^2); d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where they slip in direction d;
-#           H principal value of int (.)/(x - xi) d xi
+#           w = sqrt(|c^2 - zeta^2|); d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where they slip in direction d;
+#           N = f P - d Q, T = f alpha - d eps; side = +1 right, -1 left; H principal value of int (.)/(x - xi) d xi
 
     h' + alpha = (A/pi) H p  in contact,    s' = (A/pi) H q - eps  everywhere         (like bodies, Dundurs' beta = 0)
 
 The frozen slope s'(x) of the stick interval is the whole memory of friction. On stick (A/pi) H q* = F, with
-F = f (h' + alpha) - d (s' + eps), and q* is bounded at both edges, of the total f P - d Q:
+F = f (h' + alpha) - d (s' + eps). The singular part of q* at an edge is K/(pi w),
 
-    int F/w = A K_0,    int zeta F/w = A (f P - d Q - K_1),    K_j = 2 f int_opposite p |zeta|^j / sqrt(zeta^2 - c^2) d xi
+    K = N - (1/A) int (zeta + side c) F/w - 2 f int_far p |xi - near edge|^(1/2)/|xi - far edge|^(1/2) d xi
 
-K_j is there where the zone at the other end slips in the opposite direction: q* = 2 f p in it. A *receding* stick edge follows
-from these two equations at once, however long the step. A contact edge that *advances in stick* freezes the s' that it meets:
-there s' is the unknown, a Volterra equation of the first kind in time. A zone that comes to rest freezes its s' as it is, by the
-formula of H q* outside the stick interval. Steps end at events, and are spectral in time between them.
+with the last term where the zone at the far end slips in the opposite direction: q* = 2 f p in it. A *receding* stick edge is where
+K = 0, however long the step. A contact edge that *advances in stick* freezes the s' that it meets: what it was when the step began,
+and the integral over time of
+
+    ds'/dt = d side {f [(A/pi) dP - d alpha zeta_a]/w_a - [(A/pi) dN - dT zeta]/w}     outside the contact, a: of the contact
+
+A zone that comes to rest freezes its s' as it is, by the formula of H q* outside the stick interval. Steps end at events, and are
+spectral in time between them: K of the rates of the loads is negative while an edge recedes.
 
 Where loads turn round with bulk or tilt out of phase, slip stops at the edge of contact first, and stick has several intervals. So
 it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. There
@@ -28,8 +32,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -37,6 +42,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from scenes import NORMAL_LOAD, OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, Combination, InputError, LoadPath, LoadSegment
+from scenes.chebyshev import clenshaw
 from semi_analytic.history import check
 
 Array = NDArray[np.float64]
@@ -51,10 +57,13 @@ ERROR = 1e-8
 STEADY = 1e-8
 # Panels of half an interval, ever shorter towards its end: roots of what lies close beyond the end are resolved there.
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
-# What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
-_RESOLVED, _SHORTEST, _BRIDGED = 2e-9, 1e-7, 2e-3
-# Share of A f P that the equations of the edges may change by while edges are held: 1e-7 moves them by 1e-8 of their size.
-_CLOSING = 1e-7
+# What a step may leave unresolved, as share of the half-width; the shortest step, as share of the longest.
+_RESOLVED, _SHORTEST = 2e-9, 1e-7
+# Share of A f P that the equations of the edges may still change by up to a turning point where edges are held: a loop that closes
+# there meets a stretch without q*.
+_CLOSING = 1e-8
+# Gap that is left where an edge comes to an old one, share of the contact: beyond it s' has another series.
+_GAP = 3e-10
 # Instants of a step that are sampled together.
 _TOGETHER = 16
 # Share of the longest step that is no time: directions are those just after, and a corner that close has been reached.
@@ -63,17 +72,19 @@ _SOON = 1e-6
 _WRONG = 1e-6
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(32)
 _ANGLE, _ANGLE_WEIGHT = np.pi * (1 + _NODES) / 2, np.pi / 2 * _WEIGHTS
+_SIDES = ((0, -1), (1, 1))
 
 
 def _graded(count: int = 10) -> tuple[Array, Array]:
+    """Shares of an interval counted from one end, up to its middle, and weights: for an inverse root at that end."""
     x, w = np.polynomial.legendre.leggauss(count)
     at = np.concatenate([a + (b - a) * (1 + x) / 2 for a, b in pairwise(_PANELS)])
-    return at, np.concatenate([(b - a) * w / 2 for a, b in pairwise(_PANELS)])
+    return at**2 / 2, at * np.concatenate([(b - a) * w / 2 for a, b in pairwise(_PANELS)])
 
 
-_V, _VW = _graded()
-# Shares of an interval counted from one end, up to its middle: as they are, and for an inverse root at that end.
-_PLAIN, _ROOT = (_V / 2, _VW / 2), (_V**2 / 2, _VW * _V)
+_HALF, _HALF_WEIGHT = _graded()
+_SHARE, _REST = np.concatenate([_HALF, 1 - _HALF]), np.concatenate([1 - _HALF, _HALF])
+_SHARE_WEIGHT = np.concatenate([_HALF_WEIGHT, _HALF_WEIGHT])
 
 
 class Loads(NamedTuple):
@@ -93,23 +104,18 @@ def _nodes(n: int) -> Array:
     return -np.cos(np.pi * np.arange(n + 1) / n)
 
 
-_FITS: dict[int, Array] = {}
+@lru_cache
+def _to_series(n: int) -> Array:
+    return np.asarray(np.linalg.inv(chebyshev.chebvander(_nodes(n), n)), dtype=float)
 
 
 def _fit(values: Array) -> Array:
     """Chebyshev coefficients of values at `_nodes`, (n + 1, ...)."""
-    n = len(values) - 1
-    if n not in _FITS:
-        _FITS[n] = np.asarray(np.linalg.inv(chebyshev.chebvander(_nodes(n), n)), dtype=float)
-    return np.asarray(_FITS[n] @ values)
+    return np.asarray(_to_series(len(values) - 1) @ values)
 
 
 def _value(at: Array | float, coefficients: Array) -> Array:
     return np.asarray(chebyshev.chebval(at, coefficients))
-
-
-def _slope(coefficients: Array) -> Array:
-    return np.asarray(chebyshev.chebder(coefficients))
 
 
 def _primitive(coefficients: Array) -> Array:
@@ -119,194 +125,138 @@ def _primitive(coefficients: Array) -> Array:
 
 def _integral(values: Array) -> float:
     """Integral over [-1, 1] of what has these values at `_nodes`."""
-    even = _fit(values)[::2]
-    return float(np.sum(even * 2 / (1 - (2.0 * np.arange(len(even))) ** 2)))
+    return float(_value(1.0, _primitive(_fit(values))))
 
 
-def _clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
-    """Values of the series `number` (k,) out of (n + 1, pieces) at t, (k,) or (k, m)."""
-    rows = coefficients[:, number, None] if t.ndim == 2 else coefficients[:, number]
-    last, before, twice = np.zeros_like(t), np.zeros_like(t), 2 * t
-    for row in rows[:0:-1]:
-        last, before = twice * last - before + row, last
-    return np.asarray(rows[0] + t * last - before)
+def _places(low: float, high: float, n: int) -> Array:
+    """Points at the n + 1 nodes of a piece of s'."""
+    return np.asarray(low + (high - low) * np.sin(np.pi * (_nodes(n) + 1) / 4) ** 2)
 
 
-def _inverse(coefficients: Array, wanted: Array) -> Array:
-    """Where a rising series has these values, on [-1, 1]: Newton's method between bounds."""
-    low, high, at = -np.ones(len(wanted)), np.ones(len(wanted)), np.zeros(len(wanted))
-    slope = _slope(coefficients)
-    for _ in range(100):
-        miss = _value(at, coefficients) - wanted
-        low, high = np.where(miss <= 0, at, low), np.where(miss >= 0, at, high)
-        steep = _value(at, slope)
-        new = at - miss / np.where(steep > 0, steep, 1.0)
-        new = np.where((new >= low) & (new <= high) & (steep > 0), new, (low + high) / 2)
-        if np.max(np.abs(new - at)) < 1e-13:
-            return new
-        at = new
-    return at
+def _times(begin: float, end: float, n: int) -> Array:
+    """Times at the n + 1 nodes of a step: roots of them at either end are smooth there."""
+    time = _places(begin, end, n)
+    time[-1] = end
+    return time
 
 
-def _first_root(values: Array, k: int) -> float:
-    """The root of what has these values at `_nodes` and changes sign between node k - 1 and node k."""
-    series, nodes = _fit(values), _nodes(len(values) - 1)
-    low, high = float(nodes[k - 1]), float(nodes[k])
-    for _ in range(55):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _value(middle, series) > 0 else (low, middle)
-    return (low + high) / 2
+def _root_beyond(zeta: Array, c: Array) -> Array:
+    """sqrt(zeta^2 - c^2) > 0, also where a zone has no width yet, with nothing in it."""
+    return np.sqrt(np.maximum((zeta - c) * (zeta + c), (1e-10 * c) ** 2))
 
 
 # ---------------------------------------------------------------------------------------------------- the frozen slope
-class Piece:
-    """s' on [low, high]: a Chebyshev series in theta of x = low + (high - low) sin(theta/2)^2, which resolves roots at both ends.
-
-    `begin` is s at the low end; two neighbours have one s where they meet.
-    """
-
-    def __init__(self, low: float, high: float, coefficients: Array, begin: float = 0.0) -> None:
-        self.low, self.high, self.slope, self.begin = low, high, coefficients, begin
-        at = _nodes(2 * len(coefficients) + 8)
-        rate = _value(at, coefficients) * (high - low) * np.sin(np.pi * (at + 1) / 2) * np.pi / 4
-        self.rise = _primitive(_fit(rate))
-
-    @staticmethod
-    def places(low: float, high: float, n: int) -> Array:
-        """The points x of the n + 1 nodes."""
-        return np.asarray(low + (high - low) * np.sin(np.pi * (_nodes(n) + 1) / 4) ** 2)
-
-    def _at(self, x: Array | float) -> Array:
-        share = np.clip((np.asarray(x) - self.low) / (self.high - self.low), 0, 1)
-        return np.asarray(4 / np.pi * np.arcsin(np.sqrt(share)) - 1)
-
-    def slope_at(self, x: Array | float) -> Array:
-        """s'(x)."""
-        return _value(self._at(x), self.slope)
-
-    def slip_at(self, x: Array | float) -> Array:
-        """s(x)."""
-        return self.begin + _value(self._at(x), self.rise)
-
-    def part(self, low: float, high: float) -> Piece:
-        """The piece between two of its points."""
-        low, high = max(low, self.low), min(high, self.high)
-        if (low, high) == (self.low, self.high):
-            return self
-        series = _fit(self.slope_at(self.places(low, high, max(len(self.slope) - 1, 1))))
-        return Piece(low, high, series, float(self.slip_at(low)))
-
-
-def _merged(pieces: Sequence[Piece], scale: float) -> list[Piece]:
-    """Neighbours put together where one series resolves both to `scale`."""
-    done = [pieces[0]]
-    for piece in pieces[1:]:
-        last = done[-1]
-        n = 2 * ORDER
-        x = Piece.places(last.low, piece.high, n)
-        both = _fit(np.where(x < piece.low, last.slope_at(x), piece.slope_at(x)))
-        one = Piece(last.low, piece.high, both, last.begin)
-        test = np.concatenate([np.linspace(each.low, each.high, 13) for each in (last, piece)])
-        true = np.where(test < piece.low, last.slope_at(test), piece.slope_at(test))
-        if max(np.max(np.abs(one.slope_at(test) - true)), np.max(np.abs(both[-3:]))) < scale:
-            done[-1] = one
-        else:
-            done.append(piece)
-    return done
-
-
 class Quadrature(NamedTuple):
-    """Nodes on parts of stick intervals: rows (k,) of the intervals, then (k, m) each: x, weight, s', s, x - b1, b2 - x."""
+    """Nodes on parts of stick intervals: rows (k,) of the intervals, then (k, m): x, weight, s', x - b1, b2 - x."""
 
     row: NDArray[np.intp]
     x: Array
     weight: Array
     slope: Array
-    slip: Array
     up: Array
     down: Array
 
 
 class Frozen:
-    """Pieces of the frozen s' side by side, from left to right."""
+    """The frozen s'(x) on k pieces side by side, from left to right, and s(x).
 
-    def __init__(self, pieces: Sequence[Piece]) -> None:
-        self.pieces = list(pieces)
-        self.low, self.high = (np.array([getattr(p, name) for p in pieces]) for name in ("low", "high"))
-        self.begin, self.length = np.array([p.begin for p in pieces]), self.high - self.low
-        self._slope, self._rise = (self._stacked([getattr(p, name) for p in pieces]) for name in ("slope", "rise"))
-        share, weight = _PLAIN
-        every = np.arange(len(pieces))
-        length, near = self.length[:, None], np.sin(np.pi * share / 2) ** 2
-        self._up, self._down = (length * np.concatenate(two) for two in ((near, 1 - near), (1 - near, near)))
-        bent = np.sin(np.pi * share) * np.pi * weight / 2
-        self._weight = length * np.concatenate([bent, bent])
-        at = np.broadcast_to(2 * np.concatenate([share, 1 - share]) - 1, (len(pieces), 2 * len(share)))
-        self._slopes, self._slips = _clenshaw(self._slope, every, at), _clenshaw(self._rise, every, at) + self.begin[:, None]
+    On a piece s' is a Chebyshev series in theta, x = low + (high - low) sin(theta/2)^2, which resolves roots at both ends. `ends`
+    (k + 1,), `series` (n + 1, k); s = `slip` at the point `at`.
+    """
 
-    @staticmethod
-    def _stacked(rows: Sequence[Array]) -> Array:
-        found = np.zeros((max(len(row) for row in rows), len(rows)))
-        for number, row in enumerate(rows):
-            found[: len(row), number] = row
-        return found
+    def __init__(self, ends: Array, series: Array, at: float = 0.0, slip: float = 0.0) -> None:
+        self.ends, self.series, self.low, self.length, self._known = ends, series, ends[:-1], np.diff(ends), (at, slip)
+
+    @cached_property
+    def _whole(self) -> Array:
+        return self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi)
+
+    @cached_property
+    def _rise(self) -> Array:
+        """Series of s."""
+        nodes, (at, slip) = _nodes(len(self.series) + 15), self._known
+        rate = chebyshev.chebval(nodes, self.series) * self.length[:, None] * np.sin(np.pi * (nodes + 1) / 2) * np.pi / 4
+        rise = _primitive(_fit(rate.T))
+        rise[0] += np.append(0.0, np.cumsum(np.sum(rise, axis=0))[:-1])
+        rise[0] += slip - float(self._at(rise, np.array([at]))[0])
+        return rise
 
     def _theta(self, number: NDArray[np.intp], x: Array) -> Array:
         return np.asarray(2 * np.arcsin(np.sqrt(np.clip((x - self.low[number]) / self.length[number], 0, 1))))
 
-    def _number(self, x: Array) -> NDArray[np.intp]:
-        return np.asarray(np.clip(np.searchsorted(self.high, x), 0, len(self.high) - 1))
+    def _at(self, rows: Array, x: Array) -> Array:
+        number = np.clip(np.searchsorted(self.ends, x) - 1, 0, len(self.low) - 1)
+        return np.asarray(clenshaw(rows, number, 2 * self._theta(number, x) / np.pi - 1).reshape(np.shape(x)))
 
     def slope(self, x: Array) -> Array:
-        """s'(x), (n,)."""
-        number = self._number(x)
-        return _clenshaw(self._slope, number, 2 * self._theta(number, x) / np.pi - 1)
+        """s'(x), shape of x."""
+        return self._at(self.series, x)
 
     def slip(self, x: Array) -> Array:
-        """s(x), (n,)."""
-        number = self._number(x)
-        return _clenshaw(self._rise, number, 2 * self._theta(number, x) / np.pi - 1) + self.begin[number]
+        """s(x), shape of x."""
+        return self._at(self._rise, x)
 
-    def quadratures(self, b1: Array, b2: Array, *, slip: bool = False) -> list[Quadrature]:
-        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel; s where asked for."""
-        left, right = b1[:, None], b2[:, None]
-        inside = np.minimum(right, self.high) > np.maximum(left, self.low)
-        whole = inside & (left <= self.low) & (right >= self.high)
-        found = []
-        k, p = np.nonzero(whole)
-        if len(k):
-            up, down = self._up[p] + (self.low[p] - b1[k])[:, None], self._down[p] + (b2[k] - self.high[p])[:, None]
-            x = self.low[p][:, None] + self._up[p]
-            found.append(Quadrature(k, x, self._weight[p], self._slopes[p], self._slips[p], up, down))
-        k, p = np.nonzero(inside & ~whole)
-        if len(k):
-            cut1, cut2 = (b1[k] > self.low[p])[:, None], (b2[k] < self.high[p])[:, None]
-            begin = np.where(cut1, self._theta(p, b1[k])[:, None], 0.0)
-            end = np.where(cut2, self._theta(p, b2[k])[:, None], np.pi)
-            span, length = end - begin, self.length[p][:, None]
-            first, last = np.where(cut1, _ROOT[0], _PLAIN[0]), np.where(cut2, _ROOT[0], _PLAIN[0])
-            weight = span * np.concatenate([np.where(cut1, _ROOT[1], _PLAIN[1]), np.where(cut2, _ROOT[1], _PLAIN[1])], axis=1)
-            after, ahead = (span * np.concatenate(two, axis=1) for two in ((first, 1 - last), (1 - first, last)))
-            theta = np.concatenate([begin + span * first, end - span * last], axis=1)
-            up = length * np.sin((theta + begin) / 2) * np.sin(after / 2)
-            down = length * np.sin((theta + end) / 2) * np.sin(ahead / 2)
-            x = np.where(cut1, b1[k][:, None], self.low[p][:, None]) + up
-            up = np.where(cut1, up, up + (self.low[p] - b1[k])[:, None])
-            down = np.where(cut2, down, down + (b2[k] - self.high[p])[:, None])
-            at, weight = 2 * theta / np.pi - 1, weight * length / 2 * np.sin(theta)
-            slips = _clenshaw(self._rise, p, at) + self.begin[p][:, None] if slip else theta
-            found.append(Quadrature(k, x, weight, _clenshaw(self._slope, p, at), slips, up, down))
-        return found
+    def within(self, b1: float, b2: float) -> Frozen:
+        """Without the pieces outside [b1, b2]."""
+        tiny = 1e-11 * (b2 - b1)
+        kept = np.flatnonzero((self.ends[1:] > b1 + tiny) & (self.low < b2 - tiny))
+        if len(kept) == len(self.low):
+            return self
+        first, last, slip = kept[0], kept[-1] + 1, float(self.slip(np.array([b1]))[0])
+        return Frozen(self.ends[first : last + 1], self.series[:, first:last], b1, slip)
+
+    def joined(self, side: int, edge: float, slope: Array, end: float, alike: float = 0.0) -> Frozen:
+        """With one more piece at a side, from the stick edge to `end`: s' = `slope` (n + 1,) at its `_places`, from left to right.
+
+        It is one with its neighbour where one series resolves both to `alike`.
+        """
+        n, ends, series = len(slope) - 1, self.ends, np.pad(self.series, ((0, max(len(slope) - len(self.series), 0)), (0, 0)))
+        known = float(self.slip(np.array([edge]))[0])
+        if side > 0:
+            last = int(np.clip(np.searchsorted(ends, edge) - 1, 0, len(self.low) - 1))
+            cut, kept, far = (float(ends[last]), edge), series[:, :last], ends[: last + 1]
+        else:
+            last = int(np.clip(np.searchsorted(ends, edge, side="right") - 1, 0, len(self.low) - 1))
+            cut, kept, far = (edge, float(ends[last + 1])), series[:, last + 1 :], ends[last + 1 :]
+        rows = [_fit(self.slope(_places(*cut, n))), _fit(slope)]
+        new = Frozen(np.array([cut[0], edge, end] if side > 0 else [end, edge, cut[1]]), np.stack(rows[::side], axis=1))
+        both = float(new.ends[0]), float(new.ends[2])
+        one = Frozen(new.ends[::2], _fit(new.slope(_places(*both, n)))[:, None])
+        test = np.concatenate([np.linspace(*pair, 13) for pair in pairwise(new.ends)])
+        if max(np.max(np.abs(one.slope(test) - new.slope(test))), np.max(np.abs(one.series[-3:]))) < alike:
+            new = one
+        parts = (far[:-1], new.ends) if side > 0 else (new.ends, far[1:])
+        return Frozen(np.concatenate(parts), np.concatenate([kept, new.series][::side], axis=1), edge, known)
+
+    def _rule(self, number: NDArray[np.intp], begin: Array, end: Array) -> Array:
+        """Weight, s' and distances from both ends at nodes of parts of pieces, theta from `begin` to `end` (k,): (4, k, m)."""
+        begin, span = begin[:, None], (end - begin)[:, None]
+        theta = np.concatenate([begin + span * _HALF, end[:, None] - span * _HALF], axis=1)
+        length, numbers, at = self.length[number][:, None], np.repeat(number[:, None], len(_SHARE), axis=1), 2 * theta / np.pi - 1
+        up = length * np.sin((theta + begin) / 2) * np.sin(span * _SHARE / 2)
+        down = length * np.sin((theta + end[:, None]) / 2) * np.sin(span * _REST / 2)
+        weight = span * _SHARE_WEIGHT * length / 2 * np.sin(theta)
+        return np.stack([weight, clenshaw(self.series, numbers, at), up, down])
+
+    def quadrature(self, b1: Array, b2: Array) -> Quadrature:
+        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel."""
+        k, p = np.nonzero(np.minimum(b2[:, None], self.ends[1:]) > np.maximum(b1[:, None], self.low))
+        cut1, cut2 = b1[k] > self.low[p], b2[k] < self.ends[p + 1]
+        some, found = np.flatnonzero(cut1 | cut2), self._whole[:, p]
+        q, left, right = p[some], np.where(cut1, b1[k], self.low[p])[some], np.where(cut2, b2[k], self.ends[p + 1])[some]
+        found[:, some] = self._rule(q, self._theta(q, left), self._theta(q, right))
+        weight, slope, up, down = found
+        x = np.maximum(b1[k], self.low[p])[:, None] + up
+        up += np.maximum(self.low[p] - b1[k], 0.0)[:, None]
+        down += np.maximum(b2[k] - self.ends[p + 1], 0.0)[:, None]
+        return Quadrature(k, x, weight, slope, up, down)
 
     def moments(self, b1: Array, b2: Array, *, slip: bool = False) -> Array:
         """int s'/w, int zeta s'/w and, where asked for, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (2 or 4, n)."""
-        found = np.zeros((4 if slip else 2, len(b1)))
-        for each in self.quadratures(b1, b2, slip=slip):
-            w, zeta = each.weight / np.sqrt(each.up * each.down), (each.up - each.down) / 2
-            wanted = (each.slope, zeta * each.slope, zeta**2 * each.slope, each.slip)
-            for row, values in enumerate(wanted[: len(found)]):
-                found[row] += np.bincount(each.row, np.sum(w * values, axis=1), len(b1))
-        return found
+        each = self.quadrature(b1, b2)
+        w, zeta = each.weight / np.sqrt(each.up * each.down), (each.up - each.down) / 2
+        wanted = [each.slope, zeta * each.slope] + ([zeta**2 * each.slope, self.slip(each.x)] if slip else [])
+        return np.array([np.bincount(each.row, np.sum(w * values, axis=1), len(b1)) for values in wanted])
 
 
 # ---------------------------------------------------------------------------------------------------------- the contact
@@ -317,148 +267,35 @@ class Parabola:
     compliance: float
     radius: float
 
-    def edges(self, load: Array, tilt: Array) -> tuple[Array, Array]:
-        """a1 and a2, (n,) each."""
+    def edges(self, load: Array, tilt: Array) -> Array:
+        """a1 and a2, (2, n)."""
         middle, half = -tilt * self.radius, np.sqrt(2 * self.compliance * self.radius * load / np.pi)
-        return middle - half, middle + half
-
-    def pressure(self, x: Array, a1: Array, a2: Array) -> Array:
-        """p(x), 0 outside."""
-        return np.asarray(np.sqrt(np.maximum((x - a1) * (a2 - x), 0.0)) / (self.compliance * self.radius))
-
-    def slope(self, x: Array) -> Array:
-        """h'(x)."""
-        return x / self.radius
-
-    def moments(self, b1: Array, b2: Array) -> tuple[Array, Array]:
-        """int h'/w and int zeta h'/w over [b1, b2]."""
-        m, c = (b1 + b2) / 2, (b2 - b1) / 2
-        return np.pi * m / self.radius, np.pi * c**2 / 2 / self.radius
-
-    def beyond(self, x: Array, a1: Array, a2: Array) -> Array:
-        """(A/pi) H p = h' + alpha inside [a1, a2], and outside."""
-        zeta, half = x - (a1 + a2) / 2, (a2 - a1) / 2
-        return np.asarray((zeta - np.sign(zeta) * np.sqrt(np.maximum(zeta**2 - half**2, 0.0))) / self.radius)
+        return np.stack([middle - half, middle + half])
 
 
-_GROWING: dict[int, tuple[Array, Array, Array, Array]] = {}
+@dataclass(frozen=True, eq=False)
+class Stick:
+    """One stick interval at n instants.
 
-
-def _growing_rule(n: int) -> tuple[Array, Array, Array, Array]:
-    """Quadrature on what has been frozen since a step began, for its nodes k = 1..n.
-
-    Weights (n, m) on [-1, phi_k]; cardinal functions, derivatives T_j' and differences T_j(phi_k) - T_j(phi), (n, m, n + 1) each.
-    """
-    if n not in _GROWING:
-        last = _nodes(n)[1:]
-        length = (last + 1)[:, None]
-        # At the end of a step edges move as the square of 1 - phi: roots in x are none in phi there.
-        end = (last == last[-1])[:, None]
-        share, weight = np.where(end, _PLAIN[0], _ROOT[0]), np.where(end, _PLAIN[1], _ROOT[1])
-        begin = np.broadcast_to(_PLAIN[0], share.shape)
-        phi = np.concatenate([-1 + length * begin, last[:, None] - length * share], axis=1)
-        gap = length * np.concatenate([1 - begin, share], axis=1)
-        at, there = chebyshev.chebvander(phi, n), chebyshev.chebvander(last, n)
-        quotient = np.zeros((*phi.shape, n + 1))
-        quotient[..., 1] = 1
-        for j in range(1, n):
-            quotient[..., j + 1] = 2 * (there[:, None, j] + phi * quotient[..., j]) - quotient[..., j - 1]
-        derivative = np.zeros((n + 1, n + 1))
-        for j in range(1, n + 1):
-            series = _slope(np.eye(n + 1)[j])
-            derivative[: len(series), j] = series
-        weights = length * np.concatenate([np.broadcast_to(_PLAIN[1], share.shape), weight], axis=1)
-        _fit(np.zeros(n + 1))
-        _GROWING[n] = weights, at @ _FITS[n], at @ derivative, quotient * gap[..., None]
-    return _GROWING[n]
-
-
-def _growing_moments(side: int, b1: Array, b2: Array) -> tuple[Array, Array]:
-    """What s' at node j of a growing piece adds to int s'/w and int zeta s'/w at node k = 1..n: (n, n + 1) each."""
-    weight, cardinal, derivative, difference = _growing_rule(len(b1) - 1)
-    edge, far = (b2, b1) if side > 0 else (-b1, -b2)
-    series, whole = _fit(edge), (edge - far)[1:, None]
-    gap = difference @ series  # distance from the edge
-    w = (derivative @ series) * weight / np.sqrt(gap * (whole - gap))
-    zeta = side * (whole / 2 - gap)
-    return np.einsum("ki,kij->kj", w, cardinal), np.einsum("ki,kij->kj", w * zeta, cardinal)
-
-
-class State:
-    """An instant: edges of stick, direction of slip at either end (0: stick up to the edge of contact), the frozen s'."""
-
-    def __init__(self, time: float, stick: tuple[float, float], slips: tuple[int, int], pieces: Sequence[Piece]) -> None:
-        self.time, self.b1, self.b2, self.slips = time, *stick, slips
-        tiny = 1e-11 * (self.b2 - self.b1)
-        inside = [p for p in pieces if p.high > self.b1 + tiny and p.low < self.b2 - tiny and p.high > p.low + tiny]
-        self.frozen = Frozen(inside)
-
-    @property
-    def stick(self) -> tuple[float, float]:
-        """Both edges of stick."""
-        return self.b1, self.b2
-
-    @property
-    def edges(self) -> tuple[Array, Array]:
-        """The same as arrays (1,)."""
-        return np.array([self.b1]), np.array([self.b2])
-
-    def edge(self, side: int) -> float:
-        """The stick edge of a side."""
-        return self.b2 if side > 0 else self.b1
-
-    def end_piece(self, side: int) -> Piece:
-        """The outermost piece of a side."""
-        return self.frozen.pieces[-1 if side > 0 else 0]
-
-    def end_slope(self, side: int) -> float:
-        """s' at the stick edge of a side."""
-        return float(self.end_piece(side).slope_at(self.edge(side)))
-
-    def joined(self, side: int, low: float, high: float, coefficients: Array) -> list[Piece]:
-        """The pieces with one more at a side, [low, high], that begins at the stick edge."""
-        pieces, new = list(self.frozen.pieces), Piece(low, high, coefficients)
-        if side > 0:
-            head = pieces[-1].part(pieces[-1].low, low)
-            new.begin = float(head.slip_at(low))
-            return [*pieces[:-1], head, new]
-        head = pieces[0].part(high, pieces[0].high)
-        new.begin = float(head.slip_at(high) - _value(1.0, new.rise))
-        return [new, head, *pieces[1:]]
-
-    def without_slivers(self, side: int) -> State:
-        """With the stick edge moved to an old edge within 1e-8 of the stick interval: a loop that closes brings it back there."""
-        near, edge = 1e-8 * (self.b2 - self.b1), self.edge(side)
-        ends = [p.low if side > 0 else p.high for p in self.frozen.pieces]
-        close = [x for x in ends if 0 <= side * (edge - x) < near]
-        if not close:
-            return self
-        stick = (self.b1, min(close)) if side > 0 else (max(close), self.b2)
-        return State(self.time, stick, self.slips, self.frozen.pieces)
-
-
-@dataclass
-class Step:
-    """A stretch of time without events. Values at nodes 0..n of phi, with time = begin + duration sin(pi (1 + phi)/4)^2.
-
-    `slips` are the directions at both ends: +1, -1, or 0 for a contact edge that advances in stick. `frozen` holds all of s' that
-    is frozen at the end. `work` is the friction work, `wrong` the largest share of slip rate or f p0 that breaks a law of friction,
-    at x = `where`.
+    Attributes
+    ----------
+    slips : direction of slip at the left and at the right end: 0 where stick goes up to the edge of contact
+    loads, rates : (4, n) P, Q, eps, alpha and their derivatives in time
+    edges : (2, n) b1, b2
     """
 
+    contact: Parabola
+    friction: float
+    frozen: Frozen
     slips: tuple[int, int]
-    time: Array
     loads: Array
     rates: Array
-    a1: Array
-    a2: Array
-    b1: Array
-    b2: Array
-    frozen: Frozen
-    grown: tuple[tuple[int, Array], ...] = ()
-    work: float = 0.0
-    wrong: float = 0.0
-    where: float = 0.0
+    edges: Array
+
+    @cached_property
+    def contact_edges(self) -> Array:
+        """a1 and a2, (2, n)."""
+        return self.contact.edges(self.loads[0], self.loads[3])
 
     @property
     def opposite(self) -> bool:
@@ -466,36 +303,239 @@ class Step:
         return self.slips[0] * self.slips[1] < 0
 
     @property
-    def edges(self) -> tuple[Array, Array, Array, Array]:
-        """a1, a2, b1, b2."""
-        return self.a1, self.a2, self.b1, self.b2
+    def middle(self) -> Array:
+        """m, (n,)."""
+        return np.asarray(np.sum(self.edges, axis=0) / 2)
 
     @property
-    def size(self) -> float:
-        """Width of the contact at first."""
-        return float(self.a2[0] - self.a1[0])
+    def half(self) -> Array:
+        """c, (n,)."""
+        return np.asarray(np.diff(self.edges, axis=0)[0] / 2)
 
-    def phi(self, time: Array) -> Array:
-        """Place of times within the step, in [-1, 1]."""
-        share = np.clip((time - self.time[0]) / (self.time[-1] - self.time[0]), 0, 1)
-        return np.asarray(4 / np.pi * np.arcsin(np.sqrt(share)) - 1)
+    @property
+    def width(self) -> float:
+        """Of the contact at first."""
+        return float(self.contact_edges[1, 0] - self.contact_edges[0, 0])
+
+    def part(self, first: int, last: int | None = None) -> Stick:
+        """Some of the instants."""
+        loads, rates, edges = (each[:, first:last] for each in (self.loads, self.rates, self.edges))
+        return replace(self, loads=loads, rates=rates, edges=edges)
+
+    def direction(self, side: int) -> int:
+        """d of a side: that of the other end where it sticks, 1 where both do."""
+        first, second = self.slips[::side]
+        return second or first or 1
+
+    def zone(self, side: int) -> tuple[Array, Array]:
+        """Nodes and weights (n, m) of the slip zone of a side, for roots at both of its ends."""
+        i = (side + 1) // 2
+        low, high = np.sort([self.edges[i], self.contact_edges[i]], axis=0)
+        half = ((high - low) / 2)[:, None]
+        return (low + high)[:, None] / 2 - half * np.cos(_ANGLE), half * np.sin(_ANGLE) * _ANGLE_WEIGHT
+
+    def pressure(self, x: Array) -> Array:
+        """p at x (n, m), 0 outside."""
+        a1, a2 = self.contact_edges[..., None]
+        return np.asarray(np.sqrt(np.maximum((x - a1) * (a2 - x), 0.0)) / (self.contact.compliance * self.contact.radius))
+
+    def pressure_rate(self, x: Array) -> Array:
+        """dp/dt at x (n, m) in the contact."""
+        a1, a2 = self.contact_edges[..., None]
+        turning = self.rates[3][:, None] / self.contact.compliance * (x - (a1 + a2) / 2)
+        root = np.sqrt(np.maximum((x - a1) * (a2 - x), np.finfo(float).tiny))
+        return np.asarray((self.rates[0][:, None] / np.pi - turning) / root)
+
+    def _driven(self, side: int, loads: Array, pressure: Callable[[Array], Array]) -> Array:
+        """K without what h' and s' make of it, (n,); p by `pressure`."""
+        (P, Q, eps, alpha), f, d = loads, self.friction, self.direction(side)
+        load = f * P - d * Q - side * np.pi * self.half / self.contact.compliance * (f * alpha - d * eps)
+        if self.opposite:
+            x, weight = self.zone(-side)
+            own, other = self.edges[::-side, :, None]
+            load = load - 2 * f * np.sum(weight * pressure(x) * np.sqrt((x - other) / (x - own)), axis=1)
+        return np.asarray(load)
+
+    def edge_load(self, side: int) -> Array:
+        """K of the rates at the stick edge of a side, (n,): negative while the edge recedes."""
+        return self._driven(side, self.rates, self.pressure_rate)
+
+    def excess(self) -> Array:
+        """A K of the loads at both edges, (2, n): 0 at the edges of stick."""
+        f, A, c = self.friction, self.contact.compliance, self.half
+        g0, g1 = self.frozen.moments(*self.edges)
+        h0, h1 = np.pi * self.middle / self.contact.radius, np.pi * c**2 / 2 / self.contact.radius
+        found = []
+        for _, side in _SIDES:
+            d = self.direction(side)
+            total = f * (h1 + side * c * h0) - d * (g1 + side * c * g0)
+            found.append(A * self._driven(side, self.loads, self.pressure) - total)
+        return np.array(found)
+
+    def excess_rates(self, found: Array, moves: Sequence[int]) -> Array:
+        """Derivatives of `excess`, whose value is `found`, by the edges that move, towards the middle: (n, k, k)."""
+        columns, step = [], 1e-8 * self.width
+        for i in moves:
+            shifted = self.edges.copy()
+            shifted[i] += (1 - 2 * i) * step
+            columns.append((replace(self, edges=shifted).excess() - found)[list(moves)] / ((1 - 2 * i) * step))
+        return np.array(columns).transpose(2, 1, 0)
+
+    def at_contact_edge(self, side: int) -> tuple[Array, Array]:
+        """Strengths of q' and of f p' at a contact edge that sticks, (n,) each."""
+        a1, a2 = self.contact_edges
+        c, d = (a2 - a1) / 2, self.direction(side)
+        pressure = self.friction * (self.rates[0] - side * np.pi * c / self.contact.compliance * self.rates[3]) / np.sqrt(2 * c)
+        return d * (pressure - self.edge_load(side) / np.sqrt(2 * self.half)), pressure
+
+    def slip_rate(self, side: int, x: Array) -> Array:
+        """d ds/dt at x (n, m) in the slip zone of a side: positive."""
+        (P, Q, eps, alpha), f, A, d = self.rates[..., None], self.friction, self.contact.compliance, self.direction(side)
+        c = self.half[:, None]
+        zeta = side * (x - self.middle[:, None])
+        past = np.maximum(side * (x - self.edges[(side + 1) // 2][:, None]), 0.0)
+        w = np.sqrt(past * (past + 2 * c))
+        rate = side * (f * alpha - d * eps) * w - A / np.pi * (f * P - d * Q) * np.arctanh(w / zeta)
+        if self.opposite:
+            xi, weight = self.zone(-side)
+            there, here = (side * (xi - self.middle[:, None]))[:, None, :], zeta[:, :, None]
+            ratio = (c[:, :, None] ** 2 - there * here) / (c[:, :, None] * (here - there))
+            p = weight * self.pressure_rate(xi)
+            rate = rate + 2 * A / np.pi * f * np.einsum("kj,kij->ki", p, np.arccosh(np.maximum(ratio, 1.0)))
+        return np.asarray(rate)
+
+    def outer_slope_rate(self, side: int, x: Array) -> Array:
+        """ds'/dt at x (n, m) outside the contact, beyond a side that sticks up to its edge."""
+        (P, Q, eps, alpha), f, A, d = self.rates[..., None], self.friction, self.contact.compliance, self.direction(side)
+
+        def root(edges: Array, load: Array, turn: Array) -> Array:
+            low, high = edges[..., None]
+            w = np.sqrt(np.maximum((x - low) * (x - high), np.finfo(float).tiny))
+            return np.asarray((A / np.pi * load * side - side * turn * (x - (low + high) / 2)) / w)
+
+        return d * (f * root(self.contact_edges, P, alpha) - root(self.edges, f * P - d * Q, f * alpha - d * eps))
+
+    def _drive(self, x: Array, slope: Array, d: int, rows: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """F at x (n, m), where the frozen s' is `slope`."""
+        loads = self.loads[:, rows, None]
+        return np.asarray(self.friction * (x / self.contact.radius + loads[3]) - d * (slope + loads[2]))
+
+    def _means(self, x: Array, datum: Array, d: int) -> Array:
+        """int [F(y) - F_0]/[w(y) (y - x)] dy over stick, at x and with F_0 = `datum` (n, m)."""
+        total, each = np.zeros(x.shape), self.frozen.quadrature(*self.edges)
+        inverse = each.x[:, None, :] - x[each.row][:, :, None]
+        np.divide(1.0, inverse, out=inverse, where=inverse != 0)
+        inverse *= self._drive(each.x, each.slope, d, each.row)[:, None, :] - datum[each.row][:, :, None]
+        np.add.at(total, each.row, np.einsum("kn,kmn->km", each.weight / np.sqrt(each.up * each.down), inverse))
+        return total
+
+    def _far_zone(self, side: int, x: Array) -> Array:
+        """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
+        xi, weight = self.zone(side)
+        p = weight * self.pressure(xi) / _root_beyond(xi - self.middle[:, None], self.half[:, None])
+        return np.sum(p[:, None, :] / (x[:, :, None] - xi[:, None, :]), axis=2)
+
+    def shear_reserve(self, x: Array) -> Array:
+        """q*/w at x (n, m) within the stick interval: q = d (f p - q*) with d of the right side."""
+        d = self.direction(1)
+        total = self._means(x, self._drive(x, self.frozen.slope(x), d), d) / (np.pi * self.contact.compliance)
+        return np.asarray(total + 2 * self.friction / np.pi * self._far_zone(-1, x) if self.opposite else total)
+
+    def outer_slope(self, side: int, x: Array) -> Array:
+        """s' at x (n, m) beyond the stick edge of a side, in the slip zone and outside the contact."""
+        (b1, b2), f, A, d = self.edges[..., None], self.friction, self.contact.compliance, self.direction(side)
+        edge = b2 if side > 0 else b1
+        at_edge = self._drive(edge, self.frozen.slope(edge), d)
+        root = side * np.sqrt(np.maximum((x - b1) * (x - b2), 0.0))
+        total = -self._means(x, at_edge + 0 * x, d)
+        if self.opposite:
+            total = total - 2 * A * f * side * self._far_zone(-side, x)
+        zeta, half = x - np.mean(self.contact_edges, axis=0)[:, None], (np.diff(self.contact_edges, axis=0)[0] / 2)[:, None]
+        # (A/pi) H p is h' + alpha in the contact, and this outside.
+        beyond = (zeta - np.sign(zeta) * np.sqrt(np.maximum(zeta**2 - half**2, 0.0))) / self.contact.radius
+        return np.asarray(d * (f * beyond - at_edge - root / np.pi * total) - self.loads[2][:, None])
+
+    def displacement(self) -> tuple[Array, Array]:
+        """U and m_q, (n,) each: from the means of the equations of stick over 1/w."""
+        (_, Q, eps, _), A, m, c = self.loads, self.contact.compliance, self.middle, self.half
+        _, _, second, slip = self.frozen.moments(*self.edges, slip=True)
+        U = slip / np.pi + eps * m - A / np.pi * Q * np.log(c / 2)
+        moment = m * Q + (second + eps * np.pi * c**2 / 2) / A
+        for i, side in _SIDES:
+            if self.slips[i]:
+                x, weight = self.zone(side)
+                zeta, q = x - m[:, None], self.slips[i] * self.friction * weight * self.pressure(x)
+                U = U - A / np.pi * np.sum(q * np.arccosh(np.maximum(np.abs(zeta) / c[:, None], 1.0)), axis=1)
+                moment = moment + side * np.sum(q * zeta**2 / _root_beyond(np.abs(zeta), c[:, None]), axis=1)
+        return U, moment
+
+    def fields(self, x: Array, order: int) -> Array:
+        """p, q, s and the state of the surface at points (m,): (4, n, m)."""
+        (a1, a2), (b1, b2), f = self.contact_edges[..., None], self.edges[..., None], self.friction
+        p, touching, sticks = self.pressure(x), (x >= a1) & (x <= a2), (x >= b1) & (x <= b2)
+        q = f * p * np.where(x > b2, self.slips[1], self.slips[0])
+        state = np.where(sticks, STICK, np.where(touching, np.where(q > 0, SLIP_FORWARD, SLIP_REVERSE), OPEN))
+        here = np.where(sticks, x, (b1 + b2) / 2)
+        reserve = self.shear_reserve(here) * np.sqrt((here - b1) * (b2 - here))
+        q, s = np.where(sticks, self.direction(1) * (f * p - reserve), q), self.frozen.slip(here)
+        for side, begin, middle in ((-1, b1, a1), (1, b2, a2)):
+            far = np.maximum(middle, np.max(x)) if side > 0 else np.minimum(middle, np.min(x))
+            at_begin, share = self.frozen.slip(begin), (_nodes(order) + 1) / 2
+            for first, last in ((begin, middle), (middle, far)):
+                way = last - first
+                slope = np.zeros((len(way), order + 1))  # not used where the way begins: x stands still there
+                slope[:, 1:] = self.outer_slope(side, first + way * share[1:] ** 2)
+                rise = _primitive(_fit(np.where(side * way > 1e-12 * self.half[:, None], slope * share * way, 0.0).T))[..., None]
+                passed = np.clip((x - first) / np.where(way != 0, way, 1.0), 0, 1)
+                between = (side * (x - first) > 0) & (side * (x - last) <= 0)
+                s = np.where(between, at_begin + chebyshev.chebval(2 * np.sqrt(passed) - 1, rise, tensor=False), s)
+                at_begin = at_begin + chebyshev.chebval(np.ones(1), rise, tensor=False)
+        return np.stack([p, np.where(touching, q, 0.0), s, state])
 
 
-def _times(begin: float, end: float, n: int) -> Array:
-    time = begin + (end - begin) * np.sin(np.pi * (_nodes(n) + 1) / 4) ** 2
-    time[-1] = end
-    return time
+@dataclass(frozen=True, eq=False)
+class State:
+    """An instant: both edges of stick, direction of slip at either end (0: stick up to the edge of contact), the frozen s'."""
+
+    time: float
+    edges: tuple[float, float]
+    slips: tuple[int, int]
+    frozen: Frozen
+
+    def closed(self, side: int, edge: float, frozen: Frozen | None = None) -> State:
+        """With the stick edge of a side at the edge of contact."""
+        (b1, b2), (left, right) = self.edges, self.slips
+        edges, slips = ((b1, edge), (left, 0)) if side > 0 else ((edge, b2), (0, right))
+        return replace(self, edges=edges, slips=slips, frozen=frozen or self.frozen)
 
 
-def _zone(low: Array, high: Array) -> tuple[Array, Array]:
-    """Nodes and weights (n, m) of [low, high] (n,) for roots at both ends."""
-    half = ((high - low) / 2)[:, None]
-    return (low + high)[:, None] / 2 - half * np.cos(_ANGLE), half * np.sin(_ANGLE) * _ANGLE_WEIGHT
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A stretch of time without events: `stick` at nodes 0..n of phi, with time = begin + duration sin(pi (1 + phi)/4)^2.
 
+    `work` is the friction work, `wrong` the largest share of slip rate or f p0 that breaks a law of friction, at x = `where`.
+    """
 
-def _root_beyond(zeta: Array, c: Array) -> Array:
-    """sqrt(zeta^2 - c^2) > 0, also where a zone has no width yet, with nothing in it."""
-    return np.sqrt(np.maximum((zeta - c) * (zeta + c), (1e-10 * c) ** 2))
+    time: Array
+    stick: Stick
+    work: float = 0.0
+    wrong: float = 0.0
+    where: float = 0.0
+
+    @property
+    def time_rate(self) -> Array:
+        """d time/d phi at the nodes."""
+        return np.asarray(np.cos(np.pi * _nodes(len(self.time) - 1) / 2) * np.pi / 4 * (self.time[-1] - self.time[0]))
+
+    def at(self, time: Array, loads: Loads | PathLoads) -> Stick:
+        """Stick at any instants of the step, (n,)."""
+        inside = np.clip(time, self.time[0], self.time[-1])
+        phi = 4 / np.pi * np.arcsin(np.sqrt((inside - self.time[0]) / (self.time[-1] - self.time[0]))) - 1
+        given = loads.values(inside)
+        found = replace(self.stick, loads=given, rates=loads.rates(inside), edges=_value(phi, _fit(self.stick.edges.T)))
+        a1, a2 = found.contact_edges
+        b1 = np.maximum(found.edges[0], a1) if found.slips[0] else a1
+        return replace(found, edges=np.stack([b1, np.minimum(found.edges[1], a2) if found.slips[1] else a2]))
 
 
 @dataclass
@@ -510,7 +550,7 @@ class Follower:
     longest : longest step
     order : degree in time of a step
     fastest : largest slip rate so far
-    counts : steps, tries, iterations of Newton's method, jumps of an edge, stretches bridged
+    counts : steps, tries, iterations of Newton's method, jumps of edges, stretches bridged
     """
 
     contact: Parabola
@@ -521,455 +561,258 @@ class Follower:
     fastest: float = np.finfo(float).tiny
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "jumps", "bridged"), 0))
 
-    # ------------------------------------------------------------------------------------------------ laws at an instant
-    def _residual(
-        self, frozen: Frozen, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
-    ) -> tuple[Array, Array]:
-        """Of the two equations of the stick edges, (n,) each, without what a step adds to s'."""
-        (P, Q, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
-        d = slips[1] or slips[0] or 1
-        m, c = (b1 + b2) / 2, (b2 - b1) / 2
-        (g0, g1), (h0, h1) = frozen.moments(b1, b2), self.contact.moments(b1, b2)
-        first = f * h0 - d * g0 + np.pi * (f * alpha - d * eps)
-        second = f * h1 - d * g1 - A * (f * P - d * Q)
-        if slips[0] * slips[1] < 0:
-            x, weight = _zone(a1, b1)
-            zeta = x - m[:, None]
-            p = 2 * A * f * weight * self.contact.pressure(x, a1[:, None], a2[:, None]) / _root_beyond(-zeta, c[:, None])
-            first, second = first - np.sum(p, axis=1), second - np.sum(p * zeta, axis=1)
-        return first, second
+    def _stick(self, state: State, slips: tuple[int, int], time: Array, late: float = 0.0) -> Stick:
+        """A state's edges at several instants; rates `late` after them."""
+        edges = np.repeat(np.array(state.edges)[:, None], len(time), axis=1)
+        loads, rates = self.loads.values(time), self.loads.rates(time + late)
+        return Stick(self.contact, self.friction, state.frozen, slips, loads, rates, edges)
 
-    def _pressure_rate(self, x: Array, rates: Array, a1: Array, a2: Array) -> Array:
-        """dp/dt at x (n, m)."""
-        turning = rates[3][:, None] / self.contact.compliance * (x - ((a1 + a2) / 2)[:, None])
-        return np.asarray(
-            (rates[0][:, None] / np.pi - turning) / np.sqrt(np.maximum((x - a1[:, None]) * (a2[:, None] - x), np.finfo(float).tiny))
-        )
+    def _grown(self, frozen: Frozen, stick: Stick, duration: float, side: int, phi: Array, x: Array, slope: Array) -> Frozen:
+        """`frozen` with the s' that a contact edge meets at x, at the places `phi` of the step, while it advances in stick.
 
-    def _edge_load(self, side: int, d: int, opposite: bool, rates: Array, edges: tuple[Array, Array, Array, Array]) -> Array:
-        """K of q*' = K/(pi w) at the stick edge of a side that slips in direction d, (n,): negative where the edge recedes."""
-        (P, Q, eps, alpha), (a1, a2, b1, b2), f = rates, edges, self.friction
-        load = f * P - d * Q - side * np.pi * (b2 - b1) / 2 / self.contact.compliance * (f * alpha - d * eps)
-        if opposite:
-            x, weight = _zone(a1, b1) if side > 0 else _zone(b2, a2)
-            near, far = (b1, b2) if side > 0 else (b2, b1)
-            share = np.sqrt((x - near[:, None]) / (x - far[:, None]))
-            load = load - 2 * f * np.sum(weight * self._pressure_rate(x, rates, a1, a2) * share, axis=1)
-        return np.asarray(load)
-
-    def _at_contact_edge(
-        self, side: int, other: int, rates: Array, edges: tuple[Array, Array, Array, Array]
-    ) -> tuple[Array, Array]:
-        """Strengths of q' and of f p' at a contact edge that sticks, (n,) each; `other` is the slip at the other end."""
-        a1, a2, b1, b2 = edges
-        c, d = (a2 - a1) / 2, other or 1
-        pressure = self.friction * (rates[0] - side * np.pi * c / self.contact.compliance * rates[3]) / np.sqrt(2 * c)
-        return d * (pressure - self._edge_load(side, d, False, rates, edges) / np.sqrt(b2 - b1)), pressure
-
-    def slip_rate(
-        self, side: int, slips: tuple[int, int], x: Array, rates: Array, edges: tuple[Array, Array, Array, Array]
-    ) -> Array:
-        """d ds/dt at x (n, m) in the slip zone of a side: positive."""
-        (P, Q, eps, alpha), (a1, a2, b1, b2), f, A = rates, edges, self.friction, self.contact.compliance
-        d = slips[1] if side > 0 else slips[0]
-        m, c = ((b1 + b2) / 2)[:, None], ((b2 - b1) / 2)[:, None]
-        zeta = side * (x - m)
-        past = np.maximum(side * (x - (b2 if side > 0 else b1)[:, None]), 0.0)
-        w = np.sqrt(past * (past + 2 * c))
-        load, turning = (f * P - d * Q)[:, None], side * (f * alpha - d * eps)[:, None]
-        rate = turning * w - A / np.pi * load * np.arctanh(w / zeta)
-        if slips[0] * slips[1] < 0:
-            xi, weight = _zone(a1, b1) if side > 0 else _zone(b2, a2)
-            p = weight * self._pressure_rate(xi, rates, a1, a2)
-            there = (side * (xi - m))[:, None, :]
-            ratio = (c[:, :, None] ** 2 - there * zeta[:, :, None]) / (c[:, :, None] * (zeta[:, :, None] - there))
-            rate = rate + 2 * A / np.pi * f * np.einsum("kj,kij->ki", p, np.arccosh(np.maximum(ratio, 1.0)))
-        return np.asarray(rate)
-
-    def _drive(self, x: Array, slope: Array, loads: Array, d: int) -> Array:
-        """F = f (h' + alpha) - d (s' + eps) at x (n, m), where the frozen s' is `slope`; loads (4, n)."""
-        return np.asarray(self.friction * (self.contact.slope(x) + loads[3, :, None]) - d * (slope + loads[2, :, None]))
-
-    def _means(self, frozen: Frozen, x: Array, datum: Array, loads: Array, stick: tuple[Array, Array], d: int) -> Array:
-        """int [F(y) - F_0]/[w(y) (y - x)] dy over the stick intervals (n,), at x and with F_0 = `datum` (n, m)."""
-        total = np.zeros(x.shape)
-        for each in frozen.quadratures(*stick):
-            k = each.row
-            inverse = each.x[:, None, :] - x[k][:, :, None]
-            np.divide(1.0, inverse, out=inverse, where=inverse != 0)
-            rise = self._drive(each.x, each.slope, loads[:, k], d)[:, None, :] - datum[k][:, :, None]
-            rise *= inverse
-            np.add.at(total, k, np.einsum("kn,kmn->km", each.weight / np.sqrt(each.up * each.down), rise))
-        return total
-
-    def _far_zone(self, side: int, x: Array, edges: tuple[Array, Array, Array, Array]) -> Array:
-        """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
-        a1, a2, b1, b2 = edges
-        xi, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
-        # A zone has no width yet where it begins: nothing is in it.
-        least = np.square(1e-10 * (b2 - b1))[:, None]
-        root = np.sqrt(np.maximum((xi - b1[:, None]) * (xi - b2[:, None]), least))
-        p = weight * self.contact.pressure(xi, a1[:, None], a2[:, None]) / root
-        return np.sum(p[:, None, :] / (x[:, :, None] - xi[:, None, :]), axis=2)
-
-    def shear_reserve(
-        self, frozen: Frozen, x: Array, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
-    ) -> Array:
-        """q*/w at x (n, m) within the stick interval at instants (n,): q = d (f p - q*)."""
-        d = slips[1] or slips[0] or 1
-        here = self._drive(x, frozen.slope(x.ravel()).reshape(x.shape), loads, d)
-        total = self._means(frozen, x, here, loads, edges[2:], d) / (np.pi * self.contact.compliance)
-        if slips[0] * slips[1] < 0:
-            total = total + 2 * self.friction / np.pi * self._far_zone(-1, x, edges)
-        return np.asarray(total)
-
-    def outer_slope(
-        self, frozen: Frozen, side: int, x: Array, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
-    ) -> Array:
-        """s' at x (n, m) beyond the stick edge of a side at instants (n,), in the slip zone and outside the contact."""
-        eps, (a1, a2, b1, b2), f, A = loads[2, :, None], edges, self.friction, self.contact.compliance
-        d = (slips[1] if side > 0 else slips[0]) or slips[0] or slips[1] or 1
-        edge = b2 if side > 0 else b1
-        at_edge = self._drive(edge[:, None], frozen.slope(edge)[:, None], loads, d)
-        root = side * np.sqrt(np.maximum((x - b1[:, None]) * (x - b2[:, None]), 0.0))
-        total = -self._means(frozen, x, at_edge + 0 * x, loads, (b1, b2), d)
-        if slips[0] * slips[1] < 0:
-            total = total - 2 * A * f * side * self._far_zone(-side, x, edges)
-        return np.asarray(d * (f * self.contact.beyond(x, a1[:, None], a2[:, None]) - at_edge - root / np.pi * total) - eps)
-
-    # ------------------------------------------------------------------------------------------------------------ a step
-    def _instants(self, begin: float, end: float) -> tuple[Array, Array, Array, Array, Array]:
-        time = _times(begin, end, self.order)
-        loads = self.loads.values(time)
-        return time, loads, self.loads.rates(time), *self.contact.edges(loads[0], loads[3])
+        `slope` is what s' is there at first.
+        """
+        i = (side + 1) // 2
+        # Nothing is singular at either end of the time in v.
+        v, late = (1 + _NODES) / 2, 1 + phi[:, None]
+        at, weight = late * (1 - v * v) - 1, late * v * _WEIGHTS * duration * np.pi / 4
+        found = _value(at.ravel(), _fit(np.concatenate([stick.rates, stick.loads, stick.edges]).T))
+        there = replace(stick, rates=found[:4], loads=found[4:8], edges=found[8:])
+        there.edges[i] = there.contact_edges[i]
+        rate = there.outer_slope_rate(side, np.repeat(x, len(v))[:, None]).reshape(at.shape)
+        slope = slope + np.sum(weight * np.sin(np.pi * (1 + at) / 2) * rate, axis=1)
+        first, last = x[::side][[0, -1]].tolist()
+        return frozen.joined(side, first, slope, last, 0.05 * _RESOLVED * self.friction * stick.width / self.contact.radius)
 
     def _attempt(self, state: State, slips: tuple[int, int], end: float) -> Step | None:
         """The step up to `end`, by Newton's method; None where that does not converge."""
         self.counts["tries"] += 1
-        n, frozen = self.order, state.frozen
-        time, loads, rates, a1, a2 = self._instants(state.time, end)
-        size, share = float(a2[0] - a1[0]), (time - time[0]) / (time[-1] - time[0])
-        b1, b2 = (np.full(n + 1, state.b1) if slips[0] else a1.copy()), (np.full(n + 1, state.b2) if slips[1] else a2.copy())
-        # First guesses. Where a contact edge has just stopped to stick, q* has no root there yet, and the stick edge returns at
-        # about the speed that the contact edge has. Where the contact recedes, the slip zone is about as wide as it was.
-        if slips[0]:
-            b1 = b1 if state.slips[0] else b1 + np.maximum(a1[0] - a1, 0)
-            b1 = np.maximum(b1, a1 + 0.98 * min(state.b1 - a1[0], 1e-2 * size) + 1e-5 * share * size)
-        if slips[1]:
-            b2 = b2 if state.slips[1] else b2 - np.maximum(a2 - a2[0], 0)
-            b2 = np.minimum(b2, a2 - 0.98 * min(a2[0] - state.b2, 1e-2 * size) - 1e-5 * share * size)
-        b1[0], b2[0] = state.stick
-        grows, moves = (
-            [side for side, d in ((-1, slips[0]), (1, slips[1])) if not d],
-            [s for s, d in ((-1, slips[0]), (1, slips[1])) if d],
-        )
-        first = {side: state.end_slope(side) for side in grows}
-        values = np.concatenate([np.full(n, first[side]) for side in grows]) if grows else np.zeros(0)
-        d = slips[1] or slips[0] or 1
-        # What the step before has left fades over this one: a jump would make s' singular.
-        left = self._residual(frozen, loads[:, :1], (a1[:1], a2[:1], b1[:1], b2[:1]), slips)
-        left_over = np.concatenate([each * (1 - share[1:]) for each in left])
-
-        def residuals(b1: Array, b2: Array) -> tuple[Array, Array | None]:
-            found = np.concatenate(self._residual(frozen, loads[:, 1:], (a1[1:], a2[1:], b1[1:], b2[1:]), slips)) - left_over
-            columns = []
-            for i, side in enumerate(grows):
-                both = np.concatenate(_growing_moments(side, b1, b2))
-                found = found - d * (both[:, 0] * first[side] + both[:, 1:] @ values[i * n : (i + 1) * n])
-                columns.append(-d * both[:, 1:])
-            return found, np.concatenate(columns, axis=1) if columns else None
-
-        step, last, fresh = 1e-8 * size, math.inf, True
-        low, high = max(float(frozen.low[0]), state.b1), min(float(frozen.high[-1]), state.b2)
-        matrix, before, moved = np.zeros((2, 2, n)), np.zeros(2 * n), np.zeros((2, n))
-        with np.errstate(all="ignore"):
-            for iteration in range(25):
-                self.counts["iterations"] += 1
-                found, columns = residuals(b1, b2)
-                if not np.all(np.isfinite(found)):
-                    return None
-                if fresh or grows:
-                    for i, side in enumerate((-1, 1)):
-                        if side in moves:
-                            shifted = (b1.copy(), b2.copy())
-                            shifted[i][1:] -= side * step
-                            matrix[:, i] = ((residuals(*shifted)[0] - found) / (-side * step)).reshape(2, n)
-                else:  # Broyden's update of the matrix of every instant
-                    norm = np.sum(moved**2, axis=0)
-                    missed = (found - before).reshape(2, n) - np.einsum("ijk,jk->ik", matrix, moved)
-                    matrix += np.where(norm > (1e-9 * size) ** 2, missed[:, None] * moved / np.maximum(norm, 1e-300), 0.0)
-                before = found
-                change = np.zeros((2, n))
-                if not grows:
-                    (a, b), (c, e), (u, v) = matrix[0], matrix[1], found.reshape(2, n)
-                    change = -np.stack([u * e - v * b, a * v - c * u]) / (a * e - b * c)
-                else:
-                    assert columns is not None  # for the type checker: something grows
-                    blocks = [
-                        np.concatenate([np.diag(matrix[0, (side + 1) // 2]), np.diag(matrix[1, (side + 1) // 2])]) for side in moves
-                    ]
-                    try:
-                        solved = -np.linalg.solve(np.concatenate([*blocks, columns], axis=1), found)
-                    except np.linalg.LinAlgError:
-                        return None
-                    for i, side in enumerate(moves):
-                        change[(side + 1) // 2] = solved[i * n : (i + 1) * n]
-                    values = values + solved[len(moves) * n :]
-                if not np.all(np.isfinite(change)):
-                    return None
-                old1, old2 = b1.copy(), b2.copy()
-                if slips[0]:
-                    b1[1:] = np.maximum(b1[1:] + change[0], np.maximum(a1[1:], low))
-                if slips[1]:
-                    b2[1:] = np.minimum(b2[1:] + change[1], np.minimum(a2[1:], high))
-                crossed = b2 <= b1
-                b1, b2 = np.where(crossed, (3 * old1 + old2) / 4, b1), np.where(crossed, (3 * old2 + old1) / 4, b2)
-                moved = np.stack([(b1 - old1)[1:], (b2 - old2)[1:]])
-                largest = float(np.max(np.abs(moved)))
-                fresh = any(np.max(np.abs(moved[(s + 1) // 2] - change[(s + 1) // 2])) > 1e-9 * size for s in moves)
-                if (iteration > 7 and largest > 1e-3 * size) or (fresh and iteration > 12):
-                    return None
-                if not moves or (not fresh and (largest < 1e-12 * size or (iteration > 4 and last / 4 < largest < 1e-9 * size))):
-                    break
-                last = largest
-            else:
-                return None
-        grown = tuple((side, np.append(first[side], values[i * n : (i + 1) * n])) for i, side in enumerate(grows))
-        return Step(slips, time, loads, rates, a1, a2, b1, b2, frozen, grown)
-
-    def _monitors(self, step: Step) -> list[tuple[str, int, Array]]:
-        """What is positive while both ends do as they do, (n + 1,) each, with the side."""
-        found = []
-        for side, d, other in ((-1, *step.slips), (1, *step.slips[::-1])):
-            if d:
-                found.append(("turn", side, -self._edge_load(side, d, step.opposite, step.rates, step.edges)))
-                found.append(("gone", side, step.a2 - step.b2 if side > 0 else step.b1 - step.a1))
-            else:
-                shear, limit = self._at_contact_edge(side, other, step.rates, step.edges)
-                found += [("stick", side, limit - shear), ("stick", side, limit + shear)]
-        return found
-
-    def _first_event(self, step: Step) -> tuple[float, str, int, Array] | None:
-        """Time, name, side and values of the first monitor that turns negative; the last passage of an old edge before all."""
-        found: list[tuple[float, str, int, Array]] = []
-        for side, d, edge in ((-1, step.slips[0], -step.b1), (1, step.slips[1], step.b2)):
-            marks = side * step.frozen.high[:-1]
-            marks = marks[(marks < edge[0] - 3e-7 * step.size) & (marks > np.min(edge))]
-            if d and len(marks):
-                values = edge - np.max(marks)
-                k = int(np.flatnonzero(values < 0)[0])
-                share = values[k - 1] / (values[k - 1] - values[k])
-                found.append((float(step.time[k - 1] + (step.time[k] - step.time[k - 1]) * share), "pass", side, values))
-        if found:
-            return min(found, key=lambda each: each[0])
-        for name, side, values in self._monitors(step):
-            below = np.flatnonzero(values[1:] < 0) + 1
-            if len(below) and values[below[0]] < -1e-11 * np.max(np.abs(values)):
-                at = np.sin(np.pi * (_first_root(values, int(below[0])) + 1) / 4) ** 2
-                found.append((float(step.time[0] + (step.time[-1] - step.time[0]) * at), name, side, values))
-        return min(found, key=lambda each: each[0]) if found else None
-
-    def _to_passage(self, state: State, step: Step, event: tuple[float, str, int, Array]) -> Step | None:
-        """The step that ends just before an edge passes an old one, by the secant rule between bounds.
-
-        Beyond the old edge s' has another series: a step that goes a little too far is not smooth.
-        """
-        guess, _, side, values = event
-        # The gap that is left: at most 1e-8 of the contact.
-        mark, aim = side * ((step.b2 if side > 0 else -step.b1)[0] - values[0]), 5e-9 * step.size
-        low, high = state.time, float(step.time[-1])
-        known = [(low, float(values[0]) - aim), (high, float(values[-1]) - aim)]
-        for _ in range(30):
-            new = self._attempt(state, step.slips, guess)
-            if new is None:
-                high, guess = guess, (low + guess) / 2
+        time = _times(state.time, end, self.order)
+        stick = self._stick(state, slips, time)
+        a, edges, share, size = stick.contact_edges, stick.edges, (time - time[0]) / (end - time[0]), stick.width
+        limits, grown, moves = np.zeros((2, 1)), {}, [i for i, _ in _SIDES if slips[i]]
+        for i, side in _SIDES:
+            # First guesses. Where a contact edge has just stopped to stick, q* has no root there yet, and the stick edge returns at
+            # about the speed that the contact edge has. Where the contact recedes, the slip zone is about as wide as it was.
+            if slips[i]:
+                back = 0.0 if state.slips[i] else np.maximum(side * (a[i] - a[i, 0]), 0.0)
+                zone = 0.98 * min(abs(state.edges[i] - a[i, 0]), 1e-2 * size) + 1e-5 * share * size
+                edges[i, 1:] = side * np.minimum(side * state.edges[i] - back, side * a[i] - zone)[1:]
+                limits[i] = side * min(side * float(state.frozen.ends[-i]), side * state.edges[i])
                 continue
-            value = side * float((new.b2 if side > 0 else new.b1)[-1] - mark) - aim
-            if abs(value) < 0.9 * aim:
-                return new
-            low, high = (guess, high) if value > 0 else (low, guess)
-            known = [known[-1], (guess, value)]
-            (before, was), (now, value) = known
-            guess = now - value * (now - before) / (value - was) if value != was else math.inf
-            if not low < guess < high:
-                guess = (low + high) / 2
-            if high - low < 1e-13 * float(step.time[-1] - step.time[0]):
-                break
+            edges[i] = a[i]
+            if side * (a[i, -1] - a[i, 0]) > 1e-11 * size:
+                x, series = _places(float(a[i, i - 1]), float(a[i, -i]), 2 * self.order), _fit(a[i])
+                met = [brentq(lambda phi, to=to, of=series: float(_value(phi, of)) - to, -1, 1, xtol=1e-15) for to in x[1:-1]]
+                outside = self._stick(state, state.slips, time[:1]).outer_slope(side, x[None])[0]
+                grown[side] = np.array([-side, *met, side]), x, outside
+        # What the step before has left fades over this one: a jump would make s' singular.
+        left_over = stick.part(0, 1).excess()[moves] * (1 - share[1:])
+        last, held = math.inf, True
+        before, moved, matrix = np.zeros((3, 1, 1))
+        for iteration in range(25):
+            self.counts["iterations"] += 1
+            frozen = state.frozen
+            for side, known in grown.items():
+                frozen = self._grown(frozen, stick, end - time[0], side, *known)
+            stick = replace(stick, frozen=frozen)
+            if not moves:
+                return Step(time, stick)
+            later = stick.part(1)
+            every = later.excess()
+            found = every[moves] - left_over
+            if held:
+                matrix = later.excess_rates(every, moves)
+            else:  # Broyden's update of the matrix of every instant
+                norm = np.sum(moved**2, axis=0)
+                missed = (found - before).T - np.einsum("nij,jn->ni", matrix, moved)
+                update = missed[:, :, None] * moved.T[:, None] / np.maximum(norm, 1e-300)[:, None, None]
+                matrix = matrix + np.where((norm > (1e-9 * size) ** 2)[:, None, None], update, 0.0)
+            if not np.all(np.isfinite(found)) or not np.all(np.isfinite(matrix)) or np.any(np.linalg.det(matrix) == 0):
+                return None
+            change, before, old = -np.linalg.solve(matrix, found.T[..., None])[..., 0].T, found, edges.copy()
+            edges[moves, 1:] += change
+            edges[0, 1:] = np.maximum(edges[0, 1:], np.maximum(a[0, 1:], limits[0])) if slips[0] else a[0, 1:]
+            edges[1, 1:] = np.minimum(edges[1, 1:], np.minimum(a[1, 1:], limits[1])) if slips[1] else a[1, 1:]
+            edges[:] = np.where(edges[1] <= edges[0], (3 * old + old[::-1]) / 4, edges)
+            moved = (edges - old)[moves, 1:]
+            largest, held = float(np.max(np.abs(moved))), bool(np.max(np.abs(moved - change)) > 1e-9 * size)
+            if (iteration > 7 and largest > 1e-3 * size) or (held and iteration > 12):
+                return None
+            if not held and (largest < 1e-12 * size or (iteration > 4 and last / 4 < largest < 1e-9 * size)):
+                return Step(time, stick)
+            last = largest
+        return None
+
+    def _passage(self, state: State, step: Step) -> float | None:
+        """The time at which a stick edge of a step comes to the first old one, to a share of the contact; None if none does.
+
+        Beyond the old edge s' has another series: a step that goes a little too far is not smooth, and has no part in the answer.
+        """
+        stick, size, found = step.stick, step.stick.width, []
+        for i, side in _SIDES:
+            edge, marks = side * stick.edges[i], side * state.frozen.ends[1:-1]
+            marks = marks[(marks < edge[0] - 3e-7 * size) & (marks > np.min(edge))]
+            if not stick.slips[i] or not len(marks):
+                continue
+            mark = float(np.max(marks)) + _GAP * size
+            k = int(np.flatnonzero(edge < mark)[0])
+            share = float((edge[k - 1] - mark) / (edge[k - 1] - edge[k]))
+            low, high = step.time[k - 1 : k + 1].tolist()
+            time, others, free = low + share * (high - low), stick.edges[1 - i, k - 1 : k + 1], stick.slips[1 - i] != 0
+            other, change = float(others[0] + share * (others[1] - others[0])), math.inf
+            for _ in range(30):
+                width = np.array([1e-6 * (high - low), -side * 1e-8 * size])
+                times = np.array([time, time + width[0], time])
+                if not free:
+                    other = float(self.contact.edges(*self.loads.values(times[:1])[[0, 3]])[1 - i, 0])
+                edges = np.array([[side * mark] * 3, [other, other, other + width[1]]])[::-side]
+                residual = replace(stick, loads=self.loads.values(times), rates=stick.rates[:, :3], edges=edges).excess()
+                rates = (residual[:, 1:] - residual[:, :1]) / width
+                full = np.array([-residual[i, 0] / rates[i, 0], 0.0])
+                if free:
+                    full = -np.linalg.lstsq(np.nan_to_num(rates), np.nan_to_num(residual[:, 0]), rcond=None)[0]
+                new = min(max(time + float(full[0]), (low + time) / 2), (high + time) / 2)
+                change, time, other = abs(new - time), new, other + float(full[1])
+                if change < 1e-13 * (high - low):
+                    break
+            found.append(time)
+        return min(found, default=None)
+
+    def _first_event(self, step: Step) -> tuple[float, str, int] | None:
+        """Time, name and side of the first event of a step."""
+        stick, found, nodes = step.stick, list[tuple[float, str, int]](), _nodes(self.order)
+        for i, side in _SIDES:
+            if stick.slips[i]:
+                monitors = {"turn": -stick.edge_load(side), "gone": side * (stick.contact_edges[i] - stick.edges[i])}
+            else:
+                shear, limit = stick.at_contact_edge(side)
+                monitors = {"forward": limit - shear, "reverse": limit + shear}
+            for name, values in monitors.items():
+                below = np.flatnonzero(values[1:] < -1e-11 * np.max(np.abs(values)))
+                if len(below):
+                    low, high, series = float(nodes[below[0]]), float(nodes[below[0] + 1]), _fit(values)
+                    ends = float(_value(low, series)), float(_value(high, series))
+                    root = brentq(_value, low, high, args=(series,), xtol=1e-14) if ends[0] > 0 > ends[1] else low
+                    share = math.sin(math.pi * (root + 1) / 4) ** 2
+                    found.append((float(step.time[0] + (step.time[-1] - step.time[0]) * share), name, side))
+        return min(found, default=None)
+
+    def _to_event(self, state: State, slips: tuple[int, int], until: float) -> tuple[Step, tuple[float, str, int] | None] | None:
+        """The step up to `until`, or to the first event before, with that event; None where it is not found."""
+        event = None
+        for _ in range(6):
+            step = self._attempt(state, slips, until)
+            if step is None:
+                return None
+            passed = self._passage(state, step)
+            if passed is None:
+                found = self._first_event(step)
+                if found is None or found[0] > until - 1e-11 * self.longest:
+                    return step, found or event
+                event, passed = found, found[0]
+            until = max(passed, state.time + 1e-9 * self.longest)
         return None
 
     # ------------------------------------------------------------------------------------------------ from step to step
-    def _finished(self, step: Step, state: State) -> tuple[Step, State]:
+    def _finished(self, step: Step) -> tuple[Step, State]:
         """The step with its work and its breaches of the laws, and the state at its end."""
         self.counts["steps"] += 1
-        end, pieces = state, list(state.frozen.pieces)
-        for side, values in step.grown:
-            edge = side * (step.b2 if side > 0 else step.b1)
-            low, high = sorted((float(side * edge[0]), float(side * edge[-1])))
-            if high - low > 1e-11 * step.size:
-                at = _inverse(_fit(edge), side * Piece.places(low, high, self.order))
-                pieces = end.joined(side, low, high, _fit(_value(at, _fit(values))))
-                end = State(state.time, (low, end.b2) if side < 0 else (end.b1, high), state.slips, pieces)
-        if step.grown:
-            pieces = _merged(pieces, 10 * _RESOLVED * self.friction * step.size / self.contact.radius)
-        frozen = Frozen(pieces)
-        end = State(float(step.time[-1]), (float(step.b1[-1]), float(step.b2[-1])), step.slips, pieces)
-        rate_of_time = np.cos(np.pi * _nodes(self.order) / 2) * np.pi / 4 * (step.time[-1] - step.time[0])
-        work, wrongs = 0.0, [(0.0, end.b1)]
-        for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
-            if d:
-                x, weight = _zone(step.a1, step.b1) if side < 0 else _zone(step.b2, step.a2)
-                rate = self.slip_rate(side, step.slips, x, step.rates, step.edges)
-                p = self.contact.pressure(x, step.a1[:, None], step.a2[:, None])
-                work += _integral(self.friction * np.sum(weight * p * rate, axis=1) * rate_of_time)
+        stick, work = step.stick, 0.0
+        b1, b2 = stick.edges[:, -1].tolist()
+        wrongs = [(0.0, b1)]
+        for i, side in _SIDES:
+            if stick.slips[i]:
+                x, weight = stick.zone(side)
+                rate = stick.slip_rate(side, x)
+                work += _integral(self.friction * np.sum(weight * stick.pressure(x) * rate, axis=1) * step.time_rate)
                 self.fastest = max(self.fastest, float(np.max(rate)))
                 wrongs.append((-float(np.min(rate)) / self.fastest, float(x.flat[np.argmin(rate)])))
-        x = end.b1 + (end.b2 - end.b1) * np.linspace(0.01, 0.99, 40)
-        edges = (step.a1[-1:], step.a2[-1:], *end.edges)
-        reserve = self.shear_reserve(end.frozen, x[None], step.loads[:, -1:], edges, step.slips)[0]
-        reserve = reserve * np.sqrt((x - end.b1) * (end.b2 - x))
-        limit = 2 * self.friction * self.contact.pressure(x, step.a1[-1], step.a2[-1])
+        x, last = b1 + (b2 - b1) * np.linspace(0.01, 0.99, 40), stick.part(-1)
+        reserve = last.shear_reserve(x[None])[0] * np.sqrt((x - b1) * (b2 - x))
+        limit = 2 * self.friction * last.pressure(x[None])[0]
         beyond = np.maximum(-reserve, reserve - limit)
         wrongs.append((float(np.max(beyond) / np.max(limit)) * 2, float(x[np.argmax(beyond)])))
         wrong, where = max(wrongs)
-        return replace(step, frozen=frozen, work=work, wrong=wrong, where=where), end
+        frozen = stick.frozen.within(b1, b2)
+        # A sliver without s' of a share t of the stick interval would cost the root of t.
+        edges = max(b1, float(frozen.ends[0])), min(b2, float(frozen.ends[-1]))
+        state = State(float(step.time[-1]), edges, stick.slips, frozen)
+        return replace(step, work=work, wrong=wrong, where=where), state
 
-    def _closed(self, state: State, side: int, contact: tuple[Array, Array], loads: Array) -> State:
+    def _closed(self, state: State, side: int, now: Stick) -> State:
         """The state whose slip zone of a side has come to rest: its s' is frozen up to the edge of contact."""
-        state = state.without_slivers(side)
-        edge, end = state.edge(side), float(contact[1 if side > 0 else 0][0])
-        low, high = min(edge, end), max(edge, end)
-        x = Piece.places(low, high, 2 * self.order)
-        values = np.empty(len(x))
-        inner = slice(1, None) if side > 0 else slice(None, -1)
-        values[inner] = self.outer_slope(state.frozen, side, x[None, inner], loads, (*contact, *state.edges), state.slips)[0]
-        values[0 if side > 0 else -1] = state.end_slope(side)
-        pieces = state.joined(side, low, high, _fit(values))
-        stick = (state.b1, high) if side > 0 else (low, state.b2)
-        return State(state.time, stick, (state.slips[0], 0) if side > 0 else (0, state.slips[1]), pieces)
+        edge, end = state.edges[(side + 1) // 2], float(now.contact_edges[(side + 1) // 2, 0])
+        # A loop that closes brings the edge back to an old one.
+        old = state.frozen.ends[1:-1]
+        near = old[np.abs(old - edge) < 1e-8 * (state.edges[1] - state.edges[0])]
+        edge = float(near[0]) if len(near) else edge
+        x = _places(min(edge, end), max(edge, end), 2 * self.order)
+        edges = (state.edges[0], edge) if side > 0 else (edge, state.edges[1])
+        slope = replace(now, edges=np.array(edges)[:, None]).outer_slope(side, x[None])[0]
+        return state.closed(side, end, state.frozen.joined(side, edge, slope, end))
 
     def _next_slips(self, state: State, turned: set[int]) -> tuple[State, tuple[int, int]]:
         """What both ends do just after an instant; slip zones that come to rest are closed. `turned`: sides of a turning point."""
-        now = np.array([state.time])
-        loads, rates = self.loads.values(now), self.loads.rates(now + _SOON * self.longest)
-        a1, a2 = self.contact.edges(loads[0], loads[3])
-        both = float(a1[0]), float(a2[0])
-
-        def edges(of: State) -> tuple[Array, Array, Array, Array]:
-            return a1, a2, *of.edges
-
-        goes_on = dict.fromkeys((-1, 1), False)
+        time = np.array([state.time])
         for _ in range(3):
             closed = False
-            for side in (-1, 1):
-                d = state.slips[(side + 1) // 2]
-                if not d:
+            for i, side in _SIDES:
+                now = self._stick(state, state.slips, time, _SOON * self.longest)
+                if not state.slips[i] or (side not in turned and float(now.edge_load(side)[0]) < 0):
                     continue
-                opposite = state.slips[0] * state.slips[1] < 0
-                goes_on[side] = side not in turned and float(self._edge_load(side, d, opposite, rates, edges(state))[0]) < 0
-                if goes_on[side]:
-                    continue
-                contact_edge = np.array([[both[(side + 1) // 2]]])
-                if float(self.slip_rate(side, state.slips, contact_edge, rates, edges(state))[0, 0]) > 0:
-                    raise _broken(state.time, state.edge(side), "a stick edge advances into a zone that slips on")
-                state, closed = self._closed(state, side, (a1, a2), loads), True
+                if float(now.slip_rate(side, now.contact_edges[i][:, None])[0, 0]) > 0:
+                    raise _broken(state.time, state.edges[i], "a stick edge advances into a zone that slips on")
+                state, closed = self._closed(state, side, now), True
             if not closed:
                 break
-        slips = [0, 0]
-        for i, side in enumerate((-1, 1)):
+        slips, now = [0, 0], self._stick(state, state.slips, time, _SOON * self.longest)
+        for i, side in _SIDES:
             if state.slips[i]:
                 slips[i] = state.slips[i]
                 continue
-            shear, limit = (float(v[0]) for v in self._at_contact_edge(side, state.slips[1 - i], rates, edges(state)))
+            shear, limit = (float(v[0]) for v in now.at_contact_edge(side))
             if limit >= 0:
                 slips[i] = 0 if abs(shear) <= limit else int(math.copysign(1, shear))
                 continue
             # The contact recedes: slip goes to where q' is beyond what q/p at the edge would make of p'.
-            end, d = np.array([[both[i]]]), state.slips[0] or state.slips[1] or 1
-            reserve = float(self.shear_reserve(state.frozen, end, loads, edges(state), state.slips)[0, 0])
-            reserve *= math.sqrt(state.b2 - state.b1)
-            pressure = math.sqrt(both[1] - both[0]) / (self.contact.compliance * self.contact.radius)
+            (a1, a2), d = now.contact_edges[:, 0], now.direction(side)
+            reserve = float(now.shear_reserve(now.contact_edges[i][:, None])[0, 0]) * math.sqrt(state.edges[1] - state.edges[0])
+            pressure = math.sqrt(a2 - a1) / (self.contact.compliance * self.contact.radius)
             slips[i] = 1 if shear > d * (1 - reserve / (self.friction * pressure)) * limit else -1
         return state, (slips[0], slips[1])
 
+    def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
+        """A short step with edges held, up to a turning point or over a jump."""
+        time = _times(state.time, end, self.order)
+        return self._finished(Step(time, self._stick(state, slips, time)))
+
     def _jump(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State] | None:
         """A step over the instant at which edges leave a stretch without q*, which a loop that closes has left; None for none."""
-        if 0 in slips:
-            return None
-        old = state.frozen.high[:-1]
-        old = old[(old > state.b1) & (old < state.b2)]
-        first, second = (v.ravel() for v in np.meshgrid(np.append(state.b1, old), np.append(state.b2, old), indexing="ij"))
-        order = np.flatnonzero(first < second)
-        order = order[np.argsort((first - second)[order])][:40]
-        first, second, size = first[order], second[order], state.b2 - state.b1
-        for delay in 10.0 ** np.arange(-9, -2):
-            time = state.time + delay * self.longest
+        (b1, b2), old, size = state.edges, state.frozen.ends[1:-1], state.edges[1] - state.edges[0]
+        pairs = sorted(((right - left, left, right) for left in (b1, *old) for right in (*old, b2) if left < right), reverse=True)
+        start = np.array(pairs[:40]).T[1:] + 1e-4 * size * np.array([[1], [-1]])
+        for time in state.time + self.longest * 10.0 ** np.arange(-9, -2):
             if time >= stop:
                 return None
-            loads = self.loads.values(np.full(len(first), time))
-            a1, a2 = self.contact.edges(loads[0], loads[3])
-            b1, b2, h = first + 1e-4 * size, second - 1e-4 * size, 1e-8 * size
-            found = change = np.zeros((2, len(first)))
-            with np.errstate(all="ignore"):
-                for _ in range(20):
-                    found, right, left = (
-                        np.stack(self._residual(state.frozen, loads, (a1, a2, b1 + i, b2 - j), slips))
-                        for i, j in ((0.0, 0.0), (h, 0.0), (0.0, h))
-                    )
-                    (a, c), (b, e) = (right - found) / h, (found - left) / h
-                    change = -np.stack([found[0] * e - found[1] * b, a * found[1] - c * found[0]]) / (a * e - b * c)
-                    limited = np.clip(np.nan_to_num(change), -0.1 * size, 0.1 * size)
-                    b1, b2 = np.maximum(b1 + limited[0], state.b1), np.minimum(b2 + limited[1], state.b2)
-                    lost = b2 - b1 < 1e-3 * size
-                    b1, b2 = np.where(lost, first, b1), np.where(lost, second, b2)
-                solved = np.max(np.abs(found), axis=0) < 1e-8 * self.contact.compliance * self.friction * loads[0]
-                solved &= (np.max(np.abs(change), axis=0) < 1e-9 * size) & (b2 - b1 < (1 - 1e-5) * size)
-            best: tuple[float, float] | None = None
-            for i in np.flatnonzero(solved):
-                x = b1[i] + (b2[i] - b1[i]) * np.linspace(0.02, 0.98, 49)
-                one = slice(i, i + 1)
-                reserve = self.shear_reserve(state.frozen, x[None], loads[:, one], (a1[one], a2[one], b1[one], b2[one]), slips)
-                if np.min(reserve) > -_WRONG * np.max(reserve) and (best is None or b2[i] - b1[i] > best[1] - best[0]):
-                    best = float(b1[i]), float(b2[i])
-            if best is not None:
-                self.counts["jumps"] += 1
-                return self._held(State(state.time, best, slips, state.frozen.pieces), slips, time)
+            stick = replace(self._stick(state, slips, np.full(len(start[0]), time)), edges=start)
+            found = change = start
+            for _ in range(20):
+                found = stick.excess()
+                rates = np.nan_to_num(stick.excess_rates(found, (0, 1)))
+                change = -np.einsum("nij,jn->in", np.linalg.pinv(rates), np.nan_to_num(found))
+                new = np.clip(stick.edges + np.clip(change, -0.1 * size, 0.1 * size), b1, b2)
+                stick = replace(stick, edges=np.where(new[1] - new[0] < 1e-3 * size, start, new))
+            solved = np.max(np.abs(found), axis=0) < 1e-8 * self.contact.compliance * self.friction * stick.loads[0]
+            solved &= (np.max(np.abs(change), axis=0) < 1e-9 * size) & (2 * stick.half < (1 - 1e-5) * size)
+            for k in sorted(np.flatnonzero(solved).tolist(), key=lambda k: -stick.half[k]):
+                one = stick.part(k, k + 1)
+                reserve = one.shear_reserve(one.middle[:, None] + one.half[:, None] * np.linspace(-0.96, 0.96, 49))
+                if np.min(reserve) > -_WRONG * np.max(reserve):
+                    self.counts["jumps"] += 1
+                    first, last = one.edges[:, 0].tolist()
+                    return self._held(replace(state, edges=(first, last)), slips, float(time))
         return None
-
-    def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
-        """A short step with edges held."""
-        time, loads, rates, a1, a2 = self._instants(state.time, end)
-        b1, b2 = (np.full(self.order + 1, each) for each in state.stick)
-        return self._finished(Step(slips, time, loads, rates, a1, a2, b1, b2, state.frozen), state)
-
-    def _bridge(self, state: State, slips: tuple[int, int], stop: float, patient: bool) -> tuple[Step, State, set[int]] | None:
-        """Edges held up to `stop`, or a turning point, that is near: where a loop closes there they meet a stretch without q*.
-
-        Near is where the loads have next to nothing to do any more, and while `patient` is over a share of the longest step.
-        """
-        if 0 in slips:
-            return None
-        time = np.array([state.time, stop])
-        loads, (b1, b2) = self.loads.values(time), (np.full(2, each) for each in state.stick)
-        first, second = self._residual(state.frozen, loads, (*self.contact.edges(loads[0], loads[3]), b1, b2), slips)
-        left = abs(first[1] - first[0]) * (state.b2 - state.b1), abs(second[1] - second[0])
-        if max(left) < _CLOSING * self.contact.compliance * self.friction * float(loads[0, 0]):
-            self.counts["bridged"] += 1
-            return *self._held(state, slips, stop), set()
-        if not patient:
-            return None
-        end = min(stop, state.time + _BRIDGED * self.longest)
-        step, _ = self._held(state, slips, end)
-        turns = [
-            (float(np.interp(0.0, -values, step.time)), side)
-            for name, side, values in self._monitors(step)
-            if name == "turn" and values[-1] < 0 < values[0]
-        ]
-        if not turns and stop - state.time > 2e-4 * self.longest:
-            return None
-        self.counts["bridged"] += 1
-        if turns:
-            end = max(min(turns)[0], state.time + 1e-9 * self.longest)
-        return *self._held(state, slips, end), {min(turns)[1]} if turns else set()
 
     def run(self, state: State, end: float) -> tuple[list[Step], State]:
         """Steps up to a time, and the state there.
@@ -980,59 +823,50 @@ class Follower:
             Where stick breaks into several intervals, and where a step does not converge however short it is.
         """
         steps: list[Step] = []
-        slips, turned, trial, searched = None, set[int](), self.longest, -math.inf
+        turned, trial = set[int](), self.longest
         while state.time < end - _SOON * self.longest:
-            if slips is None:
-                state, slips = self._next_slips(state, turned)
-                turned = set()
+            state, slips = self._next_slips(state, turned)
             ahead = self.loads.corners[self.loads.corners > state.time + _SOON * self.longest]
             stop = min(end, float(ahead[0])) if len(ahead) else end
-            until = stop if stop - state.time < 1.2 * trial else state.time + trial
-            step, event = self._attempt(state, slips, until), None
-            if step is not None and (event := self._first_event(step)) is not None and event[1] == "pass":
-                step = self._to_passage(state, step, event)
-                event = self._first_event(step) if step is not None else None
-            rough = max(self._roughness(step), 0.0) if step is not None else math.inf
-            if step is not None and rough < _RESOLVED and event is not None and event[0] < step.time[-1] - 1e-11 * self.longest:
-                step = self._attempt(state, slips, max(event[0], state.time + 1e-9 * self.longest))
-            if step is None or rough >= _RESOLVED:
-                trial = min(trial, until - state.time) / 2
-                bridged = self._bridge(state, slips, stop, patient=trial <= 1e-4 * self.longest)
-                if bridged is not None:
-                    step, state, turned = bridged
-                elif trial > 1e-4 * self.longest:
-                    continue
-                elif searched < state.time and (jumped := self._jump(state, slips, stop)) is not None:
-                    step, state = jumped
-                elif trial > _SHORTEST * self.longest:
-                    searched = state.time
-                    continue
-                else:
+            searched = False
+            while True:
+                until = stop if stop - state.time < 1.2 * trial else state.time + trial
+                with np.errstate(all="ignore"):
+                    found = self._to_event(state, slips, until)
+                if found is not None and self._roughness(found[0]) < _RESOLVED:
+                    (step, event), turned = found, set()
+                    step, state = self._finished(step)
+                    if event is not None and event[1] == "turn":
+                        turned = {event[2]}
+                    if event is not None and event[1] == "gone":
+                        state = state.closed(event[2], float(step.stick.contact_edges[(event[2] + 1) // 2, -1]))
+                    trial = min(self.longest, 2 * trial)
+                    break
+                trial, held = min(trial, until - state.time) / 2, None
+                now = self._stick(state, slips, np.array([state.time, stop]))
+                with np.errstate(all="ignore"):
+                    left = float(np.max(np.ptp(now.excess(), axis=1)))
+                    if 0 not in slips and left < _CLOSING * self.contact.compliance * self.friction * now.loads[0, 0]:
+                        self.counts["bridged"] += 1
+                        held = self._held(state, slips, stop)
+                    elif 0 not in slips and trial <= 2 * _SHORTEST * self.longest and not searched:
+                        held, searched = self._jump(state, slips, stop), True
+                if held is not None:
+                    (step, state), trial, turned = held, self.longest / 16, set()
+                    break
+                if trial <= _SHORTEST * self.longest:
                     raise NotOneStickInterval(
                         f"load: the edges of stick could not be followed past time {state.time:.6g}, where the engine has no state "
                         "for them; with bulk stress and tilt in phase with the loads it has more often, finite elements take any"
                     )
-                trial = self.longest / 16
-            else:
-                step, state = self._finished(step, state)
-                if event is not None:
-                    turned = {event[2]} if event[1] == "turn" else set()
-                    if event[1] == "gone":
-                        i, edge = (event[2] + 1) // 2, float((step.a2 if event[2] > 0 else step.a1)[-1])
-                        stick = (state.b1, edge) if i else (edge, state.b2)
-                        state = State(state.time, stick, (slips[0], 0) if i else (0, slips[1]), state.frozen.pieces)
-                trial = min(self.longest, 2 * trial)
-            slips = None  # a load may turn round right where a step ends
             if step.wrong > _WRONG:
                 raise _broken(float(step.time[-1]), step.where, "friction would be broken inside what slips or sticks")
             steps.append(step)
         return steps, state
 
     def _roughness(self, step: Step) -> float:
-        """What the last coefficients of edges and of s' leave unresolved, in half-widths."""
-        size, slope = step.size / 2, self.friction * step.size / self.contact.radius
-        series = [(step.b1, size), (step.b2, size), *((values, slope) for _, values in step.grown)]
-        return max(float(np.max(np.abs(_fit(values)[-2:]))) / scale for values, scale in series)
+        """What the last coefficients of the edges leave unresolved, in half-widths."""
+        return float(np.max(np.abs(_fit(step.stick.edges.T)[-2:]))) / (step.stick.width / 2)
 
 
 def _broken(time: float, where: float, why: str) -> NotOneStickInterval:
@@ -1239,161 +1073,92 @@ def follow(
         works.append(math.fsum(step.work for step in last))
         if len(works) >= max(needed, 2) and abs(works[-1] - works[-2]) <= STEADY * works[-1]:
             break
-    loop = math.fsum(_loop_of(follower, step) for step in last)
+    loop = math.fsum(_loop_of(step) for step in last)
     if period is not None:
-        loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].loads[0]))) ** 2)
+        loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].stick.loads[0]))) ** 2)
     changes = np.abs(np.diff(works)) <= STEADY * np.array(works[1:])
     steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
+    # Where a loop closes all errors may be twice what work and loop differ by.
+    error = ERROR + (2 * abs(loop / works[-1] - 1) if steady is not None and works[-1] > 0 else 0.0)
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
-    given, moment, shear_moment, displacement, contact_edges, stick_edges, pressure, shear, slip, state_of = _at(
-        follower, steps, instants, x
-    )
-    low, high = max(float(np.max(step.b1)) for step in last), min(float(np.min(step.b2)) for step in last)
+    low = max(float(np.max(step.stick.edges[0])) for step in last)
+    high = min(float(np.min(step.stick.edges[1])) for step in last)
     return Followed(
         time=instants,
-        loads=given,
-        moment=moment,
-        shear_moment=shear_moment,
-        displacement=displacement,
-        contact_edges=contact_edges,
-        stick_edges=stick_edges,
-        pressure=pressure,
-        shear=shear,
-        slip=slip,
-        state=state_of.astype(np.int8),
+        **_at(follower, steps, instants, x),
         works=np.array(works),
         loop=loop,
         remainder=remainder_of(works),
         steady_from=steady,
         steady_to=STEADY,
-        density=np.sum([_density_of(follower, step, x) for step in last], axis=0),
+        density=np.sum([_density_of(step, x, loads) for step in last], axis=0),
         permanent_stick_edges=np.array([low, high] if low < high else [math.nan, math.nan]),
         counts=dict(follower.counts),
-        errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), ERROR),
+        errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), error),
     )
 
 
 def _touched(loads: PathLoads, contact: Parabola, time: float) -> State:
     """The state of a contact that has just begun, q = (Q/P) p: what bulk and tilt change of it so far is below 1e-6 of the end."""
     p, q, eps, alpha = loads.values(np.array([time]))[:, 0].tolist()
-    a1, a2 = (float(edge) for edge in contact.edges(np.array(p), np.array(alpha)))
-    series = _fit(q / p * (contact.slope(Piece.places(a1, a2, ORDER)) + alpha) - eps)
-    piece = Piece(a1, a2, series)
-    piece.begin = -float(piece.slip_at(0.0))
-    return State(time, (a1, a2), (0, 0), [piece])
+    a1, a2 = contact.edges(np.array(p), np.array(alpha)).tolist()
+    slope = q / p * (_places(a1, a2, ORDER) / contact.radius + alpha) - eps
+    return State(time, (a1, a2), (0, 0), Frozen(np.array([a1, a2]), _fit(slope)[:, None]))
 
 
-def _displacement(follower: Follower, step: Step, loads: Array, edges: tuple[Array, Array, Array, Array]) -> tuple[Array, Array]:
-    """U and m_q at instants of a step, (n,) each: from the means of the equations of stick over 1/w."""
-    (_, Q, eps, _), (a1, a2, b1, b2), A = loads, edges, follower.contact.compliance
-    m, c = (b1 + b2) / 2, (b2 - b1) / 2
-    _, _, second, slip = step.frozen.moments(b1, b2, slip=True)
-    U = slip / np.pi + eps * m - A / np.pi * Q * np.log(c / 2)
-    moment = m * Q + (second + eps * np.pi * c**2 / 2) / A
-    for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
-        if d:
-            x, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
-            zeta = x - m[:, None]
-            q = d * follower.friction * weight * follower.contact.pressure(x, a1[:, None], a2[:, None])
-            w = _root_beyond(np.abs(zeta), c[:, None])
-            U = U - A / np.pi * np.sum(q * np.arccosh(np.maximum(np.abs(zeta) / c[:, None], 1.0)), axis=1)
-            moment = moment + side * np.sum(q * zeta**2 / w, axis=1)
-    return U, moment
-
-
-def _loop_of(follower: Follower, step: Step) -> float:
+def _loop_of(step: Step) -> float:
     """Integral of Q dU - m_q d eps over a step."""
-    U, moment = _displacement(follower, step, step.loads, step.edges)
-    nodes = _nodes(follower.order)
-    dU, deps = (_value(nodes, _slope(_fit(each))) for each in (U, step.loads[2]))
-    return _integral(step.loads[1] * dU - moment * deps)
+    (U, moment), (_, Q, eps, _) = step.stick.displacement(), step.stick.loads
+    dU, deps = (_value(_nodes(len(U) - 1), np.asarray(chebyshev.chebder(_fit(each)), dtype=float)) for each in (U, eps))
+    return _integral(Q * dU - moment * deps)
 
 
-def _at(follower: Follower, steps: Sequence[Step], time: Array, x: Array) -> tuple[Array, ...]:
-    """Everything at instants (n,), in the order of `Followed`."""
+def _at(follower: Follower, steps: Sequence[Step], time: Array, x: Array) -> dict[str, Any]:
+    """What `Followed` has at instants (n,), by its names."""
     n, m = len(time), len(x)
-    loads, edges, (U, shear_moment), fields = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, n)), np.zeros((4, n, m))
+    found: dict[str, Any] = {name: np.zeros((n, m)) for name in ("pressure", "shear", "slip", "state")}
+    found |= {name: np.zeros((n, 2)) for name in ("contact_edges", "stick_edges")}
+    found |= {name: np.zeros(n) for name in ("displacement", "shear_moment")} | {"loads": np.zeros((4, n))}
     ends = np.array([each.time[-1] for each in steps])
     number = np.minimum(np.searchsorted(ends, time - _SOON * follower.longest), len(steps) - 1)
     before = time < steps[0].time[0]  # out of contact, but for the last 1e-4 of the load that touches first
     for k in np.flatnonzero(before):
-        loads[:, k] = np.nan_to_num(follower.loads.values(time[k : k + 1])[:, 0])
-        fields[2, k] = -loads[2, k] * x
-    fields[3, before] = OPEN
+        found["loads"][:, k] = np.nan_to_num(follower.loads.values(time[k : k + 1])[:, 0])
+        found["slip"][k] = -found["loads"][2, k] * x
+    found["state"][before] = OPEN
     for k in np.unique(number[~before]):
         whole = np.flatnonzero((number == k) & ~before)
         for some in np.array_split(whole, -(-len(whole) // _TOGETHER)):
-            four = _edges_at(follower, steps[k], time[some])
-            loads[:, some], edges[:, some] = four[0], four[1]
-            U[some], shear_moment[some] = _displacement(follower, steps[k], four[0], four[1])
-            fields[:, some] = _fields(follower, steps[k], four[0], four[1], x)
-    moment = loads[0] * (edges[0] + edges[1]) / 2
-    return loads, moment, shear_moment, U, edges[:2].T, edges[2:].T, *fields
+            stick = steps[k].at(time[some], follower.loads)
+            found["loads"][:, some] = stick.loads
+            found["contact_edges"][some], found["stick_edges"][some] = stick.contact_edges.T, stick.edges.T
+            found["displacement"][some], found["shear_moment"][some] = stick.displacement()
+            for name, values in zip(("pressure", "shear", "slip", "state"), stick.fields(x, 2 * follower.order), strict=True):
+                found[name][some] = values
+    found["moment"] = found["loads"][0] * np.mean(found["contact_edges"], axis=1)
+    return found | {"state": found["state"].astype(np.int8)}
 
 
-def _edges_at(follower: Follower, step: Step, time: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
-    """Loads (4, n), and a1, a2, b1, b2 at instants of a step."""
-    inside = np.clip(time, step.time[0], step.time[-1])
-    loads, phi = follower.loads.values(inside), step.phi(inside)
-    a1, a2 = follower.contact.edges(loads[0], loads[3])
-    b1 = np.maximum(_value(phi, _fit(step.b1)), a1) if step.slips[0] else a1
-    b2 = np.minimum(_value(phi, _fit(step.b2)), a2) if step.slips[1] else a2
-    return loads, (a1, a2, b1, b2)
-
-
-def _fields(follower: Follower, step: Step, loads: Array, edges: tuple[Array, Array, Array, Array], x: Array) -> Array:
-    """p, q, s and the state of the surface at points (m,) and instants (n,) of a step: (4, n, m)."""
-    f, d, n = follower.friction, step.slips[1] or step.slips[0] or 1, 2 * follower.order
-    a1, a2, b1, b2 = (edge[:, None] for edge in edges)
-    p = follower.contact.pressure(x, a1, a2)
-    touching, sticks = (x >= a1) & (x <= a2), (x >= b1) & (x <= b2)
-    q, s = f * p * np.where(x > b2, step.slips[1], step.slips[0]), np.zeros(p.shape)
-    state = np.where(sticks, STICK, np.where(touching, np.where(q > 0, SLIP_FORWARD, SLIP_REVERSE), OPEN))
-    here = np.where(sticks, x, (b1 + b2) / 2)
-    reserve = follower.shear_reserve(step.frozen, here, loads, edges, step.slips) * np.sqrt((here - b1) * (b2 - here))
-    q, s = np.where(sticks, d * (f * p - reserve), q), step.frozen.slip(here.ravel()).reshape(p.shape)
-    for side, begin, middle in ((-1, b1, a1), (1, b2, a2)):
-        far = np.maximum(middle, np.max(x)) if side > 0 else np.minimum(middle, np.min(x))
-        at_begin, share = step.frozen.slip(begin[:, 0])[:, None], (_nodes(n) + 1) / 2
-        for first, last in ((begin, middle), (middle, far)):
-            way = last - first
-            slope = np.zeros((len(way), n + 1))  # not used where the way begins: x stands still there
-            there = first + way * share[1:] ** 2
-            slope[:, 1:] = follower.outer_slope(step.frozen, side, there, loads, edges, step.slips)
-            rise = _primitive(_fit(np.where(side * way > 1e-12 * step.size, slope * share * way, 0.0).T))[..., None]
-            passed = np.clip((x - first) / np.where(way != 0, way, 1.0), 0, 1)
-            between = (side * (x - first) > 0) & (side * (x - last) <= 0)
-            s = np.where(between, at_begin + chebyshev.chebval(2 * np.sqrt(passed) - 1, rise, tensor=False), s)
-            at_begin = at_begin + chebyshev.chebval(np.ones(1), rise, tensor=False)
-    return np.stack([p, np.where(touching, q, 0.0), s, state])
-
-
-def _density_of(follower: Follower, step: Step, x: Array) -> Array:
+def _density_of(step: Step, x: Array, loads: PathLoads) -> Array:
     """Friction work at points (k,) over a step: f p |ds/dt| over the time that each is in a slip zone."""
-    found, fine = np.zeros(len(x)), np.linspace(-1, 1, 65)
-    duration, series = step.time[-1] - step.time[0], [_fit(each) for each in step.edges]
-    for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
-        if not d:
-            continue
-        outer, inner = (series[1], series[3]) if side > 0 else (series[0], series[2])
+    found, fine, stick = np.zeros(len(x)), np.linspace(-1, 1, 65), step.stick
+    series, duration = [_fit(edges) for edges in (*stick.edges, *stick.contact_edges)], step.time[-1] - step.time[0]
+    for i, side in _SIDES:
 
-        def depth(phi: Array, at: Array, side: int = side, outer: Array = outer, inner: Array = inner) -> Array:
+        def depth(phi: Array, at: Array, i: int = i, side: int = side) -> Array:
             """Distance from the nearer end of the slip zone, positive within it."""
-            return np.minimum(side * (at - _value(phi, inner)), side * (_value(phi, outer) - at))
+            return np.minimum(side * (at - _value(phi, series[i])), side * (_value(phi, series[i + 2]) - at))
 
-        inside = depth(fine[:, None], x)
+        inside = depth(fine[:, None], x) if stick.slips[i] else np.zeros((len(fine), len(x)))
         for k in np.flatnonzero(np.max(inside, axis=0) > 0):
             turns = np.flatnonzero((inside[1:, k] > 0) != (inside[:-1, k] > 0))
             marks = [-1.0, *(float(brentq(depth, fine[j], fine[j + 1], args=(x[k],), xtol=1e-14)) for j in turns), 1.0]
             for begin, end in pairwise(marks):
-                angle = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
-                if np.min(depth(angle, x[k])) <= 0:
+                phi = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
+                if np.min(depth(phi, x[k])) <= 0:
                     continue
-                weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT
-                a1, a2, b1, b2 = (_value(angle, each) for each in series)
-                time = step.time[0] + duration * np.sin(np.pi * (angle + 1) / 4) ** 2
-                points, rates = np.full((len(time), 1), x[k]), follower.loads.rates(time)
-                rate = follower.slip_rate(side, step.slips, points, rates, (a1, a2, b1, b2))[:, 0]
-                p = follower.contact.pressure(np.array(x[k]), a1, a2)
-                found[k] += np.sum(weight * np.cos(np.pi * angle / 2) * np.pi / 4 * duration * follower.friction * p * rate)
+                weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT * np.cos(np.pi * phi / 2) * np.pi / 4 * duration
+                there = step.at(step.time[0] + duration * np.sin(np.pi * (phi + 1) / 4) ** 2, loads)
+                point = np.full((len(phi), 1), x[k])
+                found[k] += stick.friction * np.sum(weight * (there.pressure(point) * there.slip_rate(side, point))[:, 0])
     return found

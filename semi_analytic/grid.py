@@ -20,7 +20,7 @@ work errs by about the power 1.5 of cell and increment, which a second run on ha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -55,28 +55,53 @@ _STAYS = 1e-3
 _STATES = np.array([STICK, SLIP_FORWARD, SLIP_REVERSE])
 
 
-class Increment(NamedTuple):
-    """The answer at an instant, k cells.
+class Fields(NamedTuple):
+    """The answer at n instants and k cells.
 
     Attributes
     ----------
-    pressure, shear, slip : (k,)
-    state : (k,) open, stick, forward or reverse slip
-    approach, displacement, tilt : delta, U (of x = 0, with the datum length 1 in the logarithm), alpha
-    moment, shear_moment : int x p and m_q = int x q
-    density : (k,) friction work since the instant before, by the trapezoidal rule
+    x, step : (k,) middles of the cells; their width
+    loads : (n, 4) P, Q, eps, alpha
+    pressure, shear, slip : (n, k)
+    state : (n, k) open, stick, forward or reverse slip
+    approach, displacement : (n,) delta, U (of x = 0, with the datum length 1 in the logarithm)
+    moment, shear_moment : (n,) int x p and m_q = int x q
+    density : (n, k) friction work of the increment that ends there, by the trapezoidal rule
+    work, loop : (n,) its sum, and Q dU - m_q d eps of the increment, also by the trapezoidal rule
     """
 
+    x: Array
+    step: float
+    loads: Array
     pressure: Array
     shear: Array
     slip: Array
     state: NDArray[np.int8]
-    approach: float
-    displacement: float
-    tilt: float
-    moment: float
-    shear_moment: float
+    approach: Array
+    displacement: Array
+    moment: Array
+    shear_moment: Array
     density: Array
+    work: Array
+    loop: Array
+
+    def edges(self, instant: int, *, stick: bool = False) -> tuple[float, float]:
+        """Outer edges of the cells in contact, or of those that stick, at an instant; NaN where there are none."""
+        return self._ends(self.state[instant] == STICK if stick else self.state[instant] != OPEN)
+
+    def permanent_stick(self, first: int, share: float = 1e-9) -> tuple[float, float]:
+        """Outer edges of the cells that stay in contact from instant `first` on and slip at most `share` of the farthest."""
+        slid, stays = np.ptp(self.slip[first:], axis=0), np.all(self.state[first:] != OPEN, axis=0)
+        return self._ends(stays & (slid <= share * np.max(slid)))
+
+    def cycle_work(self, increments: int, *, loop: bool = False) -> Array:
+        """Friction work, or closed integral of Q dU - m_q d eps, of the last whole cycles of so many increments."""
+        values = (self.loop if loop else self.work)[1:]
+        return values[len(values) % increments :].reshape(-1, increments).sum(axis=1)
+
+    def _ends(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
+        here = self.x[cells]
+        return (float(here[0] - self.step / 2), float(here[-1] + self.step / 2)) if len(here) else (math.nan, math.nan)
 
 
 class Grid:
@@ -104,8 +129,9 @@ class Grid:
         self._coupling = dundurs / modulus * self.step * np.sign(self.x[:, None] - self.x)
         self._direction, self._touching = np.zeros(cells, dtype=int), np.zeros(cells, dtype=bool)
         self._shear: Array = np.zeros(cells)
-        self._slip: Array = np.zeros(cells)
+        self.slip: Array = np.zeros(cells)
         self._shift = 0.0
+        self._last: dict[str, Any] | None = None
         self._pressed: dict[tuple[float, float], tuple[Array, NDArray[np.bool_], float]] = {}
 
     def compliance_at(self, x: Array) -> Array:
@@ -150,23 +176,20 @@ class Grid:
             if not sticks.any():
                 raise ArithmeticError("all cells slip")
             q, shift = self._balanced(
-                sticks, moved - self._slip - self._compliance @ fixed, force - self.step * float(np.sum(fixed))
+                sticks, moved - self.slip - self._compliance @ fixed, force - self.step * float(np.sum(fixed))
             )
             q = q + fixed
             s = shift + moved - self._compliance @ q
             exceeds = sticks & (np.abs(q) > limit + _ROUNDING * limit.max())
-            goes_on = touching & (direction * (s - self._slip) > 0)
+            goes_on = touching & (direction * (s - self.slip) > 0)
             wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
             if np.array_equal(wanted, direction):
                 return q, s, direction, shift
             direction = wanted
         raise ArithmeticError("the slip zones do not converge")
 
-    def advance(self, load: float, force: float, strain: float, tilt: float) -> Increment:
-        """One increment to P, Q, eps and alpha.
-
-        Raises ArithmeticError where active sets do not converge, all cells slip, or the contact meets the end of the grid.
-        """
+    def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
+        """One increment to P, Q, eps and alpha: a row of `Fields`."""
         cells, last = len(self.x), self._shear
         strained: Array = -strain * self.x
         p: Array
@@ -188,51 +211,39 @@ class Grid:
                     break
             else:
                 raise ArithmeticError("pressure and shear by turns do not converge")
-        density = (self._shear + q) * (s - self._slip) / 2
-        self._shear, self._slip, self._shift = q, s, shift
-        state = np.where(self._touching, _STATES[self._direction], OPEN).astype(np.int8)
-        moments = self.step * float(self.x @ p), self.step * float(self.x @ q)
-        return Increment(p, q, s, state, approach - self.datum * load, shift - self.datum * force, tilt, *moments, density)
+        density = (self._shear + q) * (s - self.slip) / 2
+        self._shear, self.slip, self._shift = q, s, shift
+        found: dict[str, Any] = {
+            "loads": np.array([load, force, strain, tilt]),
+            "pressure": p,
+            "shear": q,
+            "slip": s,
+            "state": np.where(self._touching, _STATES[self._direction], OPEN).astype(np.int8),
+            "approach": approach - self.datum * load,
+            "displacement": shift - self.datum * force,
+            "moment": self.step * float(self.x @ p),
+            "shear_moment": self.step * float(self.x @ q),
+            "density": density,
+            "work": self.step * float(np.sum(density)),
+        }
+        before = self._last or found
+        turned = (found["shear_moment"] + before["shear_moment"]) / 2 * (strain - before["loads"][2])
+        found["loop"] = (force + before["loads"][1]) / 2 * (found["displacement"] - before["displacement"]) - turned
+        self._last = found
+        return found
 
+    def follow(self, loads: Array) -> Fields:
+        """Increments to rows of P, Q, eps and alpha, (n, 4).
 
-class Fields(NamedTuple):
-    """The answer at n instants and k cells: as `Increment` with a first axis (n,) more.
-
-    `work` and `loop` (n,) are the friction work of the increment that ends there and its Q dU - m_q d eps, both by the trapezoidal
-    rule.
-    """
-
-    x: Array
-    step: float
-    pressure: Array
-    shear: Array
-    slip: Array
-    state: NDArray[np.int8]
-    approach: Array
-    displacement: Array
-    tilt: Array
-    moment: Array
-    shear_moment: Array
-    work: Array
-    loop: Array
-
-    def edges(self, instant: int, *, stick: bool = False) -> tuple[float, float]:
-        """Outer edges of the cells in contact, or of those that stick, at an instant; NaN where there are none."""
-        return self._ends(self.state[instant] == STICK if stick else self.state[instant] != OPEN)
-
-    def permanent_stick(self, first: int, share: float = 1e-9) -> tuple[float, float]:
-        """Outer edges of the cells that stay in contact from instant `first` on and slip at most `share` of the farthest."""
-        slid, stays = np.ptp(self.slip[first:], axis=0), np.all(self.state[first:] != OPEN, axis=0)
-        return self._ends(stays & (slid <= share * np.max(slid)))
-
-    def cycle_work(self, increments: int, *, loop: bool = False) -> Array:
-        """Friction work, or closed integral of Q dU - m_q d eps, of the last whole cycles of so many increments."""
-        values = (self.loop if loop else self.work)[1:]
-        return values[len(values) % increments :].reshape(-1, increments).sum(axis=1)
-
-    def _ends(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
-        here = self.x[cells]
-        return (float(here[0] - self.step / 2), float(here[-1] + self.step / 2)) if len(here) else (math.nan, math.nan)
+        Raises ArithmeticError where active sets do not converge, all cells slip, or the contact meets the end of the grid.
+        """
+        rows = []
+        for row in loads.tolist():
+            try:
+                rows.append(self._increment(*row))
+            except ArithmeticError as fault:
+                raise ArithmeticError(f"{fault} at P = {row[0]:.6g}, Q = {row[1]:.6g}") from fault
+        return Fields(self.x, self.step, **{name: np.array([row[name] for row in rows]) for name in rows[0]})
 
 
 def solve(
@@ -251,20 +262,14 @@ def solve(
     """Follow instants (n,) of P, Q, eps and the tilt from bodies that have never touched.
 
     The first instant is one increment from nothing; where P = 0 there, its eps is in place at first touch. `extent` is the grid.
-    Raises ArithmeticError where active sets do not converge or the contact meets the end of the grid.
+    Raises ArithmeticError as `Grid.follow`.
 
     >>> found = solve(lambda x: x**2 / 2, (-1.0, 1.0), 200, 1.0, [0.4], [0.0])  # Hertz: a = sqrt(4 P/pi), R = 1
     >>> abs(found.edges(0)[1] - (1.6 / math.pi) ** 0.5) < found.step
     True
     """
     loads = np.stack(np.broadcast_arrays(np.atleast_1d(normal), shear, strain, tilt), axis=1)
-    grid = Grid(height, extent, cells, friction, modulus, dundurs)
-    rows = [grid.advance(*row) for row in loads.tolist()]
-    found: dict[str, Any] = {name: np.array([getattr(row, name) for row in rows]) for name in Increment._fields}
-    work = grid.step * np.sum(found.pop("density"), axis=1)
-    middles = [(values[1:] + values[:-1]) / 2 for values in (loads[:, 1], found["shear_moment"])]
-    loop = np.append(0.0, middles[0] * np.diff(found["displacement"]) - middles[1] * np.diff(loads[:, 2]))
-    return Fields(grid.x, grid.step, **found, work=work, loop=loop)
+    return Grid(height, extent, cells, friction, modulus, dundurs).follow(loads)
 
 
 # ------------------------------------------------------------------------------------------------------ a scene's load path
@@ -277,133 +282,91 @@ class _Path:
     increments: int
     _known: dict[bytes, Array] = field(default_factory=dict)
 
-    def stretches(self, asked: Array, cycles: int) -> Iterator[tuple[int, Array, list[tuple[int, int]]]]:
-        """Of each leg: the number of the cycle, -1 before; P, Q, eps, alpha of its instants (n, 4); (row, instant asked for)."""
-        path = self.loads.path
+    def rows(self, number: int, asked: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Of a cycle (-1: before): P, Q, eps, alpha at its instants (n, 4), rows of those `asked` for, and which they are."""
+        path, first = self.loads.path, self.loads.path.initial_loading[0]
         whole = path.cycle or path.initial_loading
-        length, late = whole[-1].end - whole[0].start, path.period or 0.0
-        for number in range(-1, cycles if path.cycle else 0):
-            for k, leg in enumerate(path.initial_loading if number < 0 else path.cycle):
-                least = self.increments // 4 if number < 0 and (path.cycle or not k) else _OF_LEG
-                share = 0.0 if number < 0 and path.cycle else (leg.end - leg.start) / length
-                # From first touch in equal steps of the contact's size.
-                power = 2 if leg is path.initial_loading[0] else 1
-                places = np.linspace(0, 1, max(least, math.ceil(self.increments * share)) + 1)[1:] ** power
-                base = leg.start + (leg.end - leg.start) * places
-                own = asked - max(number, 0) * late
-                here = np.flatnonzero((own > leg.start) & (own <= leg.end) | (own <= path.start) & (leg is path.initial_loading[0]))
-                # Increments of its own make way for instants that are asked for, but where a load turns round.
-                new, slack = np.maximum(own[here], path.start), 0.5 * (leg.end - leg.start) / len(base)
-                near = np.min(np.abs(base[:, None] - new), axis=1, initial=math.inf) < slack
-                turns = self.loads.turns(leg)
-                new = new[np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf) > 2e-9 * (leg.end - leg.start)]
-                time = np.unique(np.concatenate([base[~near], turns, new]))
-                key = time.tobytes()
-                if key not in self._known:
-                    self._known[key] = self._rows(time)
-                yield number, self._known[key], [(int(np.argmin(np.abs(time - max(own[i], path.start)))), int(i)) for i in here]
-
-    def _rows(self, time: Array) -> Array:
-        rows = self.loads.values(time)
-        if self.loads.path.moment_given and self.contact.shape.radius is None:
-            rows[3] = self.contact.tilt_under(rows[0], -rows[3] * self.loads.radius * rows[0])
-        return rows.T
+        length, own = whole[-1].end - whole[0].start, asked - max(number, 0) * (path.period or 0.0)
+        legs, times = path.initial_loading if number < 0 else path.cycle, []
+        for k, leg in enumerate(legs):
+            least = self.increments // 4 if number < 0 and (path.cycle or not k) else _OF_LEG
+            share = 0.0 if number < 0 and path.cycle else (leg.end - leg.start) / length
+            # From first touch in equal steps of the contact's size.
+            places = np.linspace(0, 1, max(least, math.ceil(self.increments * share)) + 1)[1:] ** (2 if leg is first else 1)
+            base, turns = leg.start + (leg.end - leg.start) * places, self.loads.turns(leg)
+            # Increments of its own make way for instants that are asked for, but where a load turns round.
+            new = own[(own > leg.start) & (own <= leg.end)]
+            new = np.append(new, path.start) if leg is first and np.any(own <= path.start) else new
+            near = np.min(np.abs(base[:, None] - new), axis=1, initial=math.inf) < 0.5 * (leg.end - leg.start) / len(base)
+            new = new[np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf) > 2e-9 * (leg.end - leg.start)]
+            times.append(np.unique(np.concatenate([base[~near], turns, new])))
+            if (key := times[-1].tobytes()) not in self._known:
+                rows = self.loads.values(times[-1])
+                if path.moment_given and self.contact.shape.radius is None:
+                    rows[3] = self.contact.tilt_under(rows[0], -rows[3] * self.loads.radius * rows[0])
+                self._known[key] = rows.T
+        time = np.concatenate(times)
+        here = np.flatnonzero((own <= legs[-1].end) & ((own > legs[0].start) | (number < 0)))
+        nearest = np.array([np.argmin(np.abs(time - max(at, path.start))) for at in own[here]], dtype=int)
+        return np.concatenate([self._known[each.tobytes()] for each in times]), nearest, here
 
 
-class _Run(NamedTuple):
-    """What one grid answers: `works` of the cycles, `work` and `loop` of the last; at n instants and m points as `Followed`."""
+def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int) -> dict[str, Any]:
+    """What one grid answers, followed until a cycle repeats the one before, `least` cycles at any rate.
 
-    works: Array
-    work: float
-    loop: float
-    loads: Array
-    share: Array
-    slip: Array
-    displacement: Array
-    shear_moment: Array
-    stick_edges: Array
-    pieces: int
-    density: Array
-    permanent: Array
-
-
-def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int) -> _Run:
-    """Follow the path on one grid until a cycle repeats the one before, `least` cycles at any rate."""
-    n, m, half = len(asked), len(x), grid.step / 2
-    share, slip = np.zeros((n, m)), np.zeros((n, m))
-    displacement, shear_moment, edges, pieces = np.zeros(n), np.zeros(n), np.full((n, 2), np.nan), 1
-    kernel, works, now, loads = grid.compliance_at(x), [], -2, np.zeros((4, n))
-    work = loop = 0.0
-    density, slid = np.zeros(len(grid.x)), np.zeros(len(grid.x))
-    last, force, strained = None, 0.0, 0.0
-    for number, rows, wanted in path.stretches(asked, most):
-        if number != now and number >= 0:
-            if now >= 0:
-                works.append(work)
-                if len(works) >= max(least, 2) and abs(works[-1] - works[-2]) <= STEADY * works[-1]:
-                    break
-            work = loop = 0.0
-            density, slid = np.zeros(len(grid.x)), np.zeros(len(grid.x))
-        now = number
-        where = dict.fromkeys(row for row, _ in wanted)
-        for k, row in enumerate(rows.tolist()):
-            try:
-                found = grid.advance(*row)
-            except ArithmeticError as fault:
-                raise InputError(
-                    f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} at P = {row[0]:.6g}, "
-                    f"Q = {row[1]:.6g} of cycle {number + 1}; finite elements may take the scene"
-                ) from fault
-            density = density + found.density
-            work += grid.step * float(np.sum(found.density))
-            if last is not None:
-                loop += (row[1] + force) / 2 * (found.displacement - last.displacement)
-                loop -= (found.shear_moment + last.shear_moment) / 2 * (row[2] - strained)
-            stick = found.state == STICK
-            # What opens does not stick: it counts as slip without end.
-            slid = slid + np.where(found.state == OPEN, np.inf, 0.0) + (np.abs(found.slip - last.slip) if last is not None else 0.0)
-            last, force, strained = found, row[1], row[2]
-            if k not in where:
-                continue
-            runs = np.flatnonzero(np.diff(np.concatenate([[False], stick, [False]]).astype(int)))
-            touching = np.flatnonzero(found.state != OPEN)
-            for i in (i for row_of, i in wanted if row_of == k):
-                loads[:, i] = row
-                displacement[i], shear_moment[i] = found.displacement, found.shear_moment
-                slip[i] = found.displacement + grid.datum * row[1] - row[2] * x - kernel @ found.shear
-                if not len(touching):
-                    continue
-                limit = grid.friction * found.pressure[touching]
-                share[i] = np.interp(x, grid.x[touching], found.shear[touching] / limit)
-                pieces = max(pieces, len(runs) // 2)
-                if len(runs):
-                    # A cell that sticks at the edge of contact sticks up to it.
-                    low = -np.inf if runs[0] == touching[0] else grid.x[runs[0]] - half
-                    high = np.inf if runs[-1] - 1 == touching[-1] else grid.x[runs[-1] - 1] + half
-                    edges[i] = low, high
-    else:
-        works.append(work)
-    most_slid = float(np.max(slid, where=np.isfinite(slid), initial=0.0))
-    here = grid.x[slid <= _STAYS * most_slid]
-    return _Run(
-        np.array(works),
-        works[-1],
-        loop,
-        loads,
-        share,
-        slip,
-        displacement,
-        shear_moment,
-        edges,
-        pieces,
-        np.interp(x, grid.x, density, left=0.0, right=0.0),
-        np.array([here[0] - half, here[-1] + half]) if len(here) else np.full(2, np.nan),
-    )
+    At n instants and m points, by the names of `Followed`; `share` is q over f p, `works` that of the cycles, and `work`, `loop`,
+    `density`, `permanent` those of the last; `pieces` is the largest number of zones that stick.
+    """
+    n, m, half, kernel, works = len(asked), len(x), grid.step / 2, grid.compliance_at(x), list[float]()
+    out: dict[str, Any] = {name: np.zeros((n, m)) for name in ("share", "slip")} | {"stick_edges": np.full((n, 2), np.nan)}
+    out |= {name: np.zeros(n) for name in ("displacement", "shear_moment")} | {"loads": np.zeros((4, n)), "pieces": 1}
+    for number in range(-1, most if path.loads.path.cycle else 0):
+        rows, wanted, here = path.rows(number, asked)
+        before = grid.slip
+        try:
+            found = grid.follow(rows)
+        except ArithmeticError as fault:
+            raise InputError(
+                f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of cycle {number + 1}; "
+                "finite elements may take the scene"
+            ) from fault
+        out["loads"][:, here], out["displacement"][here] = found.loads[wanted].T, found.displacement[wanted]
+        out["shear_moment"][here] = found.shear_moment[wanted]
+        for i, k in zip(here.tolist(), wanted.tolist(), strict=True):
+            _, force, strain, _ = found.loads[k]
+            out["slip"][i] = found.displacement[k] + grid.datum * force - strain * x - kernel @ found.shear[k]
+            touching = np.flatnonzero(found.state[k] != OPEN)
+            runs = np.flatnonzero(np.diff(np.concatenate([[False], found.state[k] == STICK, [False]]).astype(int)))
+            if len(touching):
+                share = found.shear[k, touching] / (grid.friction * found.pressure[k, touching])
+                out["share"][i] = np.interp(x, grid.x[touching], share)
+                out["pieces"] = max(out["pieces"], len(runs) // 2)
+            if len(runs):
+                # A cell that sticks at the edge of contact sticks up to it.
+                low = -np.inf if runs[0] == touching[0] else grid.x[runs[0]] - half
+                high = np.inf if runs[-1] - 1 == touching[-1] else grid.x[runs[-1] - 1] + half
+                out["stick_edges"][i] = low, high
+        if number >= 0 or not path.loads.path.cycle:
+            works.append(float(np.sum(found.work)))
+        if len(works) >= max(least, 2) and abs(works[-1] - works[-2]) <= STEADY * works[-1]:
+            break
+    slips = np.abs(np.diff(found.slip, axis=0, prepend=before[None]))
+    # What opens does not stick: it counts as slip without end.
+    slid = np.sum(np.where(found.state == OPEN, np.inf, slips), axis=0)
+    stays = grid.x[slid <= _STAYS * float(np.max(slid, where=np.isfinite(slid), initial=0.0))]
+    return out | {
+        "works": np.array(works),
+        "work": works[-1],
+        "loop": float(np.sum(found.loop)),
+        "density": np.interp(x, grid.x, np.sum(found.density, axis=0), left=0.0, right=0.0),
+        "permanent": np.array([stays[0] - half, stays[-1] + half]) if len(stays) else np.full(2, np.nan),
+    }
 
 
 def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     """Edges of contact at instants of the initial loading and of a cycle, (n, 2)."""
-    rows = np.concatenate([rows for _, rows, _ in _Path(loads, contact, INCREMENTS).stretches(np.zeros(0), 1)])
+    cut = _Path(loads, contact, INCREMENTS)
+    rows = np.concatenate([cut.rows(number, np.zeros(0))[0] for number in ((-1, 0) if loads.path.cycle else (-1,))])
     pressed = rows[rows[:, 0] > 0]
     middle, half = contact.under(pressed[:, 0], pressed[:, 3])
     return np.stack([middle - half, middle + half], axis=-1)
@@ -454,14 +417,14 @@ def follow_on_grid(
     low, high = float(np.min(edges)), float(np.max(edges))
     modulus = 2 / contact.intervals.product
 
-    def run(cut: _Path, cells: int, shift: float, least: int, most: int, asked: Array) -> _Run:
+    def run(cut: _Path, cells: int, shift: float, least: int, most: int, asked: Array) -> dict[str, Any]:
         cell = (high - low) / cells
         extent = low - (2 + shift) * cell, high + (3 - shift) * cell
         return _run(Grid(height, extent, cells + 5, friction, modulus), cut, x, asked, least, most)
 
     # The coarse grids are the cheap ones: they tell how many cycles it takes.
     none = np.zeros(0)
-    count = len(run(coarse, cells // 2, 0.0, needed, max(most, needed), none).works)
+    count = len(run(coarse, cells // 2, 0.0, needed, max(most, needed), none)["works"])
     if time is not None:
         asked = np.asarray(time, dtype=float)
     else:
@@ -474,17 +437,17 @@ def follow_on_grid(
     rough = [run(coarse, cells // 2, shift, count, count, asked[::every]) for shift in _SHIFTS]
 
     def mean(name: str) -> Array:
-        return np.asarray(np.mean([getattr(each, name) for each in own], axis=0))
+        return np.asarray(np.mean([each[name] for each in own], axis=0))
 
     def error(name: str, factor: Array | float = 1.0, every: int = 1) -> float:
         """Twice the standard deviation between grids and what the coarse ones change, over the largest value; root mean squares."""
-        fine_ones = factor * np.array([np.atleast_1d(getattr(each, name))[::every] for each in own])
-        coarse_ones = factor * np.array([np.atleast_1d(getattr(each, name)) for each in rough])
+        fine_ones = factor * np.array([np.atleast_1d(each[name])[::every] for each in own])
+        coarse_ones = factor * np.array([np.atleast_1d(each[name]) for each in rough])
         size = float(np.max(np.abs(fine_ones), initial=0.0))
         changed = np.mean(fine_ones, axis=0) - np.mean(coarse_ones, axis=0)
         return float(2 * np.sqrt(np.mean(np.var(fine_ones, axis=0))) + np.sqrt(np.mean(changed**2))) / size if size > 0 else 0.0
 
-    given = own[0].loads
+    given = own[0]["loads"]
     middle, half = contact.under(given[0], given[3])
     contact_edges = np.stack([middle - half, middle + half], axis=-1)
     pressure = contact.pressure_over(x, middle, half)
@@ -506,13 +469,18 @@ def follow_on_grid(
         slip=mean("slip"),
         state=state.astype(np.int8),
         works=works,
-        loop=float(np.mean([each.loop for each in own])),
+        loop=float(np.mean([each["loop"] for each in own])),
         remainder=remainder_of(works.tolist()),
         steady_from=steady,
         steady_to=STEADY,
         density=mean("density"),
         permanent_stick_edges=mean("permanent"),
-        counts={"grids": 2 * len(_SHIFTS), "cells": cells, "increments": increments * count, "pieces": max(r.pieces for r in own)},
+        counts={
+            "grids": 2 * len(_SHIFTS),
+            "cells": cells,
+            "increments": increments * count,
+            "pieces": max(each["pieces"] for each in own),
+        },
         errors={
             "dissipation": error("work"),
             "dissipation_density": error("density"),

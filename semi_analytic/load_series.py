@@ -409,10 +409,8 @@ class LoadSeries:
         return step, np.where(share > 1 - near[step], 1.0, np.maximum(share, 0.0)), near[step]
 
 
-def own_series(scene: Scene, time: Array | None) -> LoadSeries | None:
-    """The scene's own path, None where it is not straight: as many cycles as `time` needs; until it is steady where it needs none.
-
-    A path is straight whose legs have no turn: on a curved one some sum of P and Q turns round.
+def own_series(scene: Scene, time: Array | None) -> LoadSeries:
+    """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady where it needs none.
 
     Raises
     ------
@@ -420,15 +418,11 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries | None:
         For gross sliding or separation, with the instant and the loads.
     """
     friction, load, long = scene.friction.coefficient, scene.load, False
-    if load.has_bulk_or_tilt:
-        return None
     if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
         rows, long = load.series(), len(load.kept_rows()) > _MANY
         loading, cycle = (rows[:2], rows[1:]) if load.repeats else (rows, rows[:0])
     else:
         path = load.path()
-        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
-            return None
         loading, cycle = _rows_of(path.initial_loading), _rows_of(path.cycle)
     check_rows(loading, friction)
     if not len(cycle):

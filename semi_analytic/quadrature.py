@@ -32,11 +32,8 @@ def _rule(low: float, high: float) -> Rule:
 ROOTS = _rule(-36.0, 36.0)
 """For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range, is left out."""
 
-INVERSE_ROOT = _rule(-75.0, 36.0)
-"""For an inverse root at the lower end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
-
 INVERSE_ROOTS = _rule(-75.0, 75.0)
-"""The same for an inverse root at either end."""
+"""For an inverse root at either end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
 
 NODES = len(ROOTS.up)
 """Nodes of `graded`."""
@@ -88,10 +85,6 @@ def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     first, (t, weight) = np.asarray(begin, dtype=float)[..., None], gauss(24)
     length = np.asarray(end, dtype=float)[..., None] - first
     return first + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
-
-
-CHUNK = 4_000_000
-"""Nodes that are held at a time."""
 
 
 class Nodes(NamedTuple):

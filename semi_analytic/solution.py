@@ -33,6 +33,7 @@ from scenes import (
     NotFoundError,
     Record,
     Scene,
+    TimeSeriesLoad,
     Work,
     freeze,
     scene_of,
@@ -151,7 +152,7 @@ def _remembered(
     elif family is not None:
         path = history_of(family.path, friction, scene.cycles, asked)
     else:
-        path = own_series(scene, asked) or history_of(scene.load.path(), friction, scene.cycles, asked)
+        path = _path_of(scene, asked)
     pointwise, left_out = not wanted.isdisjoint(POINTWISE), 0
     if asked is None:
         asked, left_out = path.default_times(cycles == "steady", pointwise)
@@ -356,15 +357,24 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     InputError, InadmissibleLoadError
         As `solve`.
     """
-    contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    contact = contact_of(scene.profile, scene.material)
     if scene.unsymmetric:
         raise InputError("load: stress inside the bodies is for scenes without bulk stress and tilt, and for symmetric profiles")
-    series = own_series(scene, time)
-    if series is None:
-        return contact, history_of(scene.load.path(), friction, scene.cycles, time).snapshot(time)
+    path = _path_of(scene, time)
+    if isinstance(path, History):
+        return contact, path.snapshot(time)
     point, fold = folded(np.zeros(1))
     request = Request(contact, composite_modulus(scene.material), time, point, point, fold, frozenset({"shear"}))
-    return contact, _along_series(series, request).snapshot
+    return contact, _along_series(path, request).snapshot
+
+
+def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
+    """The scene's own path, followed by straight steps where no leg is curved: on a curved one some sum of P and Q turns round."""
+    if not isinstance(scene.load, TimeSeriesLoad):
+        path = scene.load.path()
+        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
+            return history_of(path, scene.friction.coefficient, scene.cycles, time)
+    return own_series(scene, time)
 
 
 # --------------------------------------------------------------------------------------- what a path leaves for an answer

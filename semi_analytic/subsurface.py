@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import ContactSolution, InputError, Scene, scene_of
 from semi_analytic.memory import Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import SymmetricContact
-from semi_analytic.quadrature import INVERSE_ROOTS, ROOTS
+from semi_analytic.quadrature import INVERSE_ROOTS
 from semi_analytic.request import vector
 from semi_analytic.solution import memory_at
 
@@ -40,8 +40,6 @@ Body = Literal["lower", "upper"]
 
 # Kernels that are held at a time.
 _AT_ONCE = 1_000_000
-# Depth over the half-width from which on the inverse root at a = |x| needs no nodes of its own.
-_DEEP = 1e-3
 
 
 def stress(
@@ -177,26 +175,20 @@ def _potentials(contact: SymmetricContact, lines: Iterator[tuple[float, float, S
 def _add_panel(found: Complex, contact: SymmetricContact, slope: Slope, ends: tuple[float, float], x: Array, y: Array) -> None:
     """Adds the punches of half-widths between `ends`; where |x| is one of them the panel is cut there."""
     low, high = ends
-    inside = (x > low) & (x < high)
-    shallow = -y < _DEEP * high
-    for rule, near in ((INVERSE_ROOTS, shallow), (ROOTS, ~shallow)):
-        chosen = np.flatnonzero(near & ~inside)
-        length = high - low
-        if len(chosen):
-            half = np.where(rule.up < 0.5, low + length * rule.up, high - length * rule.down)
-            weights = _weights(contact, slope, half, length * rule.share)
-            for here in np.array_split(chosen, 1 + len(chosen) * len(half) // _AT_ONCE):
-                point = x[here, None]
-                delta = np.where(rule.up < 0.5, (low - point) + length * rule.up, (high - point) - length * rule.down)
-                _add(found, here, weights, delta, x, y)
-        chosen = np.flatnonzero(near & inside)
-        for here in np.array_split(chosen, 1 + len(chosen) * len(rule.up) // _AT_ONCE) if len(chosen) else ():
-            for sign, far in ((-1.0, low), (1.0, high)):
-                point = x[here, None]
-                reach = sign * (far - point)
-                delta = sign * reach * rule.up
-                half = np.where(rule.up < 0.5, point + delta, far - sign * reach * rule.down)
-                _add(found, here, _weights(contact, slope, half, reach * rule.share), delta, x, y)
+    inside, rule = (x > low) & (x < high), INVERSE_ROOTS
+    length, lower, at_once = high - low, rule.up < 0.5, _AT_ONCE // len(rule.up)
+    half = np.where(lower, low + length * rule.up, high - length * rule.down)
+    weights, outside, within = _weights(contact, slope, half, length * rule.share), np.flatnonzero(~inside), np.flatnonzero(inside)
+    for here in np.array_split(outside, 1 + len(outside) // at_once):
+        point = x[here, None]
+        _add(found, here, weights, np.where(lower, (low - point) + length * rule.up, (high - point) - length * rule.down), x, y)
+    for here in np.array_split(within, 1 + len(within) // at_once):
+        point = x[here, None]
+        for sign, far in ((-1.0, low), (1.0, high)):
+            reach = sign * (far - point)
+            delta = sign * reach * rule.up
+            half = np.where(lower, point + delta, far - sign * reach * rule.down)
+            _add(found, here, _weights(contact, slope, half, reach * rule.share), delta, x, y)
 
 
 def _weights(contact: SymmetricContact, slope: Slope, half: Array, share: Array) -> Array:

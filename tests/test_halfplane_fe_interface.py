@@ -64,7 +64,16 @@ def block(material, height, order):
     inverse[np.ix_(free, free)] = np.linalg.inv((fold.T @ stiffness @ fold)[np.ix_(free, free)])
     n, flat = top.shape[1], top.ravel()
     compliance = inverse[np.ix_(flat, flat)].reshape(2, n, 2, n)
-    return CondensedBody(BodyMesh("block", mesh, GRADING, {}), material, x[top[0]], 0 * x[top[0]], traction[top[0]], compliance)
+    return CondensedBody(
+        BodyMesh("block", mesh, GRADING, {}),
+        material,
+        x[top[0]],
+        0 * x[top[0]],
+        traction[top[0]],
+        compliance,
+        np.zeros((2, len(x[top[0]]))),
+        {},
+    )
 
 
 @pytest.mark.parametrize(("order", "upper"), [(1, SOFT), (2, SOFT), (2, STEEL)], ids=["linear", "quadratic", "like bodies"])

@@ -12,7 +12,7 @@ import pytest
 import skfem
 
 from meshes import MeshSettings, SurfaceGrading, half_disc, mesh_quality, solid, write_vtu
-from meshes.bodies import size_field, size_formula
+from meshes.bodies import size_formula
 from meshes.interrupts import interrupts_wait
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Tabulated, Wedge
 from scenes.bodies import face_of
@@ -294,9 +294,12 @@ def test_a_pipe_that_breaks_after_meshing_is_an_error_and_not_the_end():
 
 
 @pytest.mark.parametrize("inner", [0.0, 0.6])
-def test_gmsh_reads_the_element_size_that_python_does(inner):
+def test_elements_grow_with_the_distance_from_the_nearest_of_the_surface(inner):
     grading = SurfaceGrading(inner=inner, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
     words = {"Sqrt": np.sqrt, "Max": max, "Min": min}
-    formula, by_python = size_formula(grading, 0.3).replace("^", "**"), size_field(grading, 0.3)
+    formula = size_formula(grading, 0.3).replace("^", "**")
     for x, y in itertools.product((0.0, 0.3, 0.6, 0.9, 1.1, 4.0), (0.0, -0.2, -3.0)):
-        assert eval(formula, {}, {**words, "x": x, "y": y}) == pytest.approx(by_python(x, y), rel=1e-14)
+        wanted = 0.05 + 0.3 * np.hypot(max(x - 1.1, inner - x, 0.0), y)
+        if inner:
+            wanted = min(wanted, 0.12 + 0.3 * np.hypot(max(x - inner, 0.0), y))
+        assert eval(formula, {}, {**words, "x": x, "y": y}) == pytest.approx(wanted, rel=1e-14)

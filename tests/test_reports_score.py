@@ -789,6 +789,15 @@ def loop_written(path: Path, u, q, head="U,Q", **more):
     np.savetxt(path, np.column_stack([u, q]), delimiter=",", header=head, comments="", fmt="%.9g", **more)
 
 
+def test_units_of_the_headings_are_turned_into_those_of_the_scene(tmp_path):
+    u, q, _ = rows_of(WIDE, 0.5, 200, 2.0)
+    loop_written(tmp_path / "loop.csv", 1e3 * u, q, "U [um],Q [kN/m]")
+    found = read_loop(tmp_path / "loop.csv", Mapping(), WIDE)
+    np.testing.assert_allclose(found.shift, u, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(found.load, q, rtol=1e-7, atol=1e-6)
+    assert "The column 'U [um]' is in um: times 0.001" in found.said
+
+
 def test_the_command_writes_a_page_and_its_json(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     u, q, _ = rows_of(WIDE, 0.5, 2000, 10.0, 0.02)
@@ -818,7 +827,8 @@ LOOP_FAULTS = {
     "no U": ("a,Q", lambda u, q: (u, q), (), "no column for the relative displacement"),
     "no Q": ("U,b", lambda u, q: (u, q), (), "no column for tangential_load"),
     "two Q": ("Q,Ft [N/mm]", lambda u, q: (u, q), (), "no column for the relative displacement"),
-    "other unit": ("U [um],Q", lambda u, q: (u, q), (), "the column 'U [um]' is in um, and the scene in mm: state factors.length"),
+    "unit": ("U [V],Q", lambda u, q: (u, q), (), "the column 'U [V]' is in V, and the scene in mm: state factors.length"),
+    "force": ("U,Q [kN]", lambda u, q: (u, q), (), "the column 'Q [kN]' is in kN, and the scene in N/mm: state factors.load"),
     "too few": ("U,Q", lambda u, q: (u[:20], q[:20]), (), "20 rows are too few for a loop"),
     "no cycle": ("U,Q", lambda u, q: (u[:110], q[:110]), (), "its "),
     "flat": ("U,Q", lambda u, q: (0 * u, q), (), "U is the same in every row"),

@@ -124,8 +124,6 @@ def test_a_fault_of_the_model_is_named_first(table: ModuleType, key: str, scene:
 @pytest.mark.parametrize(
     ("key", "scene", "severity"),
     [
-        ("shear_sign", "hertz-paper", None),
-        ("friction", "hertz-paper", None),
         ("steps", "cattaneo-mindlin", None),
         slow("elastic_slip", "cattaneo-mindlin", None),
         # Steps and thin layers whose traces lie within one coarse element of the model; errors of a mesh that stay locked in.

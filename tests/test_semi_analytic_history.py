@@ -192,7 +192,8 @@ def test_lines_polygons_and_series_have_events_without_letters():
 def by_spans(scene, **options):
     """The answer by the engine of curved paths."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solution, "own_series", lambda scene, time: None)
+        path, friction, cycles = scene.load.path(), scene.friction.coefficient, scene.cycles
+        patch.setattr(solution, "_path_of", lambda scene, time: history_of(path, friction, cycles, time))
         return solve(scene, **options)
 
 

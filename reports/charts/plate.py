@@ -1,7 +1,7 @@
 """A figure as a value: its panels with their marks, the key to its lines, its words and its numbers; and its form as SVG.
 
 On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries its colours. Words are escaped
-in `element` and `_Pen.words` and nowhere else.
+in `_element` and `_Pen.words` and nowhere else.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from reports.charts.table import Table, table_text
 from reports.charts.templating import template
 
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
-LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
+_LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
 _LONG_LINE, _STRIP = 2000, 1.0
@@ -78,7 +78,7 @@ class Panel:
     def frame(self) -> Frame:
         """The area that the marks lie in."""
         above = TOP + LINE * (len(self.notes) + bool(self.title))
-        left, top, right, bottom = self.room or (LEFT, above, RIGHT, BOTTOM if self.x.words else 24.0)
+        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, BOTTOM if self.x.words else 24.0)
         (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
         across, up = self.width - left - right, self.height - top - bottom
         if self.equal:
@@ -91,7 +91,7 @@ class Panel:
 
     def __html__(self) -> str:
         """The panel on a page."""
-        return panel_svg(self)
+        return _panel_svg(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +149,8 @@ class Plate:
             size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
             if left > 10.0 and left + size > width:
                 left, top = 10.0, top + 18.0
-            line = element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
-            patch = element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
+            line = _element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
+            patch = _element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
             drawn += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
             left += size
         top = top + 22.0 if self.keys else 0.0
@@ -160,12 +160,12 @@ class Plate:
                 place = top
                 for panel in stack:
                     box = {"x": sum(across[:column]), "y": place, "width": panel.width, "height": panel.height}
-                    drawn.append(panel_svg(panel, alone=True, **box))
+                    drawn.append(_panel_svg(panel, alone=True, **box))
                     place += panel.height
                 lowest = max(lowest, place)
             top = lowest
-        ground = element("rect", width=width, height=top, fill="#ffffff")
-        return element(
+        ground = _element("rect", width=width, height=top, fill="#ffffff")
+        return _element(
             "svg", f"<title>{escape(self.title)}</title>{ground}{''.join(drawn)}", xmlns="http://www.w3.org/2000/svg",
             width=f"{width:g}", height=f"{top:g}", viewBox=f"0 0 {width:g} {top:g}",
             font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
@@ -220,10 +220,10 @@ def colour_scale(
     return Panel(name, axis, Axis(0.0, 1.0, "", count=0), [row], f"Colours: {words}", width, 74.0, css="colours")
 
 
-def attributes(given: Mapping[str, object]) -> str:
+def _attributes(given: Mapping[str, object]) -> str:
     """Attributes as text, "_" in a name read as "-", empty ones left out.
 
-    >>> attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
+    >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
     """
     parts = ((name.rstrip("_").replace("_", "-"), f"{v:.2f}".rstrip("0").rstrip(".") if isinstance(v, float) else str(v))
@@ -231,24 +231,24 @@ def attributes(given: Mapping[str, object]) -> str:
     return "".join(f' {name}="{escape(value)}"' for name, value in parts)
 
 
-def element(name: str, content: str = "", /, **given: object) -> str:
+def _element(name: str, content: str = "", /, **given: object) -> str:
     """An element; `content` is SVG already. A place that is no number draws nothing."""
     if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
         return ""
-    return f"<{name}{attributes(given)}>{content}</{name}>" if content else f"<{name}{attributes(given)}/>"
+    return f"<{name}{_attributes(given)}>{content}</{name}>" if content else f"<{name}{_attributes(given)}/>"
 
 
-def path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
+def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
     """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out, and see `_LONG_LINE`.
 
     In each of `passes` every other place goes that lies within `off` of the straight line between its neighbours.
 
-    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2)
+    >>> _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), _path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2)
     ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
     A place that stands alone is a line to itself, which round ends make a dot.
 
-    >>> path_of([0, np.nan, 2], [0, 1, 1])
+    >>> _path_of([0, np.nan, 2], [0, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
     across, down = np.round(np.asarray(horizontal, dtype=float), 2), np.round(np.asarray(vertical, dtype=float), 2)
@@ -315,9 +315,9 @@ class _Pen:
             for part, low in parts:
                 shift = {"dy": DOWN if low else f"-{DOWN}"} if low is not down else {}
                 size: dict[str, object] = self.look("sub") if low else {}
-                content += element("tspan", escape(part), **shift, **size) if shift or size else escape(part)
+                content += _element("tspan", escape(part), **shift, **size) if shift or size else escape(part)
                 down = low
-        return element("text", content, x=float(x), y=float(y), **self.look(css, text=True), **given)
+        return _element("text", content, x=float(x), y=float(y), **self.look(css, text=True), **given)
 
     def data(self, given: Mapping[str, object]) -> dict[str, object]:
         return {} if self.alone else {f"data_{name}": value for name, value in given.items()}
@@ -329,33 +329,33 @@ class _Pen:
         match mark:
             case Curve():
                 thin = (0.1, 8) if self.alone else (0.02, 1)  # a pointer on a page needs points everywhere
-                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), *thin) or "M0 0"
+                d = _path_of(frame.x.place(mark.x), frame.y.place(mark.y), *thin) or "M0 0"
                 given = self.data({"label": mark.label} | dict(mark.data))
-                return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
+                return _element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
             case Band():
                 along, low, high = (np.asarray(values, dtype=float) for values in (mark.x, mark.low, mark.high))
                 known, d = np.isfinite(low) & np.isfinite(high), ""
                 for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
                     if len(run) and known[run[0]]:  # a gap ends one outline, and the next begins behind it
                         there, back = along[run], np.concatenate([low[run], high[run][::-1]])
-                        d += path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back)) + "Z"
-                return element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
+                        d += _path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back)) + "Z"
+                return _element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
             case Segments():
                 return self.segments(mark)
             case Dot():
                 x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
                 given = {"fill": mark.fill or None} | self.data({"label": mark.label} | dict(mark.data))
-                return element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
+                return _element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
             case Rule():
                 place = float((frame.x if mark.upright else frame.y).place(mark.at))
                 x1, y1, x2, y2 = (place, top, place, bottom) if mark.upright else (left, place, right, place)
-                return element("line", x1=x1, x2=x2, y1=y1, y2=y2, **self.look(mark.css))
+                return _element("line", x1=x1, x2=x2, y1=y1, y2=y2, **self.look(mark.css))
             case Block():
                 return self.block(mark)
             case Bitmap():
                 address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours, whole=self.alone)).decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-                return element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
+                return _element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
             case Note():
                 x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
                 given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)
@@ -368,7 +368,7 @@ class _Pen:
                 return self.arrow(mark)
             case Group():
                 inside = "".join(self.draw(one) for one in mark.marks) or " "
-                return element("g", inside, **self.look(mark.css), **self.data(mark.data))
+                return _element("g", inside, **self.look(mark.css), **self.data(mark.data))
 
     def segments(self, mark: Segments) -> str:
         """All of them as one path: on a page in whole numbers, so that another window can use it again."""
@@ -378,22 +378,22 @@ class _Pen:
             seen = (x.max(axis=1) >= frame.x.start) & (x.min(axis=1) <= frame.x.end)
             seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
             lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
-            return element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
+            return _element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
         zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * GRAIN
         x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
         transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         if "again" in mark.name.split():
-            return element("g", element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
+            return _element("g", _element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
         whole = np.rint(mark.ends / GRAIN).astype(int)
         moves = (whole[:, 1] - whole[:, 0]).tolist()
         d = "".join(f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True))
-        return element("g", element("path", d=d, id=mark.name, **look), transform=transform)
+        return _element("g", _element("path", d=d, id=mark.name, **look), transform=transform)
 
     def block(self, mark: Block) -> str:
         (left, right), (low, high) = np.sort(self.frame.x.place(mark.x)), np.sort(self.frame.y.place(mark.y))
         place = {"x": float(left), "y": float(low), "width": float(right - left), "height": float(high - low)}
         given = {"fill": mark.fill or None} | self.data({"label": mark.label})
-        filled = element("rect", **place, **self.look(mark.css), **given)
+        filled = _element("rect", **place, **self.look(mark.css), **given)
         if not mark.hatched:
             return filled
         # Lines of slope 1: x + y is constant along each.
@@ -401,7 +401,7 @@ class _Pen:
         begin, end = np.maximum(left, sums - high), np.minimum(right, sums - low)
         lines = zip(begin.tolist(), end.tolist(), sums.tolist(), strict=True)
         d = "".join(f"M{a:.1f} {s - a:.1f}L{b:.1f} {s - b:.1f}" for a, b, s in lines if b > a)
-        return filled + (element("path", d=d, **self.look("hatching")) if d else "")
+        return filled + (_element("path", d=d, **self.look("hatching")) if d else "")
 
     def arrow(self, mark: Arrow) -> str:
         """A line from the first to the second place with a head at the second."""
@@ -411,20 +411,20 @@ class _Pen:
         across = np.array([-along[1], along[0]])
         head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
         end = tip - 9 * along
-        line = element("path", d=path_of([first[0], end[0]], [first[1], end[1]]), **self.look(f"curve {mark.css}"))
-        return line + element("path", d=path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}"))
+        line = _element("path", d=_path_of([first[0], end[0]], [first[1], end[1]]), **self.look(f"curve {mark.css}"))
+        return line + _element("path", d=_path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
         """Grid lines, numbers beside the axes, and what the axes show."""
         frame = self.frame
         left, top, right, bottom = frame.box
         parts = []
-        for place, text in ((float(frame.x.place(number)), text) for number, text in tick_pairs(x, frame.x)):
-            parts.append(element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across")))
+        for place, text in ((float(frame.x.place(number)), text) for number, text in _tick_pairs(x, frame.x)):
+            parts.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across")))
             if frame.height - bottom > 16:
                 parts.append(self.words(place, bottom + 15, text, "tick across", text_anchor="middle"))
-        for place, text in ((float(frame.y.place(number)), text) for number, text in tick_pairs(y, frame.y)):
-            parts.append(element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright")))
+        for place, text in ((float(frame.y.place(number)), text) for number, text in _tick_pairs(y, frame.y)):
+            parts.append(_element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright")))
             parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
         middle = (top + bottom) / 2
         if x.words and frame.height - bottom > 30:
@@ -434,7 +434,7 @@ class _Pen:
         return "".join(parts)
 
 
-def tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
+def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     """Each tick of an axis with its text: the axis' own, or round numbers."""
     if axis.ticks or not axis.count:
         return axis.ticks
@@ -442,21 +442,21 @@ def tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     return tuple(zip(numbers, labels(numbers), strict=True))
 
 
-def panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
+def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height) there."""
     frame, pen = panel.frame, _Pen(panel.frame, alone)
     left, top, right, bottom = frame.box
     area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-    marks = element("g", "".join(pen.draw(mark) for mark in panel.marks) or " ", **({} if alone else {"class_": "marks"}))
+    marks = _element("g", "".join(pen.draw(mark) for mark in panel.marks) or " ", **({} if alone else {"class_": "marks"}))
     parts = [marks]
     if not panel.bare:
         corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
         parts = [
-            element("clipPath", element("rect", **area), id=f"clip-{panel.name}"),
-            element("rect", **area, **pen.look("area")),
+            _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
+            _element("rect", **area, **pen.look("area")),
             pen.axes(panel.x, panel.y),
-            element("g", marks, clip_path=f"url(#clip-{panel.name})"),
-            element("path", d=corner, **pen.look("axis")),
+            _element("g", marks, clip_path=f"url(#clip-{panel.name})"),
+            _element("path", d=corner, **pen.look("axis")),
         ]
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
@@ -464,12 +464,12 @@ def panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     parts += [pen.words(left if css == "title" else 24.0, first + LINE * k, text, css) for k, (text, css) in enumerate(lines)]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
-        return element("svg", "".join(parts), **box, **place)
+        return _element("svg", "".join(parts), **box, **place)
     custom = " ".join(f"{number:g}={text}" for number, text in panel.x.ticks)
     scales = {} if panel.bare and not panel.css else {"data_x": frame.x.words, "data_y": frame.y.words}
     names = {"data_x_words": panel.x.words, "data_y_words": panel.y.words, "data_time": panel.time, "data_x_ticks": custom}
     names |= {"data_counts": f"{panel.x.count} {panel.y.count}"} if (panel.x.count, panel.y.count) != (5, 5) else {}
     kind = "sketch" if panel.bare and not panel.css else " ".join(["panel", *panel.css.split(), *["equal"] * panel.equal])
-    return element(
+    return _element(
         "svg", "".join(parts), **box, role="img", aria_label=panel.alt, class_=kind, id=f"panel-{panel.name}", **scales, **names
     )

@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select
 from markupsafe import Markup
 
 from reports.charts.style import marked
-from reports.units import minus
+from reports.units import minus, number, signed
 
 
 @cache
@@ -24,7 +24,7 @@ def _pages() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    pages.filters |= {"minus": minus, "marked": marked, "contents": contents}
+    pages.filters |= {"minus": minus, "number": number, "signed": signed, "marked": marked, "contents": _contents}
     return pages
 
 
@@ -33,10 +33,10 @@ def template(name: str) -> Template:
     return _pages().get_template(name)
 
 
-def contents(page: str) -> Markup:
+def _contents(page: str) -> Markup:
     """Links to every section of a page that has a name and a heading, in their order.
 
-    >>> contents('<section id="mesh"><h2>The mesh</h2>')
+    >>> _contents('<section id="mesh"><h2>The mesh</h2>')
     Markup('<ul><li><a href="#mesh">The mesh</a></li></ul>')
     """
     found = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<h2>(.*?)</h2>', page, re.DOTALL)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import shlex
 import sys
@@ -29,9 +28,9 @@ from cyclopts import (
 from reports.cli.process import BAD_INPUT, INTERNAL, INTERRUPTED, NOT_CONVERGED, WITHIN, settled
 
 # The list of commands by use, and within a group in the order of the table below.
-SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
+_SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
 _COMMANDS = {
-    SOLVE: (
+    _SOLVE: (
         ("run", "solving:run", "Both engines on one scene: verdict, page and data."),
         ("exact", "solving:exact", "Half-plane theory alone: summary, NetCDF and CSV, no page."),
         ("fe", "solving:fe", "Finite elements alone: summary, NetCDF and CSV, no page."),
@@ -250,6 +249,11 @@ def _one_line(text: str) -> str:
 
 def _misspelt(fault: CycloptsError) -> str:
     """What a command line that can't be read has wrong: one sentence, with the nearest known word and what to do."""
+    from scenes.frozen import did_you_mean
+
+    def nearest(word: str, known: Iterable[str]) -> str:
+        return f"{did_you_mean(word.lower(), known).strip()} ".lstrip()
+
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
         option = words[0].startswith("-")
@@ -272,13 +276,3 @@ def _misspelt(fault: CycloptsError) -> str:
         wanted = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
         return f"{command}: {wanted} is missing; {shown} shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; {shown} shows what it takes"
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """A question after the known word that is most like `word`; empty where none is.
-
-    >>> nearest("rnu", ["run", "exact"]), nearest("zzz", ["run", "exact"])
-    ('did you mean run? ', '')
-    """
-    near = difflib.get_close_matches(word.lower(), sorted(known), n=1)
-    return f"did you mean {near[0]}? " if near else ""

@@ -23,7 +23,7 @@ from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
 # What this version writes. The numbers 1 and 2 of each are read.
-BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
+_BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST = 2
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
@@ -34,7 +34,7 @@ COUNTS = (
 _OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
 _OF_BULK = ("bulk_work", "permanent_stick_left", "permanent_stick_right")  # of scenes with bulk stress, tilt or unequal sides
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
-DEFAULTS: tuple[tuple[str, float], ...] = (
+_DEFAULTS: tuple[tuple[str, float], ...] = (
     ("*.counts.*", 0.05),  # rounding decides whether an increment is halved, and the next ones follow
     ("metric.*", 1e-6),
     ("semi_analytic.*", 1e-9),
@@ -127,7 +127,7 @@ def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, floa
     """
     if findings.unfinished:
         raise InputError(f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}")
-    content = {"format": BASELINE, "scene": findings.scene.model_dump(mode="json"), "engines": findings.engines}
+    content = {"format": _BASELINE, "scene": findings.scene.model_dump(mode="json"), "engines": findings.engines}
     content |= {"tolerances": dict(tolerances), "figures": findings.figures}
     replace_text(path, json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
 
@@ -310,7 +310,7 @@ def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None 
     for pattern in tolerances or {}:
         if not any(fnmatchcase(key, pattern) for key in keys):
             raise InputError(f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}")
-    patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *DEFAULTS]
+    patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *_DEFAULTS]
     rows = tuple(_row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern))) for key in keys)
     notes = [f"not compared, for it is only in A: {group}.*" for group in sorted(groups[0] - groups[1])]
     notes += [f"not compared, for it is only in B: {group}.*" for group in sorted(groups[1] - groups[0])]

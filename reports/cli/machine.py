@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-import platform
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from platform import machine as processor
+from platform import python_version, system
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
@@ -83,17 +84,17 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], Parameter(help="
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:
     """Python, packages, gmsh, off-screen rendering, the output folder, threads, the store of condensed bodies."""
-    gmsh = "it needs the Debian packages that the README lists"
-    checks: tuple[tuple[str, Callable[[], tuple[bool, str]]], ...] = (
-        ("Python", _python),
-        ("packages", _packages),
-        ("gmsh", lambda: _alone(_GMSH, gmsh)),
-        ("off-screen rendering", drawing),
-        ("output folder", lambda: _folder(out)),
-        ("threads", _threads),
-        ("condensation store", _store),
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    said = ", ".join(f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ)
+    return (
+        Finding("Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"),
+        Finding("packages", *_packages()),
+        Finding("gmsh", *_alone(_GMSH, "it needs the Debian packages that the README lists")),
+        Finding("off-screen rendering", *drawing()),
+        Finding("output folder", *_folder(out)),
+        Finding("threads", True, f"{cores} cores; BLAS: {said or 'as many threads as cores (no *_NUM_THREADS set)'}"),
+        Finding("condensation store", True, _store()),
     )
-    return tuple(Finding(name, *check()) for name, check in checks)
 
 
 def drawing() -> tuple[bool, str]:
@@ -101,38 +102,21 @@ def drawing() -> tuple[bool, str]:
     return _alone(_SCREEN, "only field pictures need it")
 
 
-def _store() -> tuple[bool, str]:
-    from halfplane_fe.store import cache_folder, stored_bytes, switched_off
-
-    folder = cache_folder()
-    if folder is None:
-        off = "none: HALFPLANE_CACHE=off"
-        return True, off if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
-    count, size = stored_bytes()
-    return True, f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"
-
-
-def _python() -> tuple[bool, str]:
-    return sys.version_info >= (3, 11), f"{platform.python_version()} on {platform.system()} {platform.machine()}"
-
-
 def _packages() -> tuple[bool, str]:
-    found, missing = [], []
+    found = {}
     for name in _PACKAGES:
-        try:
-            found.append(f"{name} {version(name)}")
-        except PackageNotFoundError:
-            missing.append(name)
-    return not missing, ", ".join(found) + (f"; missing: {', '.join(missing)}" if missing else "")
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    missing = [name for name in _PACKAGES if name not in found]
+    return not missing, ", ".join(map(" ".join, found.items())) + (f"; missing: {', '.join(missing)}" if missing else "")
 
 
 def _alone(program: str, hint: str) -> tuple[bool, str]:
     """Run `program` in a process of its own: a library that brings its process down must not take the doctor along."""
     with tempfile.TemporaryDirectory() as folder:
+        words = [sys.executable, "-c", program]
         try:
-            done = subprocess.run(
-                [sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False, cwd=folder
-            )
+            done = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, cwd=folder)
         except subprocess.TimeoutExpired:
             return False, f"no answer in 120 s; {hint}"
     if done.returncode == 0:
@@ -152,7 +136,11 @@ def _folder(out: str | Path) -> tuple[bool, str]:
     return True, f"{out}: can be written to"
 
 
-def _threads() -> tuple[bool, str]:
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    said = ", ".join(f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ)
-    return True, f"{cores} cores; BLAS: {said or 'as many threads as cores (no *_NUM_THREADS set)'}"
+def _store() -> str:
+    from halfplane_fe.store import cache_folder, stored_bytes, switched_off
+
+    folder = cache_folder()
+    if folder is None:
+        return "none: HALFPLANE_CACHE=off" if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
+    count, size = stored_bytes()
+    return f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"

@@ -120,7 +120,7 @@ class FiniteElements(Output):
 
 
 # What a tolerance without a key is for: W, p0, a and c.
-COMMON = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
+_COMMON = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
 
 
 def share_of(text: str) -> float:
@@ -160,7 +160,7 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
         if value >= 1 and not text.endswith("%"):
             ways = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
             raise InputError(f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %; write {ways}")
-        found |= dict.fromkeys([key] if equals else COMMON, value)
+        found |= dict.fromkeys([key] if equals else _COMMON, value)
     return found
 
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from reports.cli.findings import Difference, Row
     from reports.comparison import Report
     from reports.maps.advice import Advice
-    from reports.scoring.mapping import Mapping
-    from scenes import Scene
 
 
 # --------------------------------------------------------------------------------------------------------- an external result
@@ -66,14 +64,72 @@ def score(
         raise InputError("score: name the result to score, a file or a folder of files")
     if options.scene is None:
         raise InputError(f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes` lists the library")
+    from reports.folder import claim, default_folder
     from reports.scoring.mapping import load_mapping
 
-    stages = Stages(options.quiet)
+    stages, path, loop = Stages(options.quiet), Path(result), options.as_ == "loop"
     scene, mapping = read(options.scene), load_mapping(options.mapping)
-    if not Path(result).exists():
+    if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
+    if loop and not path.is_file():
+        raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
+    if loop and options.tolerance:
+        raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
+    if not loop and options.rig_compliance is not None:
+        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
+    if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
+        raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
+    tolerances = tolerances_of(options.tolerance)
+    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
+    command = options.command("score", result, folder).replace("--as-", "--as")
+
+    def field() -> int:
+        """Tractions and whatever else files hold, against the reference."""
+        with stages.stage("loading"):
+            from reports.page.writing import write
+            from reports.scoring.against import diagnosed, score_file
+            from reports.scoring.study import score_folder
+        if path.is_dir():
+            report = score_folder(path, mapping, scene, stages, against=options.against, tolerances=tolerances)
+        else:
+            with stages.stage("reading and scoring"):
+                report = score_file(path, mapping, scene, against=options.against, tolerances=tolerances)
+            with stages.stage("diagnosis"):
+                report = diagnosed(report)
+        with stages.stage("report"):
+            page = write(report, folder, command=command, seconds=dict(stages.seconds))
+        code = exit_code(report.comparison)
+        if options.json:
+            from reports.comparison.content import whole_content
+
+            return answer("score", code, whole_content(report, command, stages.seconds) | {"page": str(page)}, scene.name)
+        _show_score(report)
+        say(str(page))
+        return code
+
+    def measured_loop() -> int:
+        """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
+        with stages.stage("loading"):
+            from reports.scoring import loops
+        with stages.stage("reading"):
+            rows = loops.read_loop(path, mapping, scene)
+        with stages.stage("fitting"):
+            found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
+        with stages.stage("report"):
+            page = loops.write(found, folder, command)
+        code = WITHIN if found.agrees else OUTSIDE
+        if options.json:
+            return answer("score", code, loops.content(found) | {"page": str(page), "seconds": stages.seconds}, scene.name)
+        for sentence in found.said:
+            say(f"Taken for granted: {sentence}.")
+        heads, cells = loops.table(found)
+        show_table(f"{scene.title or scene.name}: measured loop {path.name}", heads, cells, right=range(1, len(heads)))
+        say(found.sentence)
+        say(str(page))
+        return code
+
     try:
-        return (_score_loop if options.as_ == "loop" else _score_field)(result, mapping, scene, stages, options)
+        return measured_loop() if loop else field()
     except ConvergenceError as failure:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
@@ -81,77 +137,8 @@ def score(
         return answer("score", NOT_CONVERGED, failed, scene.name) if options.json else NOT_CONVERGED
 
 
-def _score_field(source: str, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
-    """Tractions and whatever else files hold, against the reference."""
-    from reports.folder import claim, default_folder
-    from scenes import InputError
-
-    path = Path(source)
-    if options.rig_compliance is not None:
-        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
-    how: dict[str, Any] = {"against": options.against, "tolerances": tolerances_of(options.tolerance)}
-    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
-    command = options.command("score", source, folder)
-    with stages.stage("loading"):
-        from reports.scoring.against import diagnosed, score_file
-        from reports.scoring.study import score_folder
-    if path.is_dir():
-        report = score_folder(path, mapping, scene, stages, **how)
-    else:
-        with stages.stage("reading and scoring"):
-            report = score_file(path, mapping, scene, **how)
-        with stages.stage("diagnosis"):
-            report = diagnosed(report)
-    with stages.stage("report"):
-        from reports.page.writing import write
-
-        page = write(report, folder, command=command, seconds=dict(stages.seconds))
-    code = exit_code(report.comparison)
-    if options.json:
-        from reports.comparison.content import whole_content
-
-        return answer("score", code, whole_content(report, command, stages.seconds) | {"page": str(page)}, scene.name)
-    show_score(report)
-    say(str(page))
-    return code
-
-
-def _score_loop(source: str, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
-    """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
-    from reports.folder import claim, default_folder
-    from scenes import InputError
-
-    path = Path(source)
-    if not path.is_file():
-        raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
-    if options.tolerance:
-        raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
-    if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
-        raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
-    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
-    command = options.command("score", source, folder).replace("--as-", "--as")
-    with stages.stage("loading"):
-        from reports.scoring import loops
-    with stages.stage("reading"):
-        rows = loops.read_loop(path, mapping, scene)
-    with stages.stage("fitting"):
-        found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
-    with stages.stage("report"):
-        page = loops.write(found, folder, command)
-    code = WITHIN if found.agrees else OUTSIDE
-    if options.json:
-        return answer("score", code, loops.content(found) | {"page": str(page), "seconds": stages.seconds}, scene.name)
-    for sentence in found.said:
-        say(f"Taken for granted: {sentence}.")
-    heads, cells = loops.table(found)
-    show_table(f"{scene.title or scene.name}: measured loop {path.name}", heads, cells, right=range(1, len(heads)))
-    say(found.sentence)
-    say(str(page))
-    return code
-
-
-def show_score(report: Report) -> None:
-    """Guesses, verdict, diagnoses, and the mesh study where it is one."""
+def _show_score(report: Report) -> None:
+    """Guesses, verdict, likely causes, and the mesh study where it is one."""
     for sentence in report.guesses:
         say(f"Taken for granted: {sentence}.")
     show_verdict(report)
@@ -167,9 +154,7 @@ def show_score(report: Report) -> None:
     if report.diagnoses:
         say("Likely causes:")
     for number, one in enumerate(report.diagnoses, 1):
-        say(f"{number}. {one.sentence}")
-        for evidence in one.evidence:
-            say(f"   - {evidence}")
+        say("\n   - ".join((f"{number}. {one.sentence}", *one.evidence)))
     if report.study is not None:
         heads = report.study.heads
         show_table("Mesh study", heads, report.study.rows, right=range(1, len(heads)))
@@ -199,11 +184,10 @@ def diff(
     options: DiffOptions = _DIFF,
 ) -> int:
     """The table of A and B; with --accept B becomes a baseline of A."""
-    from reports.cli import findings
-    from reports.cli.findings import difference, is_baseline, read_findings, write_baseline
+    from reports.cli.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
     from scenes import InputError
 
-    given, path, first = findings.tolerances_of(options.tolerance), Path(b), read_findings(a)
+    given, path, first = tolerances_of(options.tolerance), Path(b), read_findings(a)
     if not options.accept:
         if not path.exists():
             raise InputError(f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it as a baseline")

@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
     from reports.comparison import Comparison, Report
-    from reports.third.calculix import ThirdSolver
     from scenes import ContactSolution, LoadSegment, Scene
 
-_THIRD_LIMIT = 1800.0
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
 
@@ -40,17 +38,37 @@ def read(source: str) -> Scene:
     return scene
 
 
-@contextmanager
-def naming(source: str) -> Generator[None, None, None]:
-    """Lets an engine's InputError name the scene it is about; one about an option or the file names that already."""
-    from scenes import InputError
+def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
+    """Read the scene, claim the folder, do the work of command `name`; what was solved before a failure is kept there."""
+    from reports.folder import claim, default_folder
+    from scenes import ConvergenceError, InputError, Interrupted
 
+    stages, scene = Stages(options.quiet), read(source)
+    folder = claim(options.out or default_folder(scene.name))
     try:
-        yield
+        return work(scene, folder, stages)
     except InputError as fault:
-        if str(fault).startswith((source, "--")):
-            raise
-        raise InputError(f"{source}: {fault}") from fault
+        # One about an option or the file names that already, one of an engine does not.
+        raise fault if str(fault).startswith((source, "--")) else InputError(f"{source}: {fault}") from fault
+    except Interrupted as stop:
+        solved = stop.partial
+        if solved is None or len(solved.time) < 2:
+            raise KeyboardInterrupt from stop
+        path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
+        complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
+        return INTERRUPTED
+    except ConvergenceError as failure:
+        complain(f"halfplane: {scene.name}: not converged: {failure}")
+        partial: ContactSolution | None = failure.partial
+        file = None if partial is None else str(write_solution(partial, folder, name="partial"))
+        if options.json:
+            return answer(name, NOT_CONVERGED, {"passed": False, "error": str(failure), "file": file}, scene.name)
+        if partial is None:
+            complain("halfplane: no step was solved, so nothing was written")
+        else:
+            show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(partial))
+            say(str(file))
+        return NOT_CONVERGED
 
 
 def load_engines(stages: Stages) -> None:
@@ -68,6 +86,27 @@ def load_engines(stages: Stages) -> None:
             raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
 
 
+def require_drawing(stages: Stages) -> None:
+    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
+    from reports.cli.machine import drawing
+    from scenes import InputError
+
+    with stages.stage("can pictures be drawn?"):
+        good, found = drawing()
+    if not good:
+        raise InputError(f"pictures can't be drawn here: {found}; --no-pictures leaves them out")
+
+
+def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
+    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    from reports.field_output.files import instant_of
+
+    segments = list(scene.load.path().legs(scene.cycles)) if words else []
+    for word in words:
+        if word != "events":
+            instant_of(word, option, float(segments[0].start), float(segments[-1].end))
+
+
 def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages) -> ContactSolution:
     """The finite-element answer; its cost is stated first where that is long."""
     import halfplane_fe
@@ -80,6 +119,14 @@ def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages)
             stages.remark(f"finite elements: {cost} (an order of magnitude)")
     with stages.stage("finite elements") as report:
         return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report)
+
+
+def _solve_half_plane(scene: Scene, stages: Stages, **where: Any) -> ContactSolution:
+    """The half-plane answer, at the x and time of `where` if it has them."""
+    import semi_analytic
+
+    with stages.stage("half-plane theory"):
+        return semi_analytic.solve(scene, **where)
 
 
 # Of one increment, measured on one core of a 2026 server: 1 ms, and 15 ns for each pair of contact nodes; on one half where the
@@ -178,68 +225,6 @@ def _seconds_of_a_budget(scene: Scene, options: FiniteElements) -> float | None:
     return None
 
 
-def solve_half_plane(scene: Scene, stages: Stages, like: ContactSolution | None = None) -> ContactSolution:
-    """The half-plane answer, on the points and instants of `like`."""
-    import semi_analytic
-
-    with stages.stage("half-plane theory"):
-        if like is None:
-            return semi_analytic.solve(scene)
-        return semi_analytic.solve(scene, x=like.x, time=like.time)
-
-
-def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
-    """Read the scene, claim the folder, do the work of command `name`; what was solved before a failure is kept there."""
-    from reports.folder import claim, default_folder
-    from scenes import ConvergenceError, Interrupted
-
-    stages, scene = Stages(options.quiet), read(source)
-    folder = claim(options.out or default_folder(scene.name))
-    try:
-        with naming(source):
-            return work(scene, folder, stages)
-    except Interrupted as stop:
-        solved = stop.partial
-        if solved is None or len(solved.time) < 2:
-            raise KeyboardInterrupt from stop
-        path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
-        complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
-        return INTERRUPTED
-    except ConvergenceError as failure:
-        complain(f"halfplane: {scene.name}: not converged: {failure}")
-        partial: ContactSolution | None = failure.partial
-        file = None if partial is None else str(write_solution(partial, folder, name="partial"))
-        if options.json:
-            return answer(name, NOT_CONVERGED, {"passed": False, "error": str(failure), "file": file}, scene.name)
-        if partial is None:
-            complain("halfplane: no step was solved, so nothing was written")
-        else:
-            show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(partial))
-            say(str(file))
-        return NOT_CONVERGED
-
-
-def require_drawing(stages: Stages) -> None:
-    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
-    from reports.cli.machine import drawing
-    from scenes import InputError
-
-    with stages.stage("can pictures be drawn?"):
-        good, found = drawing()
-    if not good:
-        raise InputError(f"pictures can't be drawn here: {found}; --no-pictures leaves them out")
-
-
-def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
-    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
-    from reports.field_output.files import instant_of
-
-    segments = list(scene.load.path().legs(scene.cycles)) if words else []
-    for word in words:
-        if word != "events":
-            instant_of(word, option, float(segments[0].start), float(segments[-1].end))
-
-
 # ------------------------------------------------------------------------------------------------------------- both engines
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
@@ -263,7 +248,6 @@ class RunOptions(FiniteElements):
 
 
 _RUN = RunOptions()
-_FE = FiniteElements()
 
 
 def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
@@ -271,7 +255,6 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
 
     A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
     """
-    from reports.checking import engines_for
     from scenes import InputError
 
     source = scene
@@ -282,6 +265,8 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
     tolerances = tolerances_of(options.tolerance)
 
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
+        from reports.checking import engines_for
+
         command = options.command("run", source, folder)
         require_times(options.vtu, "--vtu", scene)
         require_times(options.stress, "--stress", scene)
@@ -296,64 +281,72 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
                 raise InputError(f"{source}: --{beside[0]} goes with a comparison of both engines: leave it out. {alone}")
             complain(f"halfplane: {scene.name}: no comparison. {alone}")
             if taken.half_plane:
-                return _answer_alone("fe", scene, folder, stages, options, solve_finite_elements(scene, options, stages), alone)
-            return _answer_alone("exact", scene, folder, stages, options, solve_half_plane(scene, stages), alone)
+                return _answer_alone("fe", folder, stages, options, solve_finite_elements(scene, options, stages), alone)
+            return _answer_alone("exact", folder, stages, options, _solve_half_plane(scene, stages), alone)
         if options.third:
             from reports.third.calculix import find_calculix
 
             find_calculix()
-        from reports.comparison.budget import theory_on_steps
-        from reports.comparison.metrics import are_half_planes
-
-        # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
-        measured = not are_half_planes(scene) if options.budget is None else options.budget
-        left_out = ""
-        if measured and options.budget is None and (more := _seconds_of_a_budget(scene, options)) is not None:
-            measured = False
-            left_out = f"no uncertainty was measured: it would take about {float(f'{more:.1g}'):.0f} s more; --budget measures it"
-            stages.remark(left_out)
-        begun = time.process_time()
-        result = solve_finite_elements(scene, options, stages)
-        with _kept_if_interrupted(result):
-            reference = solve_half_plane(scene, stages, result)
-            # Of a thinned answer the steps are those of the path itself.
-            polygon: ContactSolution | None = reference
-            if not result.thinned:
-                with stages.stage("half-plane theory, on the polygon of the steps"):
-                    polygon = theory_on_steps(result)
-            with stages.stage("comparison"):
-                from reports.comparison import Report, compare
-
-                found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
-                report = Report(
-                    replace(found, notes=(*found.notes, f"{left_out[0].upper()}{left_out[1:]}.")) if left_out else found
-                )
-            if measured:
-                coarsenings = 3 if options.budget else 2
-                from reports.comparison.budget import climb, error_budget, with_budget
-
-                plain, found = time.process_time() - begun, report.comparison
-                ladders = climb(found, *options.settings(), stages.stage, coarsenings)  # every rung a stage of its own
-                report = with_budget(found, error_budget(found, ladders, plain))
-            if options.third:
-                report = replace(report, third=_third(scene, options, result, stages, command))
-            with stages.stage("report"):
-                from reports.field_output.files import instants_of
-                from reports.page.writing import write
-
-                page = write(
-                    report,
-                    folder,
-                    vtu_instants=[instant.time for instant in instants_of(options.vtu, result, "--vtu")],
-                    command=command,
-                    seconds=dict(stages.seconds),
-                    stress_instants=instants_of(options.stress, result, "--stress"),
-                    plots=options.plots,
-                    log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
-                )
-        return _tell_run(report, page, stages, as_json=options.json)
+        report = _compared(scene, options, stages, tolerances, folder, command)
+        return _tell_run(report, folder / "report.html", stages, as_json=options.json)
 
     return at_work("run", source, options, work)
+
+
+def _compared(
+    scene: Scene, options: RunOptions, stages: Stages, tolerances: dict[str, float], folder: Path, command: str
+) -> Report:
+    """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked, and write the page."""
+    from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
+    from reports.comparison.metrics import are_half_planes
+
+    # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
+    measured, left_out = not are_half_planes(scene) if options.budget is None else options.budget, ""
+    if measured and options.budget is None and (more := _seconds_of_a_budget(scene, options)) is not None:
+        measured = False
+        left_out = f"no uncertainty was measured: it would take about {float(f'{more:.1g}'):.0f} s more; --budget measures it"
+        stages.remark(left_out)
+    begun = time.process_time()
+    result = solve_finite_elements(scene, options, stages)
+    with _kept_if_interrupted(result):
+        reference = _solve_half_plane(scene, stages, x=result.x, time=result.time)
+        # Of a thinned answer the steps are those of the path itself.
+        polygon: ContactSolution | None = reference
+        if not result.thinned:
+            with stages.stage("half-plane theory, on the polygon of the steps"):
+                polygon = theory_on_steps(result)
+        with stages.stage("comparison"):
+            from reports.comparison import Report, compare
+
+            found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
+            report = Report(replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found)
+        if measured:
+            plain = time.process_time() - begun
+            ladders = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)  # every rung a stage of its own
+            report = with_budget(report.comparison, error_budget(report.comparison, ladders, plain))
+        if options.third:
+            from reports.third.calculix import solve_with_calculix
+            from reports.third.deck import DeckSettings
+
+            steps = {} if options.steps_per_cycle is None else {"steps_per_cycle": options.steps_per_cycle}
+            limit = 1800.0 if options.third_limit is None else options.third_limit
+            scales = getattr(result, "scales", None)
+            report = replace(report, third=solve_with_calculix(scene, DeckSettings(**steps), limit, stages, scales, command))
+        with stages.stage("report"):
+            from reports.field_output.files import instants_of
+            from reports.page.writing import write
+
+            write(
+                report,
+                folder,
+                vtu_instants=[instant.time for instant in instants_of(options.vtu, result, "--vtu")],
+                command=command,
+                seconds=dict(stages.seconds),
+                stress_instants=instants_of(options.stress, result, "--stress"),
+                plots=options.plots,
+                log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
+            )
+    return report
 
 
 @contextmanager
@@ -370,25 +363,17 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
         raise Interrupted("interrupted after the finite elements were solved", result) from stop
 
 
-def _third(scene: Scene, options: RunOptions, result: ContactSolution, stages: Stages, command: str) -> ThirdSolver:
-    """CalculiX on the exported deck, at the instants a revolution that were asked for, if any were."""
-    from reports.third.calculix import solve_with_calculix
-    from reports.third.deck import DeckSettings
-
-    steps, limit = options.steps_per_cycle, options.third_limit
-    settings = DeckSettings() if steps is None else DeckSettings(steps_per_cycle=steps)
-    scales = getattr(result, "scales", None)
-    return solve_with_calculix(scene, settings, _THIRD_LIMIT if limit is None else limit, stages, scales, command)
+_OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
 
 
 def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> int:
     """The verdict on the terminal, or as JSON; the exit code, whose reason is the last line on stderr."""
     from reports.comparison import expected
+    from reports.comparison.words import lead
 
     comparison, third = report.comparison, report.third
     scene = comparison.scene
     findings = list(expected.check(scene, (comparison.reference, comparison.result)))
-    met = all(finding.met for finding in findings)
     if not as_json:
         show_verdict(report)
         _show_uncertainty(report)
@@ -398,18 +383,17 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
             show_table("A third solver", heads(third), rows(comparison, third), right=(1, 2, 3))
             for sentence in sentences(third):
                 say(sentence)
-        show_expected(findings)
+        _show_expected(findings)
         show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in stages.seconds.items()], right=(1,))
         say(str(page))
     if third is not None and third.failure:
         complain(f"halfplane: {scene.name}: {third.failure}")
         code = NOT_CONVERGED
     else:
-        code = max(exit_code(comparison), WITHIN if met else OUTSIDE)
+        code = max(exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE)
     if not as_json:
         return code
     from reports.comparison.content import whole_content
-    from reports.comparison.words import lead
 
     whole = whole_content(report, "", stages.seconds)
     content = {
@@ -423,9 +407,6 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         "page": str(page),
     }
     return answer("run", code, content, scene.name)
-
-
-_OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
 
 
 def show_verdict(report: Report) -> None:
@@ -444,27 +425,25 @@ def show_verdict(report: Report) -> None:
 
 def _show_uncertainty(report: Report) -> None:
     """What the dissipation is uncertain by, what the finite elements note, and where the errors come from if that was measured."""
-    from reports.comparison.words import uncertain_work
+    from reports.comparison.words import cost, heads, narrow, rows, uncertain_work
     from reports.measured import check_record, record_in_words
 
+    scene, budget = report.comparison.scene, report.budget
     if words := uncertain_work(report.comparison):
         say(words)
     for note in report.comparison.result.record.notes:
         say(f"Note: {note}.")
-    scene = report.comparison.scene
     if record := check_record(scene):
         for sentence, warning in record_in_words(scene, record):
             say(f"{'Warning' if warning else 'Note'}: {sentence}")
-    if report.budget is not None:
-        from reports.comparison.words import cost, heads, narrow, rows
-
-        columns, lines = narrow(heads(report.budget, full=False), rows(report.budget, full=False))
+    if budget is not None:
+        columns, lines = narrow(heads(budget, full=False), rows(budget, full=False))
         show_table("Where the difference comes from", columns, lines, right=range(1, len(columns) - 1))
         say(f"Honest: {report.honest}")
-        say(cost(report.budget))
+        say(cost(budget))
 
 
-def show_expected(findings: Sequence[Any]) -> None:
+def _show_expected(findings: Sequence[Any]) -> None:
     """The numbers that the scene expects beside those found."""
     from reports.comparison import expected
 
@@ -485,12 +464,12 @@ def exit_code(comparison: Comparison) -> int:
 
 
 # ----------------------------------------------------------------------------------------------------------- one engine alone
-_OUTPUT = Output()
+_OUTPUT, _FE = Output(), FiniteElements()
 
 
 def exact(scene: SceneName, *, options: Output = _OUTPUT) -> int:
     """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone("exact", scene, options, solve_half_plane)
+    return _alone("exact", scene, options, _solve_half_plane)
 
 
 def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
@@ -501,47 +480,42 @@ def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
 def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         load_engines(stages)
-        return _answer_alone(name, scene, folder, stages, options, solve(scene, stages))
+        return _answer_alone(name, folder, stages, options, solve(scene, stages))
 
     return at_work(name, source, options, work)
 
 
-def _answer_alone(
-    name: str, scene: Scene, folder: Path, stages: Stages, options: Output, solution: ContactSolution, note: str = ""
-) -> int:
+_OF_ONE_ENGINE = (
+    *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
+    *("loop_work", "load_cycles", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "certificates", "counts"),
+    *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
+)
+
+
+def _answer_alone(name: str, folder: Path, stages: Stages, options: Output, solution: ContactSolution, note: str = "") -> int:
     """Files and summary of one engine's answer, as command `name` prints them; `note` is kept with the answer."""
+    from reports import profile_fit
     from reports.comparison import expected
     from reports.comparison.content import solution_content
     from reports.comparison.laws import certificates
-    from reports.profile_fit import content as fit_content
-    from reports.profile_fit import findings as fit_findings
 
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
-    path = write_solution(solution, folder)
+    scene, path = solution.scene, write_solution(solution, folder)
     findings, checks = list(expected.check(scene, (solution,))), certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
     if options.json:
         whole = solution_content(solution, checks)
-        known = {key: whole[key] for key in _OF_ONE_ENGINE if key in whole}
-        content = {"passed": code == WITHIN, "admissible": admissible, **known}
-        more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
-        return answer(name, code, content | more | {"profile_fit": fit_content(scene)}, scene.name)
+        content = {"passed": code == WITHIN, "admissible": admissible, **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole}}
+        content |= {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
+        return answer(name, code, content | {"profile_fit": profile_fit.content(scene)}, scene.name)
     show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
-    for sentence in fit_findings(scene)[0]:
+    for sentence in profile_fit.findings(scene)[0]:
         say(sentence)
-    show_expected(findings)
+    _show_expected(findings)
     say(str(path))
     return code
-
-
-_OF_ONE_ENGINE = (
-    *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
-    *("loop_work", "load_cycles", "permanent_stick_half_width"),
-    *("largest_half_width", "largest_pressure", "certificates", "counts"),
-    *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
-)
 
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
@@ -655,16 +629,13 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         with stages.stage("loading"):
             from halfplane_fe.solve import versions
-            from reports.third.deck import DeckSettings, build_deck
-            from reports.third.dialects import deck_text
+            from reports.third.deck import DeckSettings, build_deck, deck_text
             from reports.units import units
-        given = {"steps_per_cycle": options.steps_per_cycle, "cycles": options.cycles}
-        settings = DeckSettings(**{name: value for name, value in given.items() if value is not None})
+        given = {name: getattr(options, name) for name in ("steps_per_cycle", "cycles")}
         with stages.stage("deck"):
-            deck = build_deck(scene, settings)
+            deck = build_deck(scene, DeckSettings(**{name: value for name, value in given.items() if value is not None}))
         # The deck's first comment: where it lies is nobody's business.
-        command = options.command("export", source, folder).rpartition(" --out ")[0]
-        text = deck_text(deck, options.to, command, versions())
+        text = deck_text(deck, options.to, options.command("export", source, folder).rpartition(" --out ")[0], versions())
         file = f"{default_folder(scene.name).name}_{options.to}.inp"
         with filled(folder, fresh=(file,)) as staging:
             (staging / file).write_text(text, encoding="utf-8")
@@ -680,19 +651,17 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
             more = {"file": str(folder / file), "seconds": stages.seconds}
             return answer("export", WITHIN, {"passed": True, "to": options.to, **found, **more}, scene.name)
         _, length, stress = units(scene)
-        edge = f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"
-        stiffness = f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"
-        show_table(
-            "Deck for "
-            + ("CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"),
-            ("what", "value"),
-            [
-                ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
-                (f"surface elements at the edges [{length}]", edge),
-                ("instants", f"{found['instants']}"),
-                (f"pressure per penetration, shear per elastic slip [{stress}/{length}]", stiffness),
-            ],
-        )
+        kind = "CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"
+        rows = [
+            ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
+            (f"surface elements at the edges [{length}]", f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"),
+            ("instants", f"{found['instants']}"),
+            (
+                f"pressure per penetration, shear per elastic slip [{stress}/{length}]",
+                f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}",
+            ),
+        ]
+        show_table(f"Deck for {kind}", ("what", "value"), rows)
         say(str(folder / file))
         return WITHIN
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _SHOWN, _NOTES = 20, 3
 
 sweep_app = App(name="sweep", help_epilogue="", group_commands=Group("Of a sweep that is there"))
-Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
+_Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
 
 
 @Parameter(name="*")
@@ -114,7 +114,7 @@ def _content(store: Store) -> dict[str, Any]:
 
 
 @sweep_app.command(help_epilogue="")
-def status(folder: Folder, /, *, json: Json = False) -> int:
+def status(folder: _Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
     from reports.sweep.store import Store
 
@@ -136,7 +136,7 @@ def status(folder: Folder, /, *, json: Json = False) -> int:
 
 
 @sweep_app.command(help_epilogue="")
-def report(folder: Folder, /, *, json: Json = False) -> int:
+def report(folder: _Folder, /, *, json: Json = False) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep.page import write_page
     from reports.sweep.store import Store

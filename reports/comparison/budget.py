@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from reports.comparison import Comparison, Report, compare
-from reports.comparison.convergence import Extrapolation, Ladder, extrapolate
+from reports.comparison.convergence import Ladder, extrapolate, plausible
 from reports.comparison.metrics import Metric, are_half_planes
 from scenes import ContactSolution, ConvergenceError, InputError
 
@@ -308,12 +309,11 @@ class ErrorBudget:
 
 def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
-    half_planes = are_half_planes(comparison.scene)
-    method, solver = str(comparison.result.settings.get("solver", {}).get("method", "")), _solver(comparison)
+    half_planes, solver = are_half_planes(comparison.scene), _solver(comparison)
 
     def terms(metric: Metric) -> tuple[Term, ...]:
-        mesh, penalty = _mesh(metric, comparison, ladders), _penalty(metric, ladders, method)
-        return mesh, penalty, _step(metric, ladders), _far_field(metric, comparison, ladders), solver, _theory(metric, comparison)
+        mesh, penalty, step = _mesh(metric, comparison, ladders), _penalty(metric, comparison, ladders), _step(metric, ladders)
+        return mesh, penalty, step, _far_field(metric, comparison, ladders), solver, _theory(metric, comparison)
 
     known = (one for one in comparison.metrics if one.key not in _PARTS and one.value is not None and math.isfinite(one.value))
     return ErrorBudget(tuple(Budget(metric, terms(metric), half_planes) for metric in known), ladders, plain_seconds)
@@ -326,61 +326,48 @@ def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
     return Report(replace(comparison, metrics=metrics), budget)
 
 
-def _ladder(name: str, metric: Metric, rungs: tuple[Rung, ...], formal_order: float) -> Ladder | Term:
-    """The ladder of a metric, or a term that says why there is none."""
-    found = [(rung.size, rung.values.get(metric.key)) for rung in rungs if not rung.failure]
-    values = [(size, value) for size, value in found if value is not None and math.isfinite(value)]
-    if len(values) < 3 or values[0][0] != rungs[0].size:
-        why = "; ".join(rung.failure for rung in rungs if rung.failure) or "a rung has no finite value"
-        return _not_measured(name, why)
-    sizes, heights = zip(*values, strict=True)
-    return Ladder(sizes, heights, formal_order, ROUNDING)
+def _known(metric: Metric, rungs: Iterable[Rung]) -> list[tuple[float, float]]:
+    """Size and value of the rungs that have a finite one."""
+    found = ((rung.size, rung.values.get(metric.key)) for rung in rungs)
+    return [(size, value) for size, value in found if value is not None and math.isfinite(value)]
 
 
-def _not_measured(name: str, why: str) -> Term:
-    return Term(name, None, None, f"not measured: {why}")
+def _not_measured(name: str, rungs: Iterable[Rung] = (), why: str = "", before: str = "") -> Term:
+    """A term that nothing is known of: why, or what the rungs failed by."""
+    why = why or "; ".join(rung.failure for rung in rungs if rung.failure) or "a rung has no finite value"
+    return Term(name, None, None, f"not measured: {before}{why}")
+
+
+def _extrapolated(name: str, metric: Metric, ladders: Ladders, rungs: tuple[Rung, ...], order: float) -> Term:
+    """phi - phi_0 of the run's own rung, which its ladder must hold: size 1; no value where the ladder only scatters."""
+    known = dict(_known(metric, rungs))
+    if name in ladders.not_measured or len(known) < 3 or 1.0 not in known:
+        return _not_measured(name, rungs, ladders.not_measured.get(name, ""))
+    found = extrapolate(Ladder(tuple(known), tuple(known.values()), order, ROUNDING))
+    value = None if found.kind in ("oscillating", "diverging") else known[1.0] - (found.value or 0.0)
+    return Term(name, value, found.uncertainty, found.rule, order=found.order, kind=found.kind)
 
 
 def _mesh(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
     """phi(h) - phi(0); no less doubtful than the run itself says."""
-    if "mesh" in ladders.not_measured:
-        return _not_measured("mesh", ladders.not_measured["mesh"])
-    ladder = _ladder("mesh", metric, ladders.mesh, 2.0)
-    if isinstance(ladder, Term):
-        return ladder
-    found = extrapolate(ladder)
-    how = f"{', '.join(rung.label for rung in ladders.mesh if not rung.failure)}: {found.kind}; {found.rule}"
-    uncertainty, least = found.uncertainty or 0.0, _own_doubt(metric, comparison)
-    if metric.key == "dissipation" and (own := _own_doubt_of_work(metric, comparison)) < uncertainty:
-        # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that scatter, and no order.
-        return Term("mesh", None, own, f"{how}, {uncertainty:.1e}; instead the smaller uncertainty that the run itself states")
-    if least > uncertainty:
-        uncertainty, how = least, f"{how}; uncertainty that the run itself states"
-    return Term("mesh", _share(ladder.values[0], found), uncertainty, how, order=found.order, kind=found.kind)
-
-
-def _share(value: float, found: Extrapolation) -> float | None:
-    """What a value has over the extrapolated one; None where the ladder only scatters."""
-    if found.kind in ("oscillating", "diverging") or found.value is None:
-        return None
-    return value - found.value
-
-
-def _own_doubt(metric: Metric, comparison: Comparison) -> float:
-    """What the result says of the metric's uncertainty: of the edges at its instant over a_ref, else the metric's own; or 0."""
-    stated = getattr(comparison.result, f"{metric.key}_uncertainty", None)
-    doubt = metric.uncertainty or 0.0
+    found = _extrapolated("mesh", metric, ladders, ladders.mesh, 2.0)
+    if found.uncertainty is None:
+        return found
+    how = f"{', '.join(rung.label for rung in ladders.mesh if not rung.failure)}: {found.kind}; {found.how}"
+    least, result, scales = metric.uncertainty or 0.0, comparison.result, comparison.scales
+    stated = getattr(result, f"{metric.key}_uncertainty", None)  # of the edges, at the instant of the metric
     if stated is not None and metric.time is not None:
-        step = int(abs(comparison.result.time - metric.time).argmin())
-        doubt = max(doubt, float(max(stated[step])) / comparison.scales.half_width)
-    return doubt if math.isfinite(doubt) else 0.0
-
-
-def _own_doubt_of_work(metric: Metric, comparison: Comparison) -> float:
-    """What the result says of its dissipation, by mesh and steps, in the unit of the metric; infinite where it says nothing."""
-    unit = comparison.scales.dissipation if metric.absolute else abs(comparison.reference.dissipation)
-    stated = comparison.result.dissipation_uncertainty
-    return stated / unit if math.isfinite(stated) else math.inf
+        least = max(least, float(max(stated[int(abs(result.time - metric.time).argmin())])) / scales.half_width)
+    work = result.dissipation_uncertainty / (
+        scales.dissipation if metric.absolute else abs(comparison.reference.dissipation) or 1.0
+    )
+    if metric.key == "dissipation" and work < found.uncertainty:
+        # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that scatter, and no order.
+        how = f"{how}, {found.uncertainty:.1e}; instead the smaller uncertainty that the run itself states"
+        return Term("mesh", None, work, how)
+    if found.uncertainty < least < math.inf:
+        return replace(found, uncertainty=least, how=f"{how}; uncertainty that the run itself states")
+    return replace(found, how=how)
 
 
 def _step(metric: Metric, ladders: Ladders) -> Term:
@@ -390,59 +377,52 @@ def _step(metric: Metric, ladders: Ladders) -> Term:
     all of it.
     """
     if ladders.step is not None:
-        values = [rung.values.get(metric.key) for rung in ladders.step]
-        known = [value for value in values if value is not None and math.isfinite(value)]
+        known = [value for _, value in _known(metric, ladders.step)]
         if len(known) < 2:
-            why = "; ".join(rung.failure for rung in ladders.step if rung.failure) or "a rung has no finite value"
-            return _not_measured("step", f"half-plane theory has no answer on the polygon of the steps, and {why}")
+            before = "half-plane theory has no answer on the polygon of the steps, and "
+            return _not_measured("step", ladders.step, before=before)
         change = known[0] - known[1]
         how = f"halved increments at {ladders.coarse}, second order; half-plane theory has no answer on the polygon of the steps"
         return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how)
-    polygon = ladders.mesh[0].values.get(metric.key)
-    if polygon is None or not math.isfinite(polygon) or metric.value is None:
-        return _not_measured("step", "theory on the polygon of the steps has no such value")
+    polygon = _known(metric, ladders.mesh[:1])
+    if not polygon or metric.value is None:
+        return _not_measured("step", why="theory on the polygon of the steps has no such value")
     how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
-    return Term("step", metric.value - polygon, ROUNDING, how, bound=True)
+    return Term("step", metric.value - polygon[0][1], ROUNDING, how, bound=True)
 
 
-def _penalty(metric: Metric, ladders: Ladders, method: str) -> Term:
+def _penalty(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
     """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
-    if method != "penalty":
+    if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         return Term("penalty", None, 0.0, "none by construction: the law is met exactly", bound=True)
-    if "penalty" in ladders.not_measured:
-        return _not_measured("penalty", ladders.not_measured["penalty"])
-    pairs = [[rung.values.get(metric.key) for rung in pair] for pair in ladders.penalty]
-    shares = [soft - hard for soft, hard in pairs if soft is not None and hard is not None and math.isfinite(soft - hard)]
-    if len(shares) < 2:
-        why = "; ".join(rung.failure for pair in ladders.penalty for rung in pair if rung.failure) or "a rung has no finite value"
-        return _not_measured("penalty", why)
+    pairs = [[value for _, value in _known(metric, pair)] for pair in ladders.penalty]
+    shares = [pair[0] - pair[1] for pair in pairs if len(pair) == 2]
+    if "penalty" in ladders.not_measured or len(shares) < 2:
+        return _not_measured("penalty", chain(*ladders.penalty), ladders.not_measured.get("penalty", ""))
     how = "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
 
 
 def _far_field(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
     """phi(L) - phi(infinity) on the coarse mesh."""
-    bodies = comparison.scene.bodies
-    if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
+    if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
-    if why := ladders.not_measured.get("far field"):
-        return _not_measured("far field", why)
-    ladder = _ladder("far field", metric, ladders.far_field, 4.0)
-    if isinstance(ladder, Term):
-        return ladder
-    found = extrapolate(ladder)
+    found = _extrapolated("far field", metric, ladders, ladders.far_field, 4.0)
+    if found.uncertainty is None:
+        return found
     how = f"radius 2 L, L, L/2 on the mesh of {ladders.coarse}: {found.kind}"
-    if found.kind == "exact" or ladder.plausible(found.order):
-        return Term("far field", _share(ladder.values[1], found), found.uncertainty, how, order=found.order, kind=found.kind)
+    if found.kind == "exact" or plausible(found.order, 4.0):
+        return replace(found, how=how)
+    heights = [value for _, value in _known(metric, ladders.far_field)]
     how += "; not resolved: the scatter between meshes is as large"
-    return Term("far field", None, ladder.spread, how, order=found.order, kind=found.kind)
+    return replace(found, value=None, uncertainty=max(heights) - min(heights), how=how)
 
 
 def _solver(comparison: Comparison) -> Term:
     """The worst residual of any step: dimensionless, a bound for what rounding and termination may do."""
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
-        return _not_measured("solver", "the result states no residuals")
+        return _not_measured("solver", why="the result states no residuals")
     worst = max(checks, key=lambda check: check.value)
     return Term("solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True)
 

@@ -56,8 +56,13 @@ class Ladder:
         return max(self.values) - min(self.values)
 
     def plausible(self, order: float | None) -> bool:
-        """Whether theory admits an observed order, for the formal order 2 those from 0.5 to 2.1 (Eca and Hoekstra 2014)."""
-        return order is not None and self.formal_order / 4 <= order <= 1.05 * self.formal_order
+        """Whether theory admits an observed order."""
+        return plausible(order, self.formal_order)
+
+
+def plausible(order: float | None, formal: float) -> bool:
+    """Whether theory admits an observed order, for the formal order 2 those from 0.5 to 2.1 (Eca and Hoekstra 2014)."""
+    return order is not None and formal / 4 <= order <= 1.05 * formal
 
 
 @dataclass(frozen=True)

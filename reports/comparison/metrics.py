@@ -1,4 +1,4 @@
-"""The metrics: one table. Each row has its key, its words, what it needs, the function that measures it and its tolerance.
+"""The metrics: one table, at the end. Each row has its key, its words, what it needs, the function that measures it, its tolerance.
 
 Every metric is a pure function of two last cycles on the same points and instants (a `Pair`), dimensionless: result − reference
 over a scale, signed wherever a sign has a meaning. A NaN in a solution means "no such thing at this instant" only where it is
@@ -34,6 +34,8 @@ LIGHT = 0.1
 # Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
 # is the points that decide which of the two comes out higher.
 EQUAL_PEAKS = 0.05
+# Differences of size that are rounding: engines repeat themselves to 1e-11.
+ALIKE = 1e-9
 # Below this, in f p_ref, the shear of an instant is rounding and has no peak.
 NO_SHEAR = 1e-9
 # Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
@@ -135,6 +137,16 @@ class Scales:
     def dissipation(self) -> float:
         """A f^2 P_ref^2 [energy / thickness]."""
         return self.compliance * (self.friction * self.normal_load) ** 2
+
+    @property
+    def density(self) -> float:
+        """A f^2 P_ref^2/a_ref [energy / area]."""
+        return self.dissipation / self.half_width
+
+    @property
+    def slip(self) -> float:
+        """f p_ref a_ref/E* [length]."""
+        return self.compliance * self.shear * self.half_width / 2
 
 
 def compliance(materials: Materials) -> float:
@@ -304,10 +316,10 @@ class Definition:
         return bool(self.quantity)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _row, (self.key,)  # its functions have no names of their own
+        return _row_of, (self.key,)  # its functions have no names of their own
 
 
-def _row(key: str) -> Definition:
+def _row_of(key: str) -> Definition:
     return METRICS[key]
 
 
@@ -348,28 +360,6 @@ class Metric(Measured):
     def accurate(self) -> bool | None:
         """Whether the verdict is "within": undecided counts as outside; None where there is no verdict."""
         return None if self.verdict is None else self.verdict is Verdict.WITHIN
-
-
-METRICS: dict[str, Definition] = {}
-
-
-def metric(key: str, unit: str, where: tuple[str, str], *needs: str, words: str = "", **more: Any) -> Callable[[Measure], Measure]:
-    """Puts the function below into the table; its docstring (or `words`) is "label: how it is computed.", `where` norm, region."""
-
-    def register(measure: Measure) -> Measure:
-        label, _, text = " ".join((words or measure.__doc__ or "").split()).partition(": ")
-        row: dict[str, Any] = {
-            "key": key,
-            "label": label,
-            "unit": unit,
-            "norm": where[0],
-            "region": where[1],
-            "text": text.removesuffix("."),
-        }
-        METRICS[key] = Definition(**row, needs=needs, measure=measure, **{"judged_by": key, **more})
-        return measure
-
-    return register
 
 
 def missing(solution: ContactSolution) -> dict[str, str]:
@@ -467,16 +457,23 @@ def spacing_at(x: Array, place: float) -> float:
     return float(x[right] - x[right - 1])
 
 
+def _largest(size: Array) -> NDArray[np.intp]:
+    """The first place along the last axis of what is largest but for rounding.
+
+    A cycle that is its own mirror image has each difference twice, with both signs: which of them is larger is chance.
+    """
+    return np.argmax(size >= (1 - ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
+
+
 def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, float | None]:
-    """The value of largest size and its instant among those that apply; a NaN among these is the worst there is.
+    """The value of largest size and its instant, the first of like ones, among those that apply; a NaN is the worst there is.
 
     >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
     """
     if not applies.any():
         return None, None
-    size = np.where(applies, np.where(np.isnan(series), np.inf, np.abs(series)), -1.0)
-    at = int(np.argmax(size))
+    at = int(_largest(np.where(applies, np.where(np.isnan(series), np.inf, np.abs(series)), -1.0)))
     return float(series[at]), float(time[at])
 
 
@@ -487,7 +484,7 @@ def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     >>> values.tolist(), places.tolist()
     ([-3.0], [0.5])
     """
-    column = np.argmax(np.where(np.isnan(difference), np.inf, np.abs(difference)), axis=1)
+    column = _largest(np.where(np.isnan(difference), np.inf, np.abs(difference)))
     return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
 
 
@@ -539,49 +536,23 @@ def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Mea
     return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
 
 
-_POINTS = "every point, edges included; judged instants"
-_INSTANTS = "judged instants"
-_WHOLE = "last cycle"
-_WORST_INSTANT = "value at the worst instant"
-_WORST_POINT = "value at the worst point and instant"
-_L2 = "L2 over x; worst instant"
-_FIGURE = "one value"
-_WORK_SCALE = "A f² P_ref²"
-# How the differences become one value, and which of them count.
-_ONE_VALUE, _POINTS_OF_CYCLE = (_FIGURE, _WHOLE), (_FIGURE, "every point, edges included; last cycle")
-_AT_INSTANTS, _AT_POINTS, _IN_CYCLE = ((_WORST_INSTANT, region) for region in (_INSTANTS, _POINTS, _WHOLE))
+def _amounts(pair: Pair, of: Callable[[ContactSolution, Cycle], float], scale: str) -> Measured:
+    """A figure `of` a solution and its last cycle, found less expected over expected."""
+    expected, found = (float(of(*side)) for side in ((pair.reference, pair.expected), (pair.result, pair.found)))
+    return _of_amounts(expected, found, getattr(pair.scales, scale))
+
+
+def _place(pair: Pair, values: Array) -> float:
+    """x/a_ref of the largest of (n,)."""
+    return float(pair.found.x[np.argmax(values)]) / pair.scales.half_width
+
 
 # ---------------------------------------------------------------------------------- the first table: absolute values of both
 
 
-@metric(
-    "largest_pressure",
-    "of the reference",
-    (_FIGURE, "every point; last cycle"),
-    "pressure",
-    quantity="stress",
-    judged_by="peak_pressure",
-)
-def _(pair: Pair) -> Measured:
-    """Peak pressure: max p / max p_ref − 1 over the cycle, both over the same points."""
-    return _of_amounts(float(pair.expected.pressure.max()), float(pair.found.pressure.max()), pair.scales.pressure)
-
-
-@metric("largest_half_width", "of the reference", _ONE_VALUE, "pressure", quantity="length", judged_by="contact_edge")
-def _(pair: Pair) -> Measured:
-    """Contact half-width: (largest half distance of the contact edges)/(that of the reference) − 1."""
-    expected, found = (float(np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0)) / 2 for c in (pair.expected, pair.found))
-    return _of_amounts(expected, found, pair.scales.half_width)
-
-
-@metric("permanent_stick", "of a_ref", _ONE_VALUE, "state", WHOLE_CYCLE, quantity="length")
-def _(pair: Pair) -> Measured:
-    """Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference."""
-    return _of_both(pair, *(float(s.permanent_stick_half_width) for s in (pair.reference, pair.result)))
-
-
-def _of_both(pair: Pair, expected: float, found: float) -> Measured:
+def _of_stick_zone(pair: Pair, of: Callable[[ContactSolution], float]) -> Measured:
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is none."""
+    expected, found = (float(of(solution)) for solution in (pair.reference, pair.result))
     lacking = [name_of(s.engine) for s, it in ((pair.reference, expected), (pair.result, found)) if math.isnan(it)]
     if lacking:
         amounts = None if len(lacking) == 2 else (expected, found)
@@ -589,34 +560,11 @@ def _of_both(pair: Pair, expected: float, found: float) -> Measured:
     return Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
 
 
-@metric(
-    "stick_eccentricity",
-    "of a_ref",
-    _ONE_VALUE,
-    "state",
-    WHOLE_CYCLE,
-    quantity="length",
-    judged_by="permanent_stick",
-    exists=lambda pair: pair.pulled or pair.turned,
-)
-def _(pair: Pair) -> Measured:
-    """Stick zone, centre: middle of what sticks through the whole last cycle, result − reference."""
-    edges = [s.permanent_stick_edges for s in (pair.reference, pair.result)]
-    return _of_both(pair, *(math.nan if one is None else float(np.mean(one)) for one in edges))
+def _middle_of_stick(solution: ContactSolution) -> float:
+    return math.nan if solution.permanent_stick_edges is None else float(np.mean(solution.permanent_stick_edges))
 
 
-@metric(
-    "largest_slip",
-    "of the reference",
-    (_FIGURE, "points in contact in both; last cycle"),
-    "slip",
-    "state",
-    WHOLE_CYCLE,
-    quantity="slip",
-    absolute_unit="f p_ref a_ref/E*",
-)
-def _(pair: Pair) -> Measured:
-    """Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1."""
+def _largest_slip(pair: Pair) -> Measured:
     # Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips.
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     if not pair.result.scene.friction.coefficient or not touching.any():
@@ -626,48 +574,20 @@ def _(pair: Pair) -> Measured:
         for c in (pair.expected, pair.found)
     ]
     theirs, ours = (np.where(touching.any(axis=0), stroke, 0.0) for stroke in strokes)
-    scale = pair.scales.compliance * pair.scales.shear * pair.scales.half_width / 2
-    place = float(pair.found.x[np.argmax(ours)]) / pair.scales.half_width
-    return _of_amounts(float(theirs.max()), float(ours.max()), scale, place=place)
+    return _of_amounts(float(theirs.max()), float(ours.max()), pair.scales.slip, place=_place(pair, ours))
 
 
-@metric("dissipation", "of W_ref", _ONE_VALUE, "dissipation", WHOLE_CYCLE, quantity="energy", absolute_unit=_WORK_SCALE)
-def _(pair: Pair) -> Measured:
-    """Dissipation: W − W_ref."""
+def _dissipation(pair: Pair) -> Measured:
     found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
     return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
 
 
-@metric(
-    "dissipation_density_peak",
-    "of largest w_ref",
-    _POINTS_OF_CYCLE,
-    "dissipation_density",
-    WHOLE_CYCLE,
-    quantity="energy density",
-    absolute_unit=f"{_WORK_SCALE}/a_ref",
-)
-def _(pair: Pair) -> Measured:
-    """Largest pointwise dissipation: max w / max w_ref − 1, both over the same points; with its place."""
-    length = pair.scales.half_width
-    expected, found = (float(cycle.dissipation_density.max()) for cycle in (pair.expected, pair.found))
-    place = float(pair.found.x[np.argmax(pair.found.dissipation_density)]) / length
-    return _of_amounts(expected, found, pair.scales.dissipation / length, place=place)
+def _largest_density(pair: Pair) -> Measured:
+    found = _amounts(pair, lambda _, cycle: cycle.dissipation_density.max(), "density")
+    return replace(found, place=_place(pair, pair.found.dissipation_density))
 
 
-@metric(
-    "edge_tension",
-    "of the reference",
-    (_FIGURE, "both edges of contact, both bodies; last cycle"),
-    "pressure",
-    "shear",
-    WHOLE_CYCLE,
-    quantity="stress",
-    absolute_unit="f p_ref",
-)
-def _(pair: Pair) -> Measured:
-    """Tension at the trailing edge: largest stress along a face at an edge of contact through the cycle, over that of the
-    reference, − 1; of half-plane theory and finite elements alone."""
+def _edge_tension(pair: Pair) -> Measured:
     if not pair.result.scene.friction.coefficient:
         return _none("frictionless: nothing stretches the faces")
     sides = [_largest_tension(solution, pair.found.time) for solution in (pair.reference, pair.result)]
@@ -696,333 +616,39 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
 # --------------------------------------------------------------------------------------------------- pressure and shear
 
 
-@metric("peak_pressure", "of peak p_ref", _AT_POINTS, "pressure")
-def _(pair: Pair) -> Measured:
-    """Peak pressure, worst instant: max p / max p_ref − 1 of an instant, both over the same points."""
+def _peak_pressure(pair: Pair) -> Measured:
     # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
     # every result look too low by up to (h/a)^2/8.
     expected, found = pair.expected.pressure.max(axis=1), pair.found.pressure.max(axis=1)
     return _at_worst(pair, over(found - expected, expected))
 
 
-@metric("pressure", "of ‖p_ref‖", (_L2, _POINTS), "pressure", signed=False)
-def _(pair: Pair) -> Measured:
-    """Pressure, L2: ‖p − p_ref‖/‖p_ref‖, L2 over x."""
-    x, expected = pair.found.x, pair.expected.pressure
-    return _at_worst(pair, over(norm(x, pair.found.pressure - expected), norm(x, expected)))
-
-
-@metric("shear", "of f ‖p_ref‖", (_L2, _POINTS), "shear", signed=False)
-def _(pair: Pair) -> Measured:
-    """Shear traction, L2: ‖q − q_ref‖/(f ‖p_ref‖), L2 over x, since q changes sign in the cycle."""
-    x, expected = pair.found.x, pair.expected
-    return _at_worst(pair, over(norm(x, pair.found.shear - expected.shear), pair.scales.friction * norm(x, expected.pressure)))
-
-
-def _edge(expected: Array, found: Array, length: float) -> Array:
-    """Outward shift of the worse of two edges over `length`, (k,) from (k, 2); NaN where either lacks the edge.
-
-    >>> _edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]]), 1.0).round(12).tolist()
-    [0.02]
-    """
-    outward = (found - expected) * np.array([-1.0, 1.0]) / length
-    worse = np.argmax(np.abs(outward), axis=1)
-    return np.asarray(outward[np.arange(len(outward)), worse])
-
-
-def _elements(pair: Pair, value: float | None) -> float | None:
-    """An edge's shift in local element sizes of the result, which it states as `settings["element_size"]` [length]."""
-    size = pair.result.settings.get("element_size")
-    return value * pair.scales.half_width / float(size) if size and value is not None else None
-
-
-@metric("contact_edge", "of a_ref", _AT_INSTANTS)
-def _(pair: Pair) -> Measured:
-    """Contact edge: outward shift of the worse edge."""
-    found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
-    return replace(found, elements=_elements(pair, found.value))
-
-
-def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
-    """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
-
-    Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
-    """
-    apart = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
-    status = np.where(np.isnan(apart), 0, np.where(apart <= 1e-9 * length, 2, 1))
-    return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
-
-
-@metric("stick_edge", "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges")
-def _(pair: Pair) -> Measured:
-    """Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)."""
-    # Instants at which the two differ in full stick, partial slip or full slip are counted, not
-    # hidden.
-    length = pair.scales.half_width
-    theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
-    series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
-    found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
-    differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
-    note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
-    if found.value is None and differing:
-        return replace(found, value=math.nan, note=f"no instant has a stick edge in both: {note}")
-    return replace(found, note=note, elements=_elements(pair, found.value))
-
-
-@metric(
-    "state", "of the contact", ("mean over the cycle", "points in contact in either; instants in contact"), "state", signed=False
-)
-def _(pair: Pair) -> Measured:
-    """Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs."""
-    expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
-    touching = (expected != OPEN) | (found != OPEN)
-    series = over(((expected != found) * length).sum(axis=1), (touching * length).sum(axis=1))
-    time = pair.found.time[pair.touching]
-    passed = len(time) and time[-1] != time[0]
-    value = float(np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])) if passed else None
-    return Measured(value=value, series=series)
-
-
-def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
-    """(U - U_ref) over the range of U_ref, (k,), NaN where that is nothing; the instants that count; a note."""
-    expected, found = pair.expected.tangential_displacement, pair.found.tangential_displacement
-    stroke = float(np.ptp(expected))
-    # Asked the other way round, a NaN would count as standing still and hide.
-    moves = not stroke <= 1e-12 * pair.scales.shift
-    difference = (found - expected) / stroke if stroke > 1e-12 * pair.scales.shift else np.full_like(expected, np.nan)
-    return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
-
-
-@metric("tangential_displacement", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement")
-def _(pair: Pair) -> Measured:
-    """Tangential displacement: U − U_ref over the range of U_ref in the cycle."""
-    difference, moves, note = _stroke(pair)
-    return _at_worst(pair, difference, moves, note=note)
-
-
-def _has_polygon(pair: Pair) -> bool:
-    return pair.polygon_reference is not None
-
-
-@metric("dissipation_polygon", "of W_ref", _ONE_VALUE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
-def _(pair: Pair) -> Measured:
-    """Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: all errors except that of
-    the steps."""
-    polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
-
-
-@metric("dissipation_step", "of W_ref", _ONE_VALUE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
-def _(pair: Pair) -> Measured:
-    """Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on the smooth path."""
-    polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
-
-
-def loop_work(cycle: Cycle) -> float:
-    """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
-    return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
-
-
-def bulk_work(of: ContactSolution | Cycle, materials: Materials) -> float:
-    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants [energy / thickness]: what bulk stress puts in.
-
-    m_q is the moment of the shear about x = 0, where U is read: this and the closed integral of Q dU add up to the dissipation,
-    which neither is alone. 0 without bulk stress.
-    """
-    if of.shear_moment is None:
-        return 0.0
-    return -float(np.trapezoid(of.shear_moment, bulk_strain(of, materials)))
-
-
-def normal_work(solution: ContactSolution) -> float | None:
-    """Closed integral of P dV - M d(tilt) over the last cycle, V the normal approach, by the trapezoidal rule [energy / thickness].
-
-    What normal load and moment put in: with Q dU and the bulk term it adds up to the dissipation. None where it is 0 by nature
-    (P and tilt constant; half-planes of like materials, where V and M hang on P and the tilt only) and where the solution is not of
-    our finite elements, which alone know V.
-    """
-    steps = solution.last_cycle
-    pairs = [(solution.normal_load, solution.normal_approach)]
-    if solution.tilt is not None and solution.moment is not None:
-        pairs.append((-solution.moment, solution.tilt))
-    still = np.ptp(solution.normal_load[steps]) == 0 and (solution.tilt is None or np.ptp(solution.tilt[steps]) == 0)
-    if still or are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
-        return None
-    return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
-
-
-@metric("hysteresis", "of its area", _ONE_VALUE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
-def _(pair: Pair) -> Measured:
-    """Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants."""
-    if not pair.periodic:
-        return _none("the path is not periodic: no loop")
-    return _of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation)
-
-
-def _bulk_works(pair: Pair) -> tuple[float, float] | str:
-    """The bulk term of the loop of both, or why there is none."""
-    if not pair.periodic:
-        return "the path is not periodic: no loop"
-    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
-        if cycle.shear_moment is None:
-            return f"{name_of(solution.engine)} states no moment of its shear"
-    materials = pair.result.scene.material
-    return bulk_work(pair.expected, materials), bulk_work(pair.found, materials)
-
-
-@metric(
-    "hysteresis_with_bulk",
-    "of its area",
-    _ONE_VALUE,
-    "tangential_displacement",
-    WHOLE_CYCLE,
-    absolute_unit=_WORK_SCALE,
-    exists=lambda pair: pair.pulled,
-)
-def _(pair: Pair) -> Measured:
-    """Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; with bulk stress Q dU alone is
-    not the dissipation."""
-    works = _bulk_works(pair)
-    if isinstance(works, str):
-        return _none(works)
-    expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), works, strict=True))
-    return _of_amounts(expected, found, pair.scales.dissipation)
-
-
-@metric(
-    "bulk_work",
-    "of W_ref",
-    _ONE_VALUE,
-    "shear",
-    "dissipation",
-    WHOLE_CYCLE,
-    absolute_unit=_WORK_SCALE,
-    judged_by="dissipation",
-    exists=lambda pair: pair.pulled,
-)
-def _(pair: Pair) -> Measured:
-    """Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − upper body."""
-    works = _bulk_works(pair)
-    if isinstance(works, str):
-        return _none(works)
-    expected, found = works
-    work, scale = pair.reference.dissipation, pair.scales.dissipation
-    nothing = abs(work) <= NO_DISSIPATION * scale
-    return Measured(value=(found - expected) / (scale if nothing else work), absolute=nothing)
-
-
-@metric(
-    "dissipation_drift",
-    "of W",
-    (_FIGURE, "last two cycles"),
-    "dissipation",
-    WHOLE_CYCLE,
-    exists=lambda pair: pair.periodic and (pair.pulled or pair.turned),
-)
-def _(pair: Pair) -> Measured:
-    """Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is steady."""
-    both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
-    words = "; ".join(
-        f"{name}: {'not known' if math.isnan(it) else minus(f'{it:+.1e}') + ' in its last cycle'}" for name, it in both if it
-    )
-    if any(math.isnan(it) for _, it in both):
-        return _none(words)
-    return Measured(value=both[1][1] - both[0][1], note=words)
-
-
-@metric("contact_centre", "of a_ref", _AT_INSTANTS, exists=lambda pair: pair.turned)
-def _(pair: Pair) -> Measured:
-    """Contact centre: middle of the contact edges, result − reference."""
-    apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
-    return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
-
-
-@metric("moment", "of P_ref a_ref", _AT_INSTANTS, "pressure", exists=lambda pair: pair.turned)
-def _(pair: Pair) -> Measured:
-    """Moment: M = ∫x p dx, result − reference."""
-    expected, found = pair.expected.moment, pair.found.moment
-    if expected is None or found is None:
-        return _none("a solution states none")
-    return _at_worst(pair, (found - expected) / (pair.scales.normal_load * pair.scales.half_width))
-
-
-@metric("tilt", "of A P_ref/a_ref", _AT_INSTANTS, exists=lambda pair: pair.turned)
-def _(pair: Pair) -> Measured:
-    """Tilt: that of the upper body, result − reference."""
-    expected, found = pair.expected.tilt, pair.found.tilt
-    if expected is None or found is None:
-        return _none("a solution states none")
-    return _at_worst(pair, (found - expected) * pair.scales.half_width / (pair.scales.compliance * pair.scales.normal_load))
-
-
-def _density(pair: Pair) -> tuple[float, bool]:
-    """Scale of w, A f^2 P_ref^2/a_ref, and whether the reference does no friction work anywhere (a NaN counts as work)."""
-    scale = pair.scales.dissipation / pair.scales.half_width
-    return scale, bool(np.max(np.abs(pair.expected.dissipation_density)) <= NO_DISSIPATION * scale)
-
-
-@metric(
-    "dissipation_density",
-    "of largest w_ref",
-    ("value at the worst point", "every point, edges included; last cycle"),
-    "dissipation_density",
-    WHOLE_CYCLE,
-    absolute_unit=f"{_WORK_SCALE}/a_ref",
-)
-def _(pair: Pair) -> Measured:
-    """Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place."""
-    scale, nothing = _density(pair)
-    expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
-    difference = (found - expected) / (scale if nothing else np.max(np.abs(expected)))
-    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
-    return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
-
-
-@metric("pressure_maximum", "of peak p_ref", (_WORST_POINT, _POINTS), "pressure")
-def _(pair: Pair) -> Measured:
-    """Pressure, maximum: largest |p − p_ref|, with its sign, over the largest p_ref of the instant; with its place."""
-    peak = pair.expected.pressure.max(axis=1, keepdims=True)
-    series, places = worst_point(over(pair.found.pressure - pair.expected.pressure, peak), pair.found.x)
-    return _at_worst(pair, series, places=places)
-
-
-@metric("pressure_peak_place", "of a_ref", _AT_POINTS, "pressure")
-def _(pair: Pair) -> Measured:
-    """Place of peak pressure: x of the largest p − x of the largest p_ref, to a point; of several peaks of the reference within 5
-    % the nearest."""
-    x, found = pair.found.x, pair.found.pressure
-    series = peak_place(pair.expected.pressure, found, x) / pair.scales.half_width
-    return _at_worst(pair, series, places=x[np.argmax(found, axis=1)], to_a_point=True)
-
-
-@metric("shear_maximum", "of f peak p_ref", (_WORST_POINT, _POINTS), "shear")
-def _(pair: Pair) -> Measured:
-    """Shear traction, maximum: largest |q − q_ref|, with its sign, over f times the largest p_ref of the instant; with its
-    place."""
-    peak = pair.scales.friction * pair.expected.pressure.max(axis=1, keepdims=True)
-    series, places = worst_point(over(pair.found.shear - pair.expected.shear, peak), pair.found.x)
-    return _at_worst(pair, series, places=places)
-
-
-@metric("peak_shear", "of f peak p_ref", _AT_POINTS, "shear")
-def _(pair: Pair) -> Measured:
-    """Peak shear traction: largest |q| − largest |q_ref|, over f times the largest p_ref of the instant."""
+def _peak_shear(pair: Pair) -> Measured:
     difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
     return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
 
 
-@metric("shear_peak_place", "of a_ref", (_WORST_INSTANT, f"{_POINTS} that carry shear"), "shear")
-def _(pair: Pair) -> Measured:
-    """Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, to a point; of several peaks of the
-    reference within 5 % the nearest."""
-    x, expected, found = pair.found.x, np.abs(pair.expected.shear), np.abs(pair.found.shear)
+def _traction(pair: Pair, name: str, friction: float = 1.0) -> Measured:
+    """L2 norm of the difference of a traction, over `friction` times that of the pressure."""
+    x, off = pair.found.x, getattr(pair.found, name) - getattr(pair.expected, name)
+    return _at_worst(pair, over(norm(x, off), friction * norm(x, pair.expected.pressure)))
+
+
+def _traction_maximum(pair: Pair, name: str, friction: float = 1.0) -> Measured:
+    peak = friction * pair.expected.pressure.max(axis=1, keepdims=True)
+    series, places = worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
+    return _at_worst(pair, series, places=places)
+
+
+def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> Measured:
+    """Of instants at which the reference's peak is above `least`."""
+    x, expected, found = pair.found.x, of(pair.expected), of(pair.found)
     # Asked the other way round, a NaN would count as no shear and hide.
-    sheared = pair.judged & ~(expected.max(axis=1) <= NO_SHEAR * pair.scales.shear)
-    if not sheared.any():
+    carries = pair.judged & ~(expected.max(axis=1) <= least)
+    if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
     series = peak_place(expected, found, x) / pair.scales.half_width
-    return _at_worst(pair, series, sheared, places=x[np.argmax(found, axis=1)], to_a_point=True)
+    return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
 
 
 def resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
@@ -1051,20 +677,52 @@ def _resultant(pair: Pair, component: int) -> Measured:
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
 
-@metric("resultant_normal", "of P", _AT_INSTANTS, "pressure")
-def _(pair: Pair) -> Measured:
-    """Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), otherwise by the
-    trapezoidal rule, minus the error of that rule for the reference."""
-    return _resultant(pair, 0)
-
-
-@metric("resultant_tangential", "of P", _AT_INSTANTS, "shear")
-def _(pair: Pair) -> Measured:
-    """Tangential resultant: (resultant − Q)/P, as the normal resultant."""
-    return _resultant(pair, 1)
-
-
 # ------------------------------------------------------------------------------------------------ contact, stick and slip
+
+
+def _edge(expected: Array, found: Array, length: float) -> Array:
+    """Outward shift of the worse of two edges over `length`, (k,) from (k, 2); NaN where either lacks the edge.
+
+    >>> _edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]]), 1.0).round(12).tolist()
+    [0.02]
+    """
+    outward = (found - expected) * np.array([-1.0, 1.0]) / length
+    worse = np.argmax(np.abs(outward), axis=1)
+    return np.asarray(outward[np.arange(len(outward)), worse])
+
+
+def _elements(pair: Pair, value: float | None) -> float | None:
+    """An edge's shift in local element sizes of the result, which it states as `settings["element_size"]` [length]."""
+    size = pair.result.settings.get("element_size")
+    return value * pair.scales.half_width / float(size) if size and value is not None else None
+
+
+def _contact_edge(pair: Pair) -> Measured:
+    found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
+    return replace(found, elements=_elements(pair, found.value))
+
+
+def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+    """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
+
+    Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
+    """
+    apart = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
+    status = np.where(np.isnan(apart), 0, np.where(apart <= 1e-9 * length, 2, 1))
+    return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
+
+
+def _stick_edge(pair: Pair) -> Measured:
+    # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
+    length = pair.scales.half_width
+    theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
+    series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
+    found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
+    differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
+    note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
+    if found.value is None and differing:
+        return replace(found, value=math.nan, note=f"no instant has a stick edge in both: {note}")
+    return replace(found, note=note, elements=_elements(pair, found.value))
 
 
 def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
@@ -1087,27 +745,17 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     )
 
 
-for _kind in ("contact", "stick"):
-    for _side in SIDES:
-        _words = f"{_kind.capitalize()} edge, {_side}: outward shift of the {_side} edge; also over the local spacing h of the "
-        _words += "result's points, and with the uncertainty that the result states."
-        _where = _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one"
-        _measure = partial(_edge_of_side, kind=_kind, side=_side)
-        _needs = ("stick_edges", FRICTION) if _kind == "stick" else ()
-        metric(f"{_kind}_edge_{_side}", "of a_ref", (_WORST_INSTANT, _where), *_needs, words=_words)(_measure)
+def _state(pair: Pair) -> Measured:
+    expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
+    touching = (expected != OPEN) | (found != OPEN)
+    series = over(((expected != found) * length).sum(axis=1), (touching * length).sum(axis=1))
+    time = pair.found.time[pair.touching]
+    passed = len(time) and time[-1] != time[0]
+    value = float(np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])) if passed else None
+    return Measured(value=value, series=series)
 
 
-@metric(
-    "stick_set",
-    "of the union",
-    ("Jaccard distance over x and time", "points that stick in either; last cycle"),
-    "state",
-    WHOLE_CYCLE,
-    FRICTION,
-    signed=False,
-)
-def _(pair: Pair) -> Measured:
-    """Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time."""
+def _stick_set(pair: Pair) -> Measured:
     theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
     times, lengths = shares(pair.found.time), shares(pair.found.x)
     both, either = (float(times @ sticks @ lengths) for sticks in (theirs & ours, theirs | ours))
@@ -1170,19 +818,6 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, (np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-@metric("full_stick_start", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
-def _(pair: Pair) -> Measured:
-    """Start of full stick: first instant of full stick, result − reference, to a step; full stick: at least two instants whose
-    stick edges are the contact edges; intervals that share most instants are compared."""
-    return _full_stick(pair, 0, "the reference does not come into full stick")
-
-
-@metric("full_stick_end", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
-def _(pair: Pair) -> Measured:
-    """End of full stick: last instant of full stick, result − reference, as its start."""
-    return _full_stick(pair, -1, "the reference does not come out of full stick")
-
-
 def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
     """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
     forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
@@ -1213,10 +848,7 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
     return min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs, 0, 0
 
 
-@metric("slip_reversal", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
-def _(pair: Pair) -> Measured:
-    """Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is that of the longer
-    slip zone."""
+def _slip_reversal(pair: Pair) -> Measured:
     late, index, missing, extra = zip(*(_reversals_to(sense, pair) for sense in (1, -1)), strict=True)
     return _change(pair, (np.concatenate(late), np.concatenate(index), sum(missing), sum(extra)), "slip does not reverse in either")
 
@@ -1226,14 +858,13 @@ def _slip(pair: Pair, maximum: bool) -> Measured:
 
     Absolute, over f p_ref a_ref/E*, where the range of s_ref is below 1e-12 of that.
     """
-    scale = pair.scales.compliance * pair.scales.shear * pair.scales.half_width / 2
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     applies = pair.judged & touching.any(axis=1)
     if not applies.any():
         return _none("no instant has points in contact in both")
     largest = np.ptp(pair.expected.slip[touching])
-    nothing = bool(largest <= 1e-12 * scale)
-    difference = np.where(touching, (pair.found.slip - pair.expected.slip) / (scale if nothing else largest), 0.0)
+    nothing = bool(largest <= 1e-12 * pair.scales.slip)
+    difference = np.where(touching, (pair.found.slip - pair.expected.slip) / (pair.scales.slip if nothing else largest), 0.0)
     if maximum:
         series, places = worst_point(difference, pair.found.x)
         return _at_worst(pair, series, applies, places=places, absolute=nothing)
@@ -1242,60 +873,146 @@ def _slip(pair: Pair, maximum: bool) -> Measured:
     return _at_worst(pair, np.sqrt(mean), applies, absolute=nothing)
 
 
-_IN_CONTACT = "points in contact in both; judged instants"
+def _moved(pair: Pair, name: str, unit: Callable[[Scales], float]) -> Measured:
+    """A series over time that not every solution states, result − reference."""
+    expected, found = getattr(pair.expected, name), getattr(pair.found, name)
+    if expected is None or found is None:
+        return _none("a solution states none")
+    return _at_worst(pair, (found - expected) / unit(pair.scales))
 
 
-@metric("slip", "of the range of s_ref", (_L2, _IN_CONTACT), "slip", FRICTION, signed=False, absolute_unit="f p_ref a_ref/E*")
-def _(pair: Pair) -> Measured:
-    """Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle."""
-    return _slip(pair, maximum=False)
-
-
-@metric("slip_maximum", "of the range of s_ref", (_WORST_POINT, _IN_CONTACT), "slip", FRICTION, absolute_unit="f p_ref a_ref/E*")
-def _(pair: Pair) -> Measured:
-    """Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place."""
-    return _slip(pair, maximum=True)
+def _contact_centre(pair: Pair) -> Measured:
+    apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
+    return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
 
 
 # ------------------------------------------------------------------------------------------------------- work and energy
 
 
-@metric("dissipation_absolute", f"of {_WORK_SCALE}", _ONE_VALUE, "dissipation", WHOLE_CYCLE)
-def _(pair: Pair) -> Measured:
-    """Dissipation, absolute: (W − W_ref)/(A f² P_ref²): of use near full stick, where W_ref goes to 0."""
-    return Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)
+def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
+    """(U - U_ref) over the range of U_ref, (k,), NaN where that is nothing; the instants that count; a note."""
+    expected, found = pair.expected.tangential_displacement, pair.found.tangential_displacement
+    stroke = float(np.ptp(expected))
+    # Asked the other way round, a NaN would count as standing still and hide.
+    moves = not stroke <= 1e-12 * pair.scales.shift
+    difference = (found - expected) / stroke if stroke > 1e-12 * pair.scales.shift else np.full_like(expected, np.nan)
+    return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
 
 
-@metric("hysteresis_distance", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", WHOLE_CYCLE)
-def _(pair: Pair) -> Measured:
-    """Hysteresis loop, distance: U − U_ref, without its mean over time: distance of the loops in U at the same phase."""
+def _displacement(pair: Pair, *, centred: bool) -> Measured:
+    """`centred`: without its mean over time."""
     difference, moves, note = _stroke(pair)
     weight = shares(pair.found.time)
-    return _at_worst(pair, difference - (weight @ difference) / weight.sum(), moves, note=note)
+    mean = (weight @ difference) / weight.sum() if centred else 0.0
+    return _at_worst(pair, difference - mean, moves, note=note)
 
 
-@metric(
-    "dissipation_density_norm",
-    "of ‖w_ref‖",
-    ("L2 over x", "every point, edges included; last cycle"),
-    "dissipation_density",
-    WHOLE_CYCLE,
-    signed=False,
-    absolute_unit=f"{_WORK_SCALE}/√a_ref",
-)
-def _(pair: Pair) -> Measured:
-    """Pointwise dissipation, L2: ‖w − w_ref‖/‖w_ref‖, L2 over x."""
-    scale, nothing = _density(pair)
-    x, expected, found = pair.found.x, pair.expected.dissipation_density, pair.found.dissipation_density
-    whole = scale * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
+def loop_work(cycle: Cycle) -> float:
+    """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
+    return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
+
+
+def bulk_work(of: ContactSolution | Cycle, materials: Materials) -> float:
+    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants [energy / thickness]: what bulk stress puts in.
+
+    m_q is the moment of the shear about x = 0, where U is read: this and the closed integral of Q dU add up to the dissipation,
+    which neither is alone. 0 without bulk stress.
+    """
+    if of.shear_moment is None:
+        return 0.0
+    return -float(np.trapezoid(of.shear_moment, bulk_strain(of, materials)))
+
+
+def normal_work(solution: ContactSolution) -> float | None:
+    """Closed integral of P dV - M d(tilt) over the last cycle, V the normal approach, by the trapezoidal rule [energy / thickness].
+
+    What normal load and moment put in: with Q dU and the bulk term it adds up to the dissipation. None where it is 0 by nature
+    (P and tilt constant; half-planes of like materials, where V and M hang on P and the tilt only) and where the solution is not of
+    our finite elements, which alone know V.
+    """
+    steps = solution.last_cycle
+    pairs = [(solution.normal_load, solution.normal_approach)]
+    if solution.tilt is not None and solution.moment is not None:
+        pairs.append((-solution.moment, solution.tilt))
+    still = np.ptp(solution.normal_load[steps]) == 0 and (solution.tilt is None or np.ptp(solution.tilt[steps]) == 0)
+    if still or are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
+        return None
+    return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
+
+
+def _steps_out(pair: Pair) -> Measured:
+    polygon = pair.polygon_reference or pair.reference
+    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
+
+
+def _steps_only(pair: Pair) -> Measured:
+    polygon = pair.polygon_reference or pair.reference
+    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
+
+
+def _loop(pair: Pair, *, bulk: bool) -> Measured:
+    """`bulk`: with its bulk term."""
+    works = _bulk_works(pair) if bulk else (0.0, 0.0) if pair.periodic else _NO_LOOP
+    if isinstance(works, str):
+        return _none(works)
+    expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), works, strict=True))
+    return _of_amounts(expected, found, pair.scales.dissipation)
+
+
+_NO_LOOP = "the path is not periodic: no loop"
+
+
+def _bulk_works(pair: Pair) -> tuple[float, float] | str:
+    """The bulk term of the loop of both, or why there is none."""
+    if not pair.periodic:
+        return _NO_LOOP
+    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
+        if cycle.shear_moment is None:
+            return f"{name_of(solution.engine)} states no moment of its shear"
+    materials = pair.result.scene.material
+    return bulk_work(pair.expected, materials), bulk_work(pair.found, materials)
+
+
+def _bulk_work(pair: Pair) -> Measured:
+    works = _bulk_works(pair)
+    if isinstance(works, str):
+        return _none(works)
+    work, scale = pair.reference.dissipation, pair.scales.dissipation
+    nothing = abs(work) <= NO_DISSIPATION * scale
+    return Measured(value=(works[1] - works[0]) / (scale if nothing else work), absolute=nothing)
+
+
+def _drift(pair: Pair) -> Measured:
+    both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
+    words = "; ".join(
+        f"{name}: {'not known' if math.isnan(it) else minus(f'{it:+.1e}') + ' in its last cycle'}" for name, it in both if it
+    )
+    if any(math.isnan(it) for _, it in both):
+        return _none(words)
+    return Measured(value=both[1][1] - both[0][1], note=words)
+
+
+def _works_nowhere(pair: Pair) -> bool:
+    """Whether the reference does no friction work anywhere (a NaN counts as work)."""
+    return bool(np.max(np.abs(pair.expected.dissipation_density)) <= NO_DISSIPATION * pair.scales.density)
+
+
+def _density(pair: Pair) -> Measured:
+    nothing, expected, found = _works_nowhere(pair), pair.expected.dissipation_density, pair.found.dissipation_density
+    difference = (found - expected) / (pair.scales.density if nothing else np.max(np.abs(expected)))
+    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
+    return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
+
+
+def _density_norm(pair: Pair) -> Measured:
+    nothing, x = _works_nowhere(pair), pair.found.x
+    expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
+    whole = pair.scales.density * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
     return Measured(value=float(norm(x, found - expected) / whole), absolute=nothing)
 
 
-@metric("dissipation_density_peak_place", "of a_ref", _POINTS_OF_CYCLE, "dissipation_density", WHOLE_CYCLE)
-def _(pair: Pair) -> Measured:
-    """Pointwise dissipation, place of peak: x of the largest w − x of the largest w_ref, to a point; of several peaks of the
-    reference within 5 % the nearest."""
-    if _density(pair)[1]:
+def _place_of_density(pair: Pair) -> Measured:
+    if _works_nowhere(pair):
         return _none("the reference dissipates nothing")
     x, length = pair.found.x, pair.scales.half_width
     expected, found = (np.atleast_2d(cycle.dissipation_density) for cycle in (pair.expected, pair.found))
@@ -1304,13 +1021,180 @@ def _(pair: Pair) -> Measured:
     return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
 
 
-@metric("energy_balance", "of the work of the loads", _IN_CYCLE, signed=False)
-def _(pair: Pair) -> Measured:
-    """Energy balance: work of the loads − stored energy − dissipation, step by step, over the largest work of the loads so far,
-    as the result's record states it; needs no reference."""
+def _energy_balance(pair: Pair) -> Measured:
     # From the record of the result, which alone knows what its bodies store.
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
         return _none("the result records none")
     series = np.asarray(balance, dtype=float)[pair.result.last_cycle]
     return _at_worst(pair, series, np.ones(len(series), bool))
+
+
+# -------------------------------------------------------------------------------------------------------------- the table
+
+
+def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: Measure, **more: Any) -> Definition:
+    """Of `words`, "label: how it is computed"; `where`: norm and region; `needs`: separated by blanks."""
+    label, _, text = words.partition(": ")
+    row: dict[str, Any] = {"unit": unit, "norm": where[0], "region": where[1], "needs": tuple(needs.split())}
+    return Definition(key=key, label=label, text=text, measure=measure, **row, **{"judged_by": key, **more})
+
+
+_POINTS = "every point, edges included; judged instants"
+_INSTANTS = "judged instants"
+_WORST_INSTANT = "value at the worst instant"
+_L2 = "L2 over x; worst instant"
+_WORK = "A f² P_ref²"
+# How the differences become one value, and which of them count.
+_ONE_VALUE, _POINTS_OF_CYCLE = ("one value", "last cycle"), ("one value", "every point, edges included; last cycle")
+_AT_INSTANTS, _AT_POINTS, _IN_CYCLE = ((_WORST_INSTANT, region) for region in (_INSTANTS, _POINTS, "last cycle"))
+_WORST_POINT = "value at the worst point and instant"
+_IN_CONTACT = "points in contact in both; judged instants"
+_OF_SIDE = "edge; also over the local spacing h of the result's points, and with the uncertainty that the result states"
+_NEAREST = "to a point; of several peaks of the reference within 5 % the nearest"
+
+
+def _pulled(pair: Pair) -> bool:
+    return pair.pulled
+
+
+def _turned(pair: Pair) -> bool:
+    return pair.turned
+
+
+def _bulk_or_turned(pair: Pair) -> bool:
+    return pair.pulled or pair.turned
+
+
+def _has_polygon(pair: Pair) -> bool:
+    return pair.polygon_reference is not None
+
+
+METRICS = {row.key: row for row in (
+    # The first table: absolute values of both.
+    _row("largest_pressure", "Peak pressure: max p / max p_ref − 1 over the cycle, both over the same points",
+        "of the reference", ("one value", "every point; last cycle"), "pressure",
+        partial(_amounts, of=lambda _, c: c.pressure.max(), scale="pressure"), quantity="stress", judged_by="peak_pressure"),
+    _row("largest_half_width", "Contact half-width: (largest half distance of the contact edges)/(that of the reference) − 1",
+        "of the reference", _ONE_VALUE, "pressure",
+        partial(_amounts, of=lambda _, c: np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0) / 2, scale="half_width"),
+        quantity="length", judged_by="contact_edge"),
+    _row("permanent_stick", "Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference",
+        "of a_ref", _ONE_VALUE, "state whole_cycle",
+        partial(_of_stick_zone, of=lambda s: s.permanent_stick_half_width), quantity="length"),
+    _row("stick_eccentricity", "Stick zone, centre: middle of what sticks through the whole last cycle, result − reference",
+        "of a_ref", _ONE_VALUE, "state whole_cycle",
+        partial(_of_stick_zone, of=_middle_of_stick),
+        quantity="length", judged_by="permanent_stick", exists=_bulk_or_turned),
+    _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1",
+        "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle",
+        _largest_slip, quantity="slip", absolute_unit="f p_ref a_ref/E*"),
+    _row("dissipation", "Dissipation: W − W_ref",
+        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _dissipation, quantity="energy", absolute_unit=_WORK),
+    _row("dissipation_density_peak", "Largest pointwise dissipation: max w / max w_ref − 1, both over the same points; with "
+        "its place",
+        "of largest w_ref", _POINTS_OF_CYCLE, "dissipation_density whole_cycle",
+        _largest_density, quantity="energy density", absolute_unit=f"{_WORK}/a_ref"),
+    _row("edge_tension", "Tension at the trailing edge: largest stress along a face at an edge of contact through the cycle, over "
+        "that of the reference, − 1; of half-plane theory and finite elements alone",
+        "of the reference", ("one value", "both edges of contact, both bodies; last cycle"), "pressure shear whole_cycle",
+        _edge_tension, quantity="stress", absolute_unit="f p_ref"),
+    # The others.
+    _row("peak_pressure", "Peak pressure, worst instant: max p / max p_ref − 1 of an instant, both over the same points",
+        "of peak p_ref", _AT_POINTS, "pressure", _peak_pressure),
+    _row("pressure", "Pressure, L2: ‖p − p_ref‖/‖p_ref‖, L2 over x",
+        "of ‖p_ref‖", (_L2, _POINTS), "pressure", partial(_traction, name="pressure"), signed=False),
+    _row("shear", "Shear traction, L2: ‖q − q_ref‖/(f ‖p_ref‖), L2 over x, since q changes sign in the cycle",
+        "of f ‖p_ref‖", (_L2, _POINTS), "shear",
+        lambda pair: _traction(pair, "shear", pair.scales.friction), signed=False),
+    _row("contact_edge", "Contact edge: outward shift of the worse edge", "of a_ref", _AT_INSTANTS, "", _contact_edge),
+    _row("stick_edge", "Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)",
+        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges", _stick_edge),
+    _row("state", "Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs",
+        "of the contact", ("mean over the cycle", "points in contact in either; instants in contact"), "state",
+        _state, signed=False),
+    _row("tangential_displacement", "Tangential displacement: U − U_ref over the range of U_ref in the cycle",
+        "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", partial(_displacement, centred=False)),
+    _row("dissipation_polygon", "Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: "
+        "all errors except that of the steps",
+        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _steps_out, absolute_unit=_WORK, exists=_has_polygon),
+    _row("dissipation_step", "Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on "
+        "the smooth path", "of W_ref", _ONE_VALUE, "", _steps_only, absolute_unit=_WORK, exists=_has_polygon),
+    _row("hysteresis", "Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants",
+        "of its area", _ONE_VALUE, "tangential_displacement whole_cycle", partial(_loop, bulk=False), absolute_unit=_WORK),
+    _row("hysteresis_with_bulk", "Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; "
+        "with bulk stress Q dU alone is not the dissipation",
+        "of its area", _ONE_VALUE, "tangential_displacement whole_cycle",
+        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_pulled),
+    _row("bulk_work", "Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − "
+        "upper body", "of W_ref", _ONE_VALUE, "shear dissipation whole_cycle",
+        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_pulled),
+    _row("dissipation_drift", "Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is "
+        "steady", "of W", ("one value", "last two cycles"), "dissipation whole_cycle",
+        _drift, exists=lambda pair: pair.periodic and _bulk_or_turned(pair)),
+    _row("contact_centre", "Contact centre: middle of the contact edges, result − reference",
+        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_turned),
+    _row("moment", "Moment: M = ∫x p dx, result − reference",
+        "of P_ref a_ref", _AT_INSTANTS, "pressure",
+        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_turned),
+    _row("tilt", "Tilt: that of the upper body, result − reference",
+        "of A P_ref/a_ref", _AT_INSTANTS, "",
+        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_turned),
+    _row("dissipation_density", "Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place",
+        "of largest w_ref", ("value at the worst point", "every point, edges included; last cycle"),
+        "dissipation_density whole_cycle", _density, absolute_unit=f"{_WORK}/a_ref"),
+    _row("pressure_maximum", "Pressure, maximum: largest |p − p_ref|, with its sign, over the largest p_ref of the instant; with "
+        "its place", "of peak p_ref", (_WORST_POINT, _POINTS), "pressure", partial(_traction_maximum, name="pressure")),
+    _row("pressure_peak_place", f"Place of peak pressure: x of the largest p − x of the largest p_ref, {_NEAREST}",
+        "of a_ref", _AT_POINTS, "pressure", lambda pair: _place_of_peak(pair, lambda c: c.pressure, -math.inf)),
+    _row("shear_maximum", "Shear traction, maximum: largest |q − q_ref|, with its sign, over f times the largest p_ref of the "
+        "instant; with its place", "of f peak p_ref", (_WORST_POINT, _POINTS), "shear",
+        lambda pair: _traction_maximum(pair, "shear", pair.scales.friction)),
+    _row("peak_shear", "Peak shear traction: largest |q| − largest |q_ref|, over f times the largest p_ref of the instant",
+        "of f peak p_ref", _AT_POINTS, "shear", _peak_shear),
+    _row("shear_peak_place", f"Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, {_NEAREST}",
+        "of a_ref", (_WORST_INSTANT, f"{_POINTS} that carry shear"), "shear",
+        lambda pair: _place_of_peak(pair, lambda c: np.abs(c.shear), NO_SHEAR * pair.scales.shear)),
+    _row("resultant_normal", "Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), "
+        "otherwise by the trapezoidal rule, minus the error of that rule for the reference",
+        "of P", _AT_INSTANTS, "pressure", partial(_resultant, component=0)),
+    _row("resultant_tangential", "Tangential resultant: (resultant − Q)/P, as the normal resultant",
+        "of P", _AT_INSTANTS, "shear", partial(_resultant, component=1)),
+    *(_row(f"contact_edge_{side}", f"Contact edge, {side}: outward shift of the {side} {_OF_SIDE}",
+        "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in SIDES),
+    *(_row(f"stick_edge_{side}", f"Stick edge, {side}: outward shift of the {side} {_OF_SIDE}",
+        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges friction",
+        partial(_edge_of_side, kind="stick", side=side)) for side in SIDES),
+    _row("stick_set", "Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time",
+        "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
+        "state whole_cycle friction", _stick_set, signed=False),
+    _row("full_stick_start", "Start of full stick: first instant of full stick, result − reference, to a step; full stick: at "
+        "least two instants whose stick edges are the contact edges; intervals that share most instants are compared",
+        "of the period", _IN_CYCLE, "state whole_cycle friction",
+        partial(_full_stick, at=0, none="the reference does not come into full stick")),
+    _row("full_stick_end", "End of full stick: last instant of full stick, result − reference, as its start",
+        "of the period", _IN_CYCLE, "state whole_cycle friction",
+        partial(_full_stick, at=-1, none="the reference does not come out of full stick")),
+    _row("slip_reversal", "Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is "
+        "that of the longer slip zone", "of the period", _IN_CYCLE, "state whole_cycle friction", _slip_reversal),
+    _row("slip", "Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle",
+        "of the range of s_ref", (_L2, _IN_CONTACT), "slip friction",
+        partial(_slip, maximum=False), signed=False, absolute_unit="f p_ref a_ref/E*"),
+    _row("slip_maximum", "Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place",
+        "of the range of s_ref", (_WORST_POINT, _IN_CONTACT), "slip friction",
+        partial(_slip, maximum=True), absolute_unit="f p_ref a_ref/E*"),
+    _row("dissipation_absolute", "Dissipation, absolute: (W − W_ref)/(A f² P_ref²): of use near full stick, where W_ref goes to 0",
+        f"of {_WORK}", _ONE_VALUE, "dissipation whole_cycle",
+        lambda pair: Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)),
+    _row("hysteresis_distance", "Hysteresis loop, distance: U − U_ref, without its mean over time: distance of the loops in U at "
+        "the same phase", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement whole_cycle",
+        partial(_displacement, centred=True)),
+    _row("dissipation_density_norm", "Pointwise dissipation, L2: ‖w − w_ref‖/‖w_ref‖, L2 over x",
+        "of ‖w_ref‖", ("L2 over x", "every point, edges included; last cycle"), "dissipation_density whole_cycle",
+        _density_norm, signed=False, absolute_unit=f"{_WORK}/√a_ref"),
+    _row("dissipation_density_peak_place", "Pointwise dissipation, place of peak: x of the largest w − x of the largest w_ref, "
+        f"{_NEAREST}", "of a_ref", _POINTS_OF_CYCLE, "dissipation_density whole_cycle", _place_of_density),
+    _row("energy_balance", "Energy balance: work of the loads − stored energy − dissipation, step by step, over the largest "
+        "work of the loads so far, as the result's record states it; needs no reference",
+        "of the work of the loads", _IN_CYCLE, "", _energy_balance, signed=False),
+)}  # fmt: skip

@@ -11,17 +11,12 @@ import numpy as np
 
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape, Wave, sampled
+from scenes import EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
     from reports.comparison.budget import Budget, ErrorBudget, Term
 
-THEORY = (
-    "Half-plane theory of partial slip under varying P and Q: M. Davies, J. R. Barber and D. A. Hills, “Energy dissipation in a "
-    "frictional incomplete contact with varying normal load”, Int. J. Mech. Sci. 55 (2012), doi:10.1016/j.ijmecsci.2011.11.006."
-)
-CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
 _SMALL = ("solver", "half-plane theory")
 SUPPORT_WORDS = {
@@ -31,32 +26,18 @@ SUPPORT_WORDS = {
     "half_plane": "joined to the half-plane around it",
     "pulled": "free, with the bulk stress on them",
 }
-_SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
-_BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
+
+
+def in_template(macro: str, *values: Any) -> str:
+    """A sentence of templates/words.txt."""
+    from reports.charts.templating import template
+
+    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
 
 
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    _, length, stress = units(scene)
-    match scene.profile:
-        case Hertz(radius=radius):
-            kind = "circular" if scene.bodies.faces_are_true else "parabolic"
-            shape = f"a {kind} profile of relative radius {number(radius)} {length}"
-        case FlatRounded(radius=radius, flat_half_length=half):
-            shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
-        case _:
-            shape = scene.profile.in_words(length)
-    upper, lower = (
-        f"E = {number(m.young_modulus)} {stress}, ν = {number(m.poisson_ratio)}"
-        for m in (scene.material.upper, scene.material.lower)
-    )
-    material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
-    what = "the path" if scene.load.path().period is None else "a cycle"
-    return (
-        f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
-        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}{bulk_and_tilt(scene)}. "
-        f"What do they transmit, where do they slip, and what does {what} dissipate?"
-    )
+    return in_template("question", scene, *units(scene)[1:], _loads(scene, load_unit(scene)), bulk_and_tilt(scene))
 
 
 def without_cycle(text: str, scene: Scene) -> str:
@@ -78,11 +59,7 @@ def without_cycle(text: str, scene: Scene) -> str:
 def _loads(scene: Scene, unit: str) -> str:
     load = scene.load
     if isinstance(load, EllipseLoad):
-        return (
-            f"the loads go round an ellipse, P = {number(load.mean_normal_load)} + "
-            f"{number(load.normal_amplitude)} cos t and Q = {number(load.mean_tangential_load)} + "
-            f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
-        )
+        return in_template("ellipse", load, unit)
     if not isinstance(load, PolygonLoad):
         return re.sub(r"(?<=\s)-(?=\d)", "−", load.in_words(unit))
     corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
@@ -137,58 +114,21 @@ def under_what(scene: Scene) -> str:
 def shape_words(shape: Shape, length: str) -> str:
     """A body with its sizes and supports.
 
+    >>> from scenes import Block
     >>> shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
     'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides guided by smooth walls'
     """
-    match shape:
-        case HalfPlane():
-            return "a half-plane"
-        case Cylinder(radius=radius):
-            return f"half of a solid cylinder of radius {number(radius)} {length}, bonded to a rigid plane at its middle"
-        case Block() | Pad():
-            face = " whose face is the true profile" if isinstance(shape, Pad) else ""
-            size = f"{number(shape.width)} {length} wide and {number(shape.height)} {length} high"
-            return f"a {shape.kind} {size}{face}, {_BASE[shape.base]}, {_SIDES[shape.sides]}"
+    return in_template("shape", shape, length)
 
 
 def bodies_in_words(scene: Scene) -> str:
     """Both bodies, what holds them, where the load acts and where the gap comes from."""
-    lower, upper = scene.bodies.lower, scene.bodies.upper
-    if scene.bodies.half_planes:
-        return "Both bodies are half-planes, and the profile is the gap between their flat faces."
-    length = units(scene)[1]
-    parts = f"The lower body is {shape_words(lower, length)}; the upper body is {shape_words(upper, length)}."
-    turns = "turns as the moment makes it" if scene.load.moment_given else "is tilted" if scene.load.tilt else "does not tilt"
-    load = "" if isinstance(upper, HalfPlane) else f" The loads act through what holds the upper body, which {turns}."
-    gap = (
-        "The gap is that of the faces as they are made"
-        if scene.bodies.faces_are_true
-        else "The profile is the gap between flat faces"
-    )
-    return f"{parts}{load} {gap}."
+    return in_template("bodies", scene, *(shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
 
 
 def idealisation(scene: Scene) -> str:
     """What the discrepancy of the two engines holds beside their errors; empty for half-planes for which theory is exact."""
-    if are_half_planes(scene):
-        return ""
-    if scene.bodies.half_planes:
-        return (
-            "The finite elements solve the half-planes with this coupling, half-plane theory without it: the discrepancy contains "
-            "that idealisation error, and a tolerance missed is a finding about the idealisation, not a fault of the engines."
-        )
-    causes = [
-        "the size of the bodies",
-        "their supports",
-        *(["the true shape of their faces"] if scene.bodies.faces_are_true else []),
-        *(["the coupling of normal and shear tractions by unlike materials"] if coupled(scene) else []),
-    ]
-    listed = ", ".join(causes[:-1]) + " and " + causes[-1]
-    return (
-        "The finite elements solve these real bodies, half-plane theory the half-planes that stand for them: the discrepancy "
-        f"contains the idealisation error ({listed}), and a tolerance missed is a finding about the idealisation, not a fault of "
-        "the engines."
-    )
+    return "" if are_half_planes(scene) else in_template("idealisation", scene, coupled(scene))
 
 
 def unlike_materials(scene: Scene) -> str:
@@ -197,18 +137,7 @@ def unlike_materials(scene: Scene) -> str:
         return ""
     from halfplane_fe.dundurs import dundurs
 
-    found = dundurs(scene.material)
-    neglect = (
-        ": half-plane theory as used here neglects the coupling of normal and shear tractions that goes with it"
-        if coupled(scene)
-        else ", so normal and shear tractions of half-planes are not coupled"
-        if scene.friction.coefficient
-        else ", which has nothing to couple without friction"
-    )
-    return (
-        f"Unlike materials: Dundurs' parameters are α = {signed(found.alpha)} (positive where the upper body is the more "
-        f"compliant) and β = {signed(found.beta)}{neglect}."
-    )
+    return in_template("unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient)
 
 
 # A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
@@ -368,7 +297,7 @@ def said(report: Report) -> dict[str, Any]:
     return {
         "headline": headline(report),
         "table": first_table(report)[1],
-        "claim": CLAIM,
+        "claim": in_template("claim"),
         "question": question(scene),
         "bodies": bodies_in_words(scene),
         "unlike_materials": unlike_materials(scene),
@@ -562,11 +491,7 @@ def beyond_theory(comparison: Comparison) -> str:
         return idealisation(comparison.scene)
     if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
         return ""
-    return (
-        "Half-plane theory is an idealisation of these bodies: the discrepancy contains its error beside that of "
-        f"{name_of(comparison.result.engine)}, and nothing here tells the two apart; `--against fe` takes finite elements of the "
-        "bodies for the reference."
-    )
+    return in_template("beyond_theory", name_of(comparison.result.engine))
 
 
 def _both_ours(comparison: Comparison) -> bool:
@@ -645,12 +570,7 @@ def cost(budget: ErrorBudget) -> str:
     ladders = budget.ladders
     pairs = [rung for pair in ladders.penalty for rung in pair]
     rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
-    counts = ", ".join(
-        f"{rung.label} ({rung.failure})" if rung.failure else f"{rung.label} ({rung.nodes} nodes, {rung.steps} steps)"
-        for rung in rungs.values()
-    )
-    missing = "".join(f" The {term} ladder was not measured: {why}." for term, why in ladders.not_measured.items())
-    return f"Run and budget took {budget.cost:.2f} times the CPU time of the run: {counts}.{missing}"
+    return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
 
 
 def honest_of(report: Report, metric: Metric) -> str:

@@ -94,22 +94,22 @@ def draw(report: Report) -> tuple[Plate, ...]:
     drawings: list[Plate | None] = [
         bodies.sketch(comparison.scene, comparison.scales.half_width),
         bodies.fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
-        load_path(shown),
-        now(shown),
+        _load_path(shown),
+        _now(shown),
         hysteresis(shown),
-        state_map(shown),
-        half_widths(shown),
-        slip_histories(shown),
+        _state_map(shown),
+        _half_widths(shown),
+        _slip_histories(shown),
         dissipation_density(shown),
         errors(shown),
-        tractions(shown),
+        _tractions(shown),
         energy(result),
         certificates("result", result, comparison.result_certificates),
         certificates("reference", comparison.reference, comparison.reference_certificates),
-        distances(report.study) if report.study is not None else None,
+        _distances(report.study) if report.study is not None else None,
     ]
     if report.budget is not None:
-        drawings += [bars(report.budget), ladders(report.budget)]
+        drawings += [_bars(report.budget), _ladders(report.budget)]
     if meshes := getattr(result, "bodies", ()):
         from reports.field_output.pictures import mesh
 
@@ -149,7 +149,7 @@ def _traction_keys(shown: Shown) -> tuple[Key, ...]:
     return (*lines, Key("d p", "difference of p"), Key("d q", "difference of q"))
 
 
-def tractions(shown: Shown) -> Plate:
+def _tractions(shown: Shown) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
     rows, scales, points = [event.index for event in shown.chosen], shown.scales, len(shown.x)
     cells = [
@@ -209,12 +209,12 @@ def published(comparison: Comparison) -> str:
     moves = np.ptp(expected.tangential_displacement) > 1e-9 * comparison.scales.shift
     loop = hysteresis(shown) if moves else None
     shown.time, shown.time_words = shown.found.time, "time"
-    beside = loop.panels[1] if loop else half_widths(shown).panels[0]
+    beside = loop.panels[1] if loop else _half_widths(shown).panels[0]
     keys = _traction_keys(shown)[:4]
     return Plate(scene.name, scene.title or scene.name, "", f"Both engines on {scene.name}", (first, beside), {}, keys).svg() + "\n"
 
 
-def now(shown: Shown) -> Plate:
+def _now(shown: Shown) -> Plate:
     """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing leaves them as it moves."""
     expected, found, width = shown.expected, shown.found, 560.0
     above, difference = _traction_panels(shown, shown.start, range(len(found.time)), "now", (width, 300.0), live=True)
@@ -235,7 +235,7 @@ def now(shown: Shown) -> Plate:
     return worded("cycle", (above, zones, difference), table, _traction_keys(shown), columns=1)
 
 
-def state_map(shown: Shown) -> Plate:
+def _state_map(shown: Shown) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they differ."""
     expected, found, time, wide = shown.expected, shown.found, shown.time, shown.wide
     inside = np.flatnonzero(np.abs(shown.x) <= wide)
@@ -268,7 +268,7 @@ def dissipation_density(shown: Shown) -> Plate | None:
     theirs, ours = (cycle.dissipation_density / (scales.dissipation / scales.half_width) for _, cycle, _ in shown.sides)
     if not (np.any(theirs) or np.any(ours)):
         return None
-    stick = permanent_edges(shown.comparison.reference) / scales.half_width
+    stick = _permanent_edges(shown.comparison.reference) / scales.half_width
     lines: list[Mark] = [Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)]
     lines += [Curve(x, w, key.css, key.text) for w, key in zip((theirs, ours), shown.keys, strict=True)]
     peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
@@ -295,7 +295,7 @@ def dissipation_density(shown: Shown) -> Plate | None:
 
 
 # ---------------------------------------------------------------------------------------------------------------- over time
-def half_widths(shown: Shown) -> Plate:
+def _half_widths(shown: Shown) -> Plate:
     """Contact and stick edges of both engines through the last cycle, the difference of the half-widths beside them."""
     length, time = shown.scales.half_width, shown.time
     lines, keys, apart, table = list[Curve](), list[Key](), dict[str, Array](), {"time": shown.found.time}
@@ -351,7 +351,7 @@ def errors(shown: Shown) -> Plate:
     return worded("errors", [panel], table, keys, columns=1, judged=bool(judged), cut=bool(judged) and largest > 8)
 
 
-def permanent_edges(solution: ContactSolution) -> Array:
+def _permanent_edges(solution: ContactSolution) -> Array:
     """(2,) ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
     if solution.permanent_stick_edges is not None:
         return solution.permanent_stick_edges
@@ -367,13 +367,13 @@ def places(comparison: Comparison, count: int = 4) -> list[int]:
     outer = float(np.nanmax(np.abs(expected.contact_edges), initial=0.0)) or float(np.abs(x).max())
     if comparison.turned:
         outer = float(np.nanmax(expected.contact_edges, initial=float(x[0])))
-    inner = permanent_edges(comparison.reference)[1]
+    inner = _permanent_edges(comparison.reference)[1]
     inner = float(inner) if np.isfinite(inner) and inner < outer else min(0.0, outer)
     wanted = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
     return sorted({int(np.abs(x - place).argmin()) for place in wanted})
 
 
-def slip_histories(shown: Shown) -> Plate:
+def _slip_histories(shown: Shown) -> Plate:
     """Slip of chosen points through the last cycle, both engines, from where each stood at the start of the cycle."""
     rows, x, length = places(shown.comparison), shown.found.x, units(shown.scene)[1]
     named = [f"x = {shown.x[row]:.3f} a_ref" for row in rows]
@@ -396,7 +396,7 @@ def slip_histories(shown: Shown) -> Plate:
 
 
 # ------------------------------------------------------------------------------------------------ the loads, and load over shift
-def load_path(shown: Shown) -> Plate:
+def _load_path(shown: Shown) -> Plate:
     """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at the instant shown.
 
     Beneath it bulk stress, tilt and moment over the cycle, where there are any.
@@ -521,7 +521,7 @@ def hysteresis(shown: Shown) -> Plate | None:
         panels,
         table,
         shown.keys,
-        slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
+        slopes=" and ".join(signed(_loop_compliance(cycle)) for cycle in cycles),
         unit=f"{length} per {load}",
         periodic=scene.load.path().period is not None,
         # P works too where it varies and the approach hangs on Q as well.
@@ -532,11 +532,11 @@ def hysteresis(shown: Shown) -> Plate | None:
 
 def sheared_shift(cycle: Cycle) -> Array:
     """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
-    shift = cycle.tangential_displacement - loop_compliance(cycle) * cycle.tangential_load
+    shift = cycle.tangential_displacement - _loop_compliance(cycle) * cycle.tangential_load
     return np.asarray(shift - shift.mean())
 
 
-def loop_compliance(cycle: Cycle) -> float:
+def _loop_compliance(cycle: Cycle) -> float:
     """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
     load = cycle.tangential_load - cycle.tangential_load.mean()
     square = float(load @ load)
@@ -598,7 +598,7 @@ def _cycles(solution: ContactSolution) -> list[Mark]:
 _ROW, _CUT = 44.0, 3.0
 
 
-def bars(budget: ErrorBudget) -> Plate | None:
+def _bars(budget: ErrorBudget) -> Plate | None:
     """The terms of every metric that has a tolerance as a stack over it; None where no metric has one.
 
     What adds to the metric lies right of zero, what takes from it left: the two stacks together are E. Where the scene states no
@@ -665,7 +665,7 @@ def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterato
             yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
 
 
-def ladders(budget: ErrorBudget) -> Plate | None:
+def _ladders(budget: ErrorBudget) -> Plate | None:
     """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where no metric converges."""
     rungs, curves = [rung for rung in budget.ladders.mesh if not rung.failure], {}
     for one in budget.budgets:
@@ -679,7 +679,7 @@ def ladders(budget: ErrorBudget) -> Plate | None:
     return _convergence("ladders", words, curves, [rung.size for rung in rungs])
 
 
-def distances(study: Study) -> Plate | None:
+def _distances(study: Study) -> Plate | None:
     """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for two meshes or where none does."""
     sizes, curves = [level.size for level in study.levels], {}
     for line in study.lines:

@@ -19,16 +19,16 @@ from reports.units import load_unit, units
 
 Array = NDArray[np.float64]
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
-MOST_INSTANTS, MOST_VALUES = 200, 100_000
+_MOST_INSTANTS, MOST_VALUES = 200, 100_000
 # Letters of the longest CSV that a page carries.
 _LETTERS = 1_500_000
 _STEPS, _NOTHING = 32766, -32768
 
 
-def quantised(values: Array) -> dict[str, Any]:
+def _quantised(values: Array) -> dict[str, Any]:
     """Numbers as 16-bit whole numbers of a step, little-endian in base64; what is not finite is a number of its own.
 
-    >>> quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
+    >>> _quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0
     """
     finite = np.isfinite(values)
@@ -42,7 +42,7 @@ def cycle_data(shown: Shown) -> dict[str, Any]:
     comparison, expected, found, scales = shown.comparison, shown.expected, shown.found, shown.scales
     # All instants, or evenly many of them with the first, the last and the chosen ones; of the points those that are drawn.
     last = len(found.time) - 1
-    even = np.linspace(0, last, min(last + 1, MOST_INSTANTS)).round().astype(int)
+    even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
     rows = np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
     inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
     points = np.unique([*inside[:: -(-len(inside) * len(rows) // MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
@@ -60,8 +60,8 @@ def cycle_data(shown: Shown) -> dict[str, Any]:
     fields = {}
     for key, (name, size) in sizes.items():
         theirs, ours = getattr(expected, name)[grid] / size, getattr(found, name)[grid] / size
-        fields[key] = quantised(theirs)
-        fields[f"d{key}"] = quantised(ours - theirs)
+        fields[key] = _quantised(theirs)
+        fields[f"d{key}"] = _quantised(ours - theirs)
     states = expected.state[grid].astype(np.uint8) + 4 * found.state[grid].astype(np.uint8)
     return {
         "instants": len(rows),

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def table_html(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
+def _table_html(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
     """Two columns beside a picture, which is HTML already; everything else is escaped.
 
-    >>> "<tr><td>f &lt; 1</td><td>0.5</td></tr>" in table_html("title", [("f < 1", "0.5")])
+    >>> "<tr><td>f &lt; 1</td><td>0.5</td></tr>" in _table_html("title", [("f < 1", "0.5")])
     True
     """
     cells = "".join(f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in rows)
@@ -53,7 +53,7 @@ def scene_html(scene: Scene) -> str:
         *([("beside P and Q", beside.removeprefix("; "))] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
-    return table_html(scene.title or scene.name or "Scene", rows, loop_svg(normal, tangential, "P", "Q"))
+    return _table_html(scene.title or scene.name or "Scene", rows, _loop_svg(normal, tangential, "P", "Q"))
 
 
 def solution_html(solution: ContactSolution) -> str:
@@ -69,8 +69,8 @@ def solution_html(solution: ContactSolution) -> str:
         ("dissipation of the last cycle", _figure(solution.dissipation)),
         *((words.replace("_", " "), _figure(value)) for words, value in of_bulk(solution).items()),
     ]
-    picture = loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
-    return table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)
+    picture = _loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
+    return _table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)
 
 
 def _figure(value: float) -> str:
@@ -160,7 +160,7 @@ def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     return figure, [row[0] for row in axes]
 
 
-def loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
+def _loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
     """A line through points as a small SVG; nothing where a point is no number."""
     if not (np.isfinite(across).all() and np.isfinite(up).all()):
         return ""

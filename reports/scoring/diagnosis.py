@@ -22,9 +22,11 @@ half-plane theory with another E*/R takes the part that such a change can take, 
 from __future__ import annotations
 
 import contextlib
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from importlib import resources
 from itertools import chain
 from typing import Any
 
@@ -102,64 +104,10 @@ COST = 0.01
 FITTED = {"coarse_edge": 10, "coupling": 5, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
-FAULTS = {
-    "shear_sign": "The shear has the wrong sign: give it as it acts on the lower body along +x, or turn it in the mapping.",
-    "pressure_sign": "The pressure has the wrong sign: it is positive in compression here.",
-    "swapped": "Pressure and shear are swapped: exchange the two columns.",
-    "frictionless": "There is no shear: the contact has no friction, or the tangential load was not applied.",
-    "units": "The tractions are {factor:g} times what they should be, on the right widths: a factor of units.",
-    "traction_factor": "The tractions are {factor:.4g} times what they should be, on the right widths: a thickness, a unit or a "
-    "share of the surface counted twice; no elastic contact carries other loads on the same width.",
-    "pressure_factor": "The pressure alone is {factor:.4g} times what it should be, on the right widths with the right shear: a "
-    "unit or an area of that one column; another load or modulus would change widths and shear with it.",
-    "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
-    "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
-    " plane stress, and the radius ({likely}).",
-    "loads": "Loads {factor:.3g} times those of the scene: check thickness, amplitudes and what a load was shared out over.",
-    "half_model": "Loads {factor:.3g} times those of the scene: half of a symmetric model carries half of the loads, and the other "
-    "half was forgotten or counted twice.",
-    "friction": "The coefficient of friction is {factor:.3g} times the scene's.",
-    "full_stick": "Friction is not active: the faces are bonded, or rough; nothing slips, and shear exceeds f p at the edges.",
-    "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the "
-    "state of friction from step to step.",
-    "not_steady": "The cycle is not steady yet: this is the first revolution, and it was compared with the steady one; run more of "
-    "them and compare the last, or, if the first is meant, state its times on the scene's path (times of a mapping).",
-    "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the"
-    " turning points.",
-    "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
-    "loads.",
-    "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, "
-    "k = {stiffness:.3g} E*/a_ref; "
-    "make the tangential stiffness larger (the slip tolerance smaller), or use Lagrange multipliers.",
-    "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is "
-    "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
-    "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
-    " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
-    "coupling": "The difference is odd in x: pressure moves the faces along x. The bodies are not alike, in material (then not the "
-    "scene's) or in shape (a narrow pad on a wide block), or one of them tilts; half-plane theory of like bodies has none of it.",
-    "bulk_sign": "The bulk stress has the other sign: tension along x is positive, and what counts is ε = σ/E′ of the lower body − "
-    "that of the upper one.",
-    "bulk_left_out": "The bulk stress was left out: pull the body as the scene says, in step with the loads.",
-    "tilt_sign": "The upper body is turned the other way: a tilt opens the gap at x > 0, and M = ∫x p dx.",
-    "tilt_left_out": "The tilt was left out: the faces approach each other without a turn, or the load acts along x = 0.",
-    "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
-    "make the elements there smaller than {spacing:.2g} a_ref.",
-}
-
-_SCATTER = (
-    "The tractions scatter from point to point, with a standard deviation of {size}: noise of a measurement, of extrapolated nodal "
-    "values or of printed digits; average neighbouring points, or write more digits."
-)
+# Sentences of each fault, of other findings, and quotients of E*/R with a likely cause.
+_WORDS = tomllib.loads((resources.files("reports") / "templates" / "faults.toml").read_text("utf-8"))
+FAULTS: dict[str, str] = _WORDS["faults"]
 _NO_COUPLING = 1e-9
-_OWN_COUPLING = (
-    "The difference is odd in x, as the scene's own materials make it, which have {own:.2g} of Dundurs' beta: half-plane theory "
-    "leaves that out. As far as it goes it is the idealisation and no fault of the result; --against fe has it in."
-)
-# Quotients of E*/R that have a likely cause: (factor, within, cause).
-LIKELY = (
-    (0.5, 0.03, "one half: two deformable bodies where one is rigid, or a diameter given for a radius"),
-    (2.0, 0.03, "two: one of the bodies rigid, or a radius halved"),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -641,9 +589,8 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
             break
     pressure, shear = whole.errors()
     size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
-    unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
     known = sorted(found, key=lambda one: -one.strength) or list(scatter(whole))
-    first, *others = known or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
+    first, *others = known or [Diagnosis(UNKNOWN, _WORDS["others"][UNKNOWN], (size,), 0.0)]
     if whole.unsymmetric:
         words = "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft penalties, bodies too small"
         first = replace(first, evidence=(*first.evidence, words))
@@ -674,7 +621,7 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
             0, f"{count} of {len(beyond)} points in contact exceed the Coulomb limit, by {most:.2g} of f p_ref at most: {kept}"
         )
     words = f"{sigma[0]:.2g} in p/p_ref" + (f" and {sigma[1]:.2g} in q/(f p_ref)" if len(sigma) > 1 else "")
-    yield Diagnosis(NOISE, _SCATTER.format(size=words), tuple(evidence), min(share, 1.0))
+    yield Diagnosis(NOISE, _WORDS["others"][NOISE].format(size=words), tuple(evidence), min(share, 1.0))
 
 
 def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple[float, Hypothesis]]:
@@ -710,11 +657,11 @@ def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
 
     material, figures = what.comparison.scene.material, dict(one.figures)
     if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
-        return _OWN_COUPLING.format(own=own, **figures)
+        return str(_WORDS["others"]["own_coupling"].format(own=own, **figures))
     likely = ""
     if one.fault == "stiffness":
         factor, nu = figures["factor"], material.upper.poisson_ratio
-        causes = [cause for value, within, cause in LIKELY if abs(factor / value - 1) < within]
+        causes = [one["cause"] for one in _WORDS["stiffness"] if abs(factor / one["factor"] - 1) < one["within"]]
         if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
             causes = [f"it is near 1 - nu^2 = {1 - nu**2:.3g}: plane stress"]
         likely = (*causes, "contact widths go as the square root of its inverse for a Hertz contact")[0]

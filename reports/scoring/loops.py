@@ -18,8 +18,10 @@ constant P nothing depends on the form of Q over time: a sine and straight lines
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -29,7 +31,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.marks import Axis, Curve, Dot, Mark, Rule
-from reports.charts.plate import Key, Panel, Plate
+from reports.charts.plate import Key, Panel, Plate, worded
 from reports.charts.scale import limits
 from reports.charts.templating import script, template
 from reports.checking import check_path
@@ -39,6 +41,7 @@ from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import EllipseLoad, InputError, PolygonLoad, Scene
 from scenes.text_tables import plain, text_table
+from scenes.unit_words import unit_factor
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
@@ -139,7 +142,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     Raises
     ------
     InputError
-        As the reader of tables; for a column that is missing or in another unit than the scene, for too few rows.
+        As the reader of tables; for a column that is missing or in a unit that can't be turned into the scene's, for too few rows.
     """
     table = text_table(path)
     names, where = table.names, str(path)
@@ -154,13 +157,19 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         )
     assert force is not None
     time = find_column(mapping, "time", names, where)
-    length = units(scene)[1]
-    for name, factor, key, wanted in (
-        (shift, mapping.factors.length, "length", length),
+    said, times = [f"U is the column {shift!r} and Q the column {force!r}"], {shift: 1.0, force: 1.0}
+    columns: tuple[tuple[str, float | None, Literal["length", "load"], str], ...] = (
+        (shift, mapping.factors.length, "length", units(scene)[1]),
         (force, mapping.factors.load, "load", load_unit(scene)),
-    ):
-        inside = name.partition("[")[2].partition("]")[0] or name.partition("(")[2].partition(")")[0]
+    )
+    for name, factor, key, wanted in columns:
+        inside = table.units[names.index(name)]
         if inside and inside != wanted and factor is None:
+            with contextlib.suppress(ValueError):
+                times[name], per_length = unit_factor(inside, key, scene.units)
+                if key == "length" or per_length:
+                    said.append(f"The column {name!r} is in {inside}: times {times[name]:.9g}")
+                    continue
             raise InputError(
                 f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state factors.{key} in a mapping, by "
                 "which it is multiplied"
@@ -173,12 +182,11 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     if len(back):
         k = int(back[0]) + 1
         raise InputError(f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in the order of time")
-    found = {"slip": table.column(shift), "tangential_load": table.column(force)}
+    found = {"slip": times[shift] * table.column(shift), "tangential_load": times[force] * table.column(force)}
     u, q = (converted(mapping, name, values) for name, values in found.items())  # type: ignore[arg-type]
     for name, values in ((shift, u), (force, q)):
         if not np.ptp(values) > 0:
             raise InputError(f"{where}: {name} is the same in every row: there is no loop")
-    said = [f"U is the column {shift!r} and Q the column {force!r}"]
     said.append("Rows follow each other evenly in time" if time is None else f"Times of the rows are the column {time!r}")
     return MeasuredLoop(where, u, q, rows - rows[0], tuple(said))
 
@@ -490,45 +498,33 @@ def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
 
 def plates(found: LoopScore) -> tuple[Plate, ...]:
     """The loop, U less the straight line through it, so that it opens; and rows minus the best fit."""
-    length, load = units(found.scene)[1], load_unit(found.scene)
-    line = found.rows[1].slope
-    count, share, shifts, loads = _means(found.tau, found.tau, found.shift, found.load)
-    base = float(np.mean(found.shift - line * found.load))
-    dots: list[Mark] = [Dot(float(q), float(u - line * q - base), "p0", 2.2) for q, u in zip(loads, shifts, strict=True)]
-    curves, keys = list[Mark](), list[Key]()
-    for k, (name, shift, q) in enumerate(found.curves, 1):
-        curves.append(Curve(q, shift - line * q - base, f"line-{k}", name))
-        keys.append(Key(f"line-{k}", name))
-    heights = [shifts - line * loads - base, *(shift - line * q - base for _, shift, q in found.curves)]
-    axes = Axis(*limits(loads, found.curves[0][2]), f"Q  [{load}]"), Axis(*limits(*heights), f"U − slope Q  [{length}]")
-    words = f"Dots: means of {count.min():.0f} to {count.max():.0f} rows in each of {len(count)} parts of the cycle."
-    loop = Plate(
-        "loop",
-        "The loop",
-        f"U less the straight line of slope {line:.4g} through the loop of the best fit. {words}",
-        "Relative displacement less a straight line over the tangential load: measured rows and computed loops.",
-        (Panel("loop", *axes, [*dots, *curves], "Loop of displacement over tangential load", 900.0, 380.0, css="broad"),),
-        {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift},
-        tuple(keys),
-        columns=1,
+    length, load, line = units(found.scene)[1], load_unit(found.scene), found.rows[1].slope
+    base, rest = float(np.mean(found.shift - line * found.load)), found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
+    count, share, shifts, loads, means = _means(found.tau, found.tau, found.shift, found.load, rest)
+    opened = shifts - line * loads - base
+    curves = [Curve(q, u - line * q - base, f"line-{k}", name) for k, (name, u, q) in enumerate(found.curves, 1)]
+    keys = [Key(curve.css, curve.label) for curve in curves]
+
+    def panel(
+        name: str, words: str, height: float, across: Axis, up: Axis, dots: tuple[Array, Array], lines: Sequence[Mark]
+    ) -> Panel:
+        marks = [Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)]
+        return Panel(name, across, up, [*marks, *lines], words, 900.0, height, css="broad")
+
+    axes = (
+        Axis(*limits(loads, curves[0].x), f"Q  [{load}]"),
+        Axis(*limits(opened, *(c.y for c in curves)), f"U − slope Q  [{length}]"),
     )
-    rest = found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
-    _, means = _means(found.tau, rest)
-    marks: list[Mark] = [Rule(0.0, "zero")]
-    marks += [Dot(float(t), float(y), "p0", 2.2) for t, y in zip(share, means, strict=True)]
-    axes = Axis(0.0, 1.0, "share of the cycle"), Axis(*limits(means), f"mean rows − best fit  [{length}]")
-    panel = Panel("loop-rest", *axes, marks, "Residuals of the best fit over the cycle", 900.0, 260.0, css="broad")
-    residuals = Plate(
-        "loop_residuals",
-        "Rows minus the best fit",
-        f"{words} One row scatters by {found.noise:.3g} {length} (root mean square). A pattern says that the model does not "
-        "describe the rig: friction that changes, a rig that is not linear, another profile.",
-        "Measured displacement minus the best fit over the cycle.",
-        (panel,),
-        {"tau": found.tau, f"U - fit [{length}]": rest},
-        columns=1,
+    below = Axis(0.0, 1.0, "share of the cycle"), Axis(*limits(means), f"mean rows − best fit  [{length}]")
+    loop = panel("loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves)
+    residuals = panel("loop-rest", "Residuals of the best fit over the cycle", 260.0, *below, (share, means), [Rule(0.0, "zero")])
+    words: dict[str, Any] = {"fewest": f"{count.min():.0f}", "most": f"{count.max():.0f}", "parts": len(count), "columns": 1}
+    columns = {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift}
+    noise: dict[str, Any] = {"noise": f"{found.noise:.3g}", "length": length}
+    return (
+        worded("loop", [loop], columns, keys, slope=f"{line:.4g}", **words),
+        worded("loop_residuals", [residuals], {"tau": found.tau, f"U - fit [{length}]": rest}, **noise, **words),
     )
-    return loop, residuals
 
 
 def write(found: LoopScore, out: str | Path, command: str) -> Path:
@@ -537,9 +533,6 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
 
     program, digest = script()
     drawings, (heads, rows) = plates(found), table(found)
-    stress = units(found.scene)[2]
-    how = "fitted; it takes in the datum length of the half-planes" if found.compliance_fitted else "given"
-    rig = f"Compliance of the rig: {found.compliance:.5g} 1/{stress} ({how})."
     with filled(out) as folder:
         (folder / "figures").mkdir()
         for drawing in drawings:
@@ -551,7 +544,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
             scene=found.scene,
             question=question(found.scene),
             found=found,
-            rig=rig,
+            stress=units(found.scene)[2],
             heads=heads,
             rows=rows,
             drawings=drawings,
