@@ -97,7 +97,7 @@ def dissipation(normal_load: Array, tangential_load: Array, friction: float, add
     added : what the bodies add; (0, 0) for half-planes
     last : steps of the closed cycle at the end
 
-    The closed integral of Q dU; the tangential displacement U is over A P0/pi, its constant part left out: it does no work in a cycle.
+    The closed integral of Q dU. U is over A P0/pi, its constant part left out: it does no work in a cycle.
     """
     # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M less that of the curvature tau Q
     nu, tau = added.normal, added.tangential
