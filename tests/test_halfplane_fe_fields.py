@@ -265,7 +265,8 @@ def test_uncertainty_is_honest_and_not_absurd(edge):
 @pytest.mark.parametrize("edge", EDGES)
 @pytest.mark.parametrize("name", [*SCENES, "phase-45", "near-sliding", "motor", "harmonics", "tiny-slip", "compound-curvature"])
 def test_uncertainty_is_honest_on_the_default_mesh(name, edge):
-    assert share_honest(*errors_and_uncertainties(name, edge, MeshSettings())) >= 0.95
+    """Least measured: 99.87 %, compound-curvature."""
+    assert share_honest(*errors_and_uncertainties(name, edge, MeshSettings())) >= 0.99
 
 
 def pair(half_width: float) -> np.ndarray:

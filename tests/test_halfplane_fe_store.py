@@ -266,6 +266,14 @@ def test_the_oldest_give_way(folder: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert store.stored_bytes() == (0, 0)
 
 
+def test_what_another_process_removes_meanwhile_is_no_fault(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the list of files and the look at each: what was stored counts as stored."""
+    real, work = Path.glob, Counter[str]()
+    monkeypatch.setattr(Path, "glob", lambda path, pattern: [*[path / "gone.npz"] * (pattern == "*.npz"), *real(path, pattern)])
+    store.condensed(body(), STEEL, 7.0, work)
+    assert (work["condensations not stored"], store.stored_bytes()[0]) == (0, 1)
+
+
 def test_a_store_that_others_own_is_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The time of last use can't be noted there: what was read stands all the same."""
 
