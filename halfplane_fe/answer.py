@@ -73,7 +73,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     permanent = _permanent_stick(scene, problem, run, every)
     pressure, shear = (one * scales.load / weights for one in forces)
     loads = np.array([state.loads[:2] for state in states]) * scales.load
-    return {
+    closed = scene.load.path().period is not None and run.steady_from is not None
+    found = {
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
@@ -92,35 +93,22 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
         "steady_from": run.steady_from,
-        "loop_work": _loop_work(scene, run) * work,
-        **(
-            {}
-            if not anywhere
-            else {"permanent_stick_edges": freeze(permanent * scales.half_width), **_imposed(problem, states, scales)}
-        ),
+        # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
+        "loop_work": float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work if closed else float("nan"),
     }
-
-
-def _imposed(problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales) -> dict[str, Array]:
-    """Bulk stresses, tilt and the moments of pressure and shear about x = 0, each (n_steps,), by the solution's names."""
+    if not anywhere:
+        return found
     stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
     imposed = np.array([state.imposed for state in states])
-    _, pressure, shear, _ = nodal(np.stack([state.values for state in states]))
-    found = {
-        "bulk_stress_lower": imposed[:, 0] * stress,
-        "bulk_stress_upper": imposed[:, 1] * stress,
-        "tilt": imposed[:, 2] * stress / scales.modulus,
-        "moment": -problem.interface.work_of_imposed(pressure, shear)[:, 2] * moment,
-        "shear_moment": shear @ problem.interface.x * moment,
+    return found | {
+        "permanent_stick_edges": freeze(permanent * scales.half_width),
+        "bulk_stress_lower": freeze(imposed[:, 0] * stress),
+        "bulk_stress_upper": freeze(imposed[:, 1] * stress),
+        "tilt": freeze(imposed[:, 2] * stress / scales.modulus),
+        # Moments of pressure and shear about x = 0.
+        "moment": freeze(-problem.interface.work_of_imposed(*forces)[:, 2] * moment),
+        "shear_moment": freeze(forces[1] @ problem.interface.x * moment),
     }
-    return {name: freeze(values) for name, values in found.items()}
-
-
-def _loop_work(scene: Scene, run: PathRun) -> float:
-    """Closed integral of Q dU, and of what bulk stress adds, over the last revolution; NaN where that revolution is not closed."""
-    if scene.load.path().period is None or run.steady_from is None:
-        return float("nan")
-    return float(run.column("loop")[run.cycle_starts[-1] :].sum())
 
 
 def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool) -> dict[str, Array]:
