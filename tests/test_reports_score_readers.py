@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from meshes import foreign, read_frames, write_pvd
 from meshes.files import PvdEntry
+from reports.comparison.words import verdict
 from reports.scoring import calculix_files
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
@@ -140,6 +141,7 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(layout: str, tmp_p
     assert comparison.passed
     assert diagnosed(report).diagnoses == ()
     assert [check.name for check in comparison.result_certificates] == ["tension"]
+    assert verdict(report).endswith("No law of contact is violated, as far as a pressure without a shear can show.")
     wrong = score_file(path, Mapping(times=exact().time.tolist(), factors={"stress": 1.1}), scene)
     assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
     written(LONG[["x", "pressure"]].iloc[:105], path)
