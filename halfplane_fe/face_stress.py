@@ -32,13 +32,13 @@ from scipy.fft import dst
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them over which p^2 is fitted: a parabola
-# costs 1.5e-3 of the tension of flat-rounded-paper there, 2.9e-3 over 0.25. Nodes that it is fitted to: fewest of all, of a fine
-# mesh, and most.
-_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 14, 48
+# Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them that p^2 is fitted to on fine meshes:
+# there the error of single nodes is left, which many nodes make small. Nodes that it is fitted to: fewest of all, on a coarse mesh,
+# and most.
+_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 20, 48
 # Least uncertainty of the tension over f p0 spacing/half-width, spacing being that of the nodes: what is left of the error of
-# single ones, which is 4e-3 of the largest tension of flat-rounded-paper on elements of a/40 and 5e-4 on those of a/160.
-_LEAST = 0.5
+# single ones, which is 4.6e-3 of the largest tension of flat-rounded-paper on elements of a/40 and 5e-4 on those of a/160.
+_LEAST = 0.6
 # Other rims, and shares of the nodes behind them, whose answers say how uncertain the tension is.
 _OTHER_RIMS = ((2, 0.7), (4, 1.0))
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of the profile is among them.
