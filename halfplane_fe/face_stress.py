@@ -32,13 +32,13 @@ from scipy.fft import dst
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them over which p^2 is fitted: a parabola
-# costs 1.5e-3 of the tension of flat-rounded-paper there, 2.9e-3 over 0.25. Nodes that it is fitted to: fewest of all, of a fine
-# mesh, and most.
-_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 14, 48
-# Least uncertainty of the tension over f p0 spacing/half-width, spacing being that of the nodes: what is left of the error of
-# single ones, which is 4e-3 of the largest tension of flat-rounded-paper on elements of a/40 and 5e-4 on those of a/160.
-_LEAST = 0.5
+# Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them that p^2 is fitted to on fine meshes:
+# there the error of single nodes is left, which many nodes make small. Nodes that it is fitted to: fewest of all, on a coarse mesh,
+# and most.
+_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 20, 48
+# Least uncertainty of the tension over f p0, by r, the spacing of the nodes over the half-width: what is left of the error of
+# single ones on coarse meshes, in proportion to sqrt(r), and on fine ones, where many are fitted, in proportion to r.
+_LEAST_COARSE, _LEAST_FINE = 0.06, 0.6
 # Other rims, and shares of the nodes behind them, whose answers say how uncertain the tension is.
 _OTHER_RIMS = ((2, 0.7), (4, 1.0))
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of the profile is among them.
@@ -198,7 +198,9 @@ def with_uncertainty(nodal: Nodal) -> tuple[Tractions | None, Array]:
         return None, np.zeros(2)
     found = tractions(nodal)
     own, spacing = found.edge_tension(), float(np.median(np.diff(nodal.x)))
-    apart = np.full(2, _LEAST * spacing / found.half_width * nodal.friction * float(nodal.pressure.max()))
+    share = spacing / found.half_width
+    least = min(_LEAST_COARSE * math.sqrt(share), _LEAST_FINE * share)
+    apart = np.full(2, least * nodal.friction * float(nodal.pressure.max()))
     for other in (*(tractions(nodal, rim) for rim in _OTHER_RIMS), tractions(nodal, level=True)):
         apart = np.maximum(apart, np.abs(other.edge_tension() - own))
     if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
