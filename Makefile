@@ -98,7 +98,7 @@ lowest: $(STAMP) ## the wheel with the lowest versions that pyproject.toml allow
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/packages.py lowest .cache/lowest
 
-bench: $(STAMP) ## error against time, peers, growth, start-up, skipped work, into docs/performance (SECTIONS="peers start": those alone)
+bench: $(STAMP) ## error against time, peers, growth, start-up, into docs/performance (SECTIONS="peers start": those alone)
 	@echo "==> benchmarks"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/performance.py $(SECTIONS)

@@ -33,7 +33,6 @@ SECTIONS = {
     "Finite elements: work and precision": "finite_elements.precision",
     "Finite elements: beside peers": "finite_elements.peers",
     "Finite elements: growth of the cost": "finite_elements.growth",
-    "Finite elements: edges and increments": "finite_elements.edges",
     "Real bodies": "finite_elements.real_bodies",
     "Faults and bad input": "jobs.faults",
     "Error budget": "covered.budgets",

@@ -1,4 +1,4 @@
-"""Claims of the finite elements: errors against theory, edges, error and time, growth of the cost, real bodies.
+"""Claims of the finite elements: errors against theory, error and time, growth of the cost, real bodies.
 
 Times are CPU times of one thread with everything in them: the coarse run, mesh, condensation, every increment; nothing is read from
 the store.
@@ -62,33 +62,6 @@ def mindlin() -> Iterator[Row]:
     yield Row("cattaneo-mindlin, FE: dissipation of a cycle", work, 5e-4, "Q between +-0.6 f P")
     error = measure("flat-rounded-paper", DEFAULT)["error"]
     yield Row("flat-rounded-paper, FE: dissipation", error, 1e-3, "default mesh")
-
-
-# Half-planes with friction, on which theory's edges are exact.
-EDGED = (
-    *("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper", "phase-45", "near-sliding"),
-    *("motor", "harmonics", "tiny-slip", "compound-curvature"),
-)
-
-
-def edges() -> Iterator[Row]:
-    """Instants within the stated uncertainty of the edges at the worst scene."""
-    shares: dict[str, dict[str, float]] = {"contact": {}, "stick": {}}
-    sizes: dict[str, list[float]] = {"contact": [], "stick": []}
-    for name in EDGED:
-        fe = halfplane_fe.solve(load_scene(name))
-        exact = semi_analytic.solve(fe.scene, x=[0.0], time=fe.time)
-        for edge, covered in shares.items():
-            error = np.abs(getattr(fe, f"{edge}_edges") - getattr(exact, f"{edge}_edges"))[1:]
-            stated = getattr(fe, f"{edge}_edge_uncertainty")[1:]
-            covered[name] = float(np.mean(np.all(error <= stated, axis=1)))
-            sizes[edge].append(float(np.median(stated / fe.settings["element_size"])))
-    for edge, covered in shares.items():
-        worst = min(covered, key=covered.__getitem__)
-        how = f"{len(covered)} scenes with the default mesh, the worst of them {worst}"
-        yield Row(f"{edge} edges within their uncertainty, instants", 100 * covered[worst], None, how, "%")
-        how = "of its median in each scene; element at the edges"
-        yield Row(f"uncertainty of {edge} edges, median", float(np.median(sizes[edge])), None, how, "elements")
 
 
 # ------------------------------------------------------------------------------------------------------- work and precision

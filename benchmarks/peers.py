@@ -104,8 +104,7 @@ def our_model(scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> Answe
 
 def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
     """The bodies as CalculiX gets them, with few increments, on which the answer does not depend; its text; CPU seconds."""
-    from reports.third.deck import DeckSettings, build_deck
-    from reports.third.dialects import deck_text
+    from reports.third.deck import DeckSettings, build_deck, deck_text
 
     begun = time.process_time()
     sizes = {"edge_element_size": 1 / edge, "element_size": min(1 / 20, 2 / edge), "growth": GROWTH[edge]}

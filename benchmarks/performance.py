@@ -1,4 +1,4 @@
-"""docs/performance.md: error against CPU time, peers, growth of the cost, start-up, and work that is skipped, measured now.
+"""docs/performance.md: error against CPU time, peers, growth of the cost and start-up, measured now.
 
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of an hour)
 
@@ -9,7 +9,6 @@ files. The machine may be busy: ratios are of one run, times are CPU times unles
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import platform
@@ -18,16 +17,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
-from unittest import mock
 
 import finite_elements as fe
 import half_plane
@@ -44,10 +40,9 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
-from halfplane_fe.systems import NestedFactor, Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from reports.charts.publication import STYLE
-from scenes import ContactSolution, Elastic, Hertz, Scene, TimeSeriesLoad, load_scene
+from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
@@ -392,136 +387,6 @@ def start_page(found: Found) -> list[str]:
     ]
 
 
-# ----------------------------------------------------------------------------------------------------------- what is skipped
-Switch = Callable[[], contextlib.AbstractContextManager[Any]]
-
-
-def instead(module: str, name: str, what: Any) -> Switch:
-    """What stands in place of a function that decides, or of a number; plain, since a mock's bookkeeping would count in times."""
-    return lambda: mock.patch.object(import_module(module), name, what)
-
-
-def no(*_: Any) -> bool:
-    return False
-
-
-def both_bodies(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Any]) -> tuple[Any, ...]:
-    """Like bodies meshed and condensed one by one."""
-    build = import_module("halfplane_fe.pair").build
-    bodies = (("lower", scene.bodies.lower), ("upper", scene.bodies.upper))
-    return tuple(build(name, body, scene.profile, grading(1.0), mesh) for name, body in bodies)
-
-
-def factor_again(self: Systems, name: str) -> NestedFactor:
-    """A new Cholesky factor for each set of equations."""
-    return NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], Counter())
-
-
-def each_point(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Half-plane theory evaluates x and -x one by one."""
-    order = np.argsort(np.abs(x), kind="stable")
-    return np.abs(x)[order], np.argsort(order)
-
-
-@contextlib.contextmanager
-def stored_bodies() -> Iterator[None]:
-    """A store of condensed bodies that has those of the scene already."""
-    with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, HALFPLANE_CACHE=folder):
-        halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings.coarse())
-        yield
-
-
-plain: Switch = contextlib.nullcontext
-whole_faces = instead("halfplane_fe.solve", "mirrored", no)
-factors_anew: Switch = partial(mock.patch.object, Systems, "_nested", factor_again)
-every_point = instead("semi_analytic.solution", "folded", each_point)
-
-
-def switches() -> Iterator[tuple[str, Scene, tuple[Switch, Callable], tuple[Switch, Callable]]]:
-    """Every kind of work that can be done all the same, in a scene where there is much of it: skipped, and done."""
-    coarse, scene, frictionless = MeshSettings.coarse(), load_scene("hertz-paper"), load_scene("hertz-normal")
-    scales = halfplane_fe.solve(scene, coarse).scales
-    model, known = partial(halfplane_fe.solve, scene, coarse), partial(halfplane_fe.solve, scene, coarse, scales=scales)
-    normal, theory = partial(halfplane_fe.solve, frictionless, coarse), partial(semi_analytic.solve, scene)
-    work_alone = partial(semi_analytic.solve, scene, fields=("dissipation",))
-    yield "one half of mirror-symmetric faces", scene, (plain, model), (whole_faces, model)
-    yield "Cholesky factors kept for all sets of nodes", scene, (plain, model), (factors_anew, model)
-    twice = instead("halfplane_fe.solve", "meshed_pair", both_bodies)
-    yield "one of two like bodies meshed and condensed", scene, (plain, model), (twice, model)
-    yield "condensed bodies read from the store", scene, (stored_bodies, model), (plain, model)
-    yield "coarse run, its scales given", scene, (plain, known), (plain, model)
-    yield "revolutions after the steady one", scene, (plain, model), (instead("halfplane_fe.run", "REPEATS", -1.0), model)
-    shear = instead("halfplane_fe.solve", "needs_shear", lambda *_: True)
-    yield "tangential problem where nothing can shear", frictionless, (plain, normal), (shear, normal)
-    yield "theory: fields not asked for (W alone)", scene, (plain, work_alone), (plain, theory)
-    yield "theory: points at -x copied from x", scene, (plain, theory), (every_point, theory)
-    yield "theory: cycles after the steady one", scene, (plain, theory), (instead("semi_analytic.history", "same", no), theory)
-
-
-def difference(one: ContactSolution, other: ContactSolution) -> dict[str, float]:
-    """Dissipation, relative; p and q over the largest p and f times that, where both have the same points and instants."""
-    found = {"dissipation": abs(other.dissipation / one.dissipation - 1) if one.dissipation else abs(other.dissipation)}
-    if one.pressure.shape == other.pressure.shape and np.isfinite(one.pressure).all() and np.isfinite(other.pressure).all():
-        largest, friction = float(np.max(one.pressure)), one.scene.friction.coefficient
-        found["pressure"] = float(np.abs(other.pressure - one.pressure).max()) / largest
-        found["shear"] = float(np.abs(other.shear - one.shear).max()) / (friction * largest) if friction else 0.0
-    return found
-
-
-def skipping() -> Found:
-    """Two ways to one answer in turn, twice: least CPU times, ratios of the pairs, difference."""
-    rows = []
-    for what, scene, *ways in switches():
-        times, answers = [], []
-        for context, solve in ways * 2:
-            with context():
-                begun = time.process_time()
-                answers.append(solve())
-                times.append(time.process_time() - begun)
-        ratios = [other / one for one, other in zip(times[::2], times[1::2], strict=True)]
-        print(f"    {what}: {min(ratios):.2f} to {max(ratios):.2f}", flush=True)
-        least = {"with": min(times[::2]), "without": min(times[1::2])}
-        rows.append({"what": what, "scene": scene.name, **least, "ratios": ratios, "difference": difference(*answers[-2:])})
-    return {"switches": rows}
-
-
-# Work that is avoided with no way to do it all the same.
-ALWAYS = (
-    "Increments at the instants at which a node touches or lets go: the path is stepped from touch to touch, not in small equal "
-    "steps, and there is no stepping without events. What equal steps alone would need is in the "
-    "series of increments of the diagrams above.",
-    "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk.",
-    "Slip iterations of increments in which no node left stick, and quadratures of phases in full stick: there is nothing to do.",
-)
-
-
-def skipping_page(found: Found) -> list[str]:
-    """What skipping saves, and what can't be switched off."""
-    cells, off = [], []
-    for row in found["switches"]:
-        times, apart = f"{min(row['ratios']):.2f} to {max(row['ratios']):.2f}", row["difference"]
-        cells.append((row["what"], row["scene"], f"{row['with']:.3g}", f"{row['without']:.3g}", times))
-        cells[-1] += tuple(f"{apart[key]:.1e}" if key in apart else "" for key in ("dissipation", "pressure", "shear"))
-        worst = max(apart.values())
-        off += [f"“{row['what']}” ({worst:.1e})"] if worst > 1e-9 else []
-    agree = "All answers with and without agree within round-off error, 1e-9."
-    if off:
-        agree = (
-            f"All answers agree within round-off error, 1e-9, but for: {'; '.join(off)}. A revolution of the finite elements "
-            "counts as steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone "
-            "creeps on for ever, each time a tenth as far, and that is what is left out."
-        )
-    return [
-        "With and without, coarse mesh, 2 pairs in turn in one run; the least time of each, the ratio of each pair (least to "
-        "most), and how far the two answers are apart: W relative, p over the largest p, q over f times that. Where no setting "
-        "switches the skipping off, the benchmark replaces the function that decides on it. What each run skipped, and why, is in "
-        "`work.skipped` of its solution.",
-        "",
-        *markdown("skipped | scene | with [s] | without [s] | times faster | W | p | q", cells),
-        *("", agree, "", "Can't be switched off:", "", *(f"- {words}" for words in ALWAYS)),
-    ]
-
-
 # ------------------------------------------------------------------------------------------------------------------- the page
 class Section(NamedTuple):
     """Its heading, what measures it (for JSON), its part of the page, and its figure: name, panels, words for who can't see it."""
@@ -548,7 +413,6 @@ SECTIONS = {
     "peers": Section(peers.TITLE, peers.measure, peers.page, ("peers", peers.panels, "Error of the codes over CPU time")),
     "growth": Section("Growth of the cost", growth, growth_page, ("growth", growth_panels, "CPU time and peak memory over size")),
     "start": Section("Start-up and size", start, start_page),
-    "skipping": Section("What is skipped", skipping, skipping_page),
 }
 # Series whose points differ in several ways at once, or whose errors change sign: no line through them.
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
@@ -605,7 +469,7 @@ def page_text() -> str:
     lines = [
         "# Performance",
         "",
-        "Error against time, other codes, growth of the cost, start-up, and work that is skipped. Written by `make bench` and by "
+        "Error against time, other codes, growth of the cost, and start-up. Written by `make bench` and by "
         "nothing else; the numbers behind every table and figure are in `docs/performance/*.json`. Times are CPU times of one "
         "thread unless they say otherwise, with everything in them: the coarse run, mesh, condensation, every increment, nothing "
         "read from the store. They vary by some ten per cent, on a busy machine by more: ratios within one run count.",

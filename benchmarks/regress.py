@@ -17,15 +17,16 @@ only. Exit code 1 where something changed or is not accurate.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import claim
 import mpmath as mp
 import numpy as np
+from claim import write_json
 from regress_truth import DIGITS, FIELDS, density_truth, field_truth, truth
 
 import semi_analytic
@@ -44,8 +45,7 @@ _PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])  # o
 MEANS = {"pressure": "pressure", "shear": "shear", "slip": "slip", "displacement": "tangential_displacement"}
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """One quantity of one scene: value now, frozen value, and the reference where there is one.
 
     `scale` is what the error is relative to, None for the value itself.
@@ -87,18 +87,16 @@ def times_of(full: ContactSolution) -> np.ndarray:
 
 def measure(scene: Scene) -> dict[str, float]:
     """The quantities of a scene by the engine."""
-    answer = semi_analytic.solve(scene, x=[0.0, 1e-3, 1.0])
     full = semi_analytic.solve(scene)
-    largest = float(full.contact_half_width.max())
-    some = semi_analytic.solve(
-        scene, x=largest * _PLACES, time=times_of(full)[::2], fields=("pressure", "shear", "slip", "tangential_displacement")
-    )
+    largest, shift = float(full.contact_half_width.max()), full.tangential_displacement
+    some = semi_analytic.solve(scene, x=largest * _PLACES, time=times_of(full)[::2], fields=tuple(MEANS.values()))
+    answer = semi_analytic.solve(scene, x=[0.0, 1e-3, 1.0])
     found = {
         "dissipation": answer.dissipation,
         "permanent_stick_half_width": answer.permanent_stick_half_width,
         "largest_half_width": largest,
         "largest_pressure": float(answer.pressure.max()),
-        "stroke": float(full.tangential_displacement.max() - full.tangential_displacement.min()),
+        "stroke": float(shift.max() - shift.min()),
     }
     return found | {f"rms {name}": float(np.sqrt(np.mean(np.square(getattr(some, field))))) for name, field in MEANS.items()}
 
@@ -121,17 +119,17 @@ def references(names: list[str], stored: dict[str, dict]) -> None:
     mp.mp.dps = DIGITS + 10
     for name in names:
         scene, kept = load_scene(name), stored.setdefault(name, {})
-        (kept["reference"],), apart = renewed([kept.get("reference")], [mp.nstr(truth(scene), DIGITS)])
+        (kept["reference"],), *apart = renewed([kept.get("reference")], [mp.nstr(truth(scene), DIGITS)])
         if name in POINTWISE:
-            kept.setdefault("x", places(scene))
+            kept["x"] = kept.get("x") or places(scene)
             kept["density"], off = renewed(kept.get("density"), density_truth(scene, kept["x"]))
-            apart = max(apart, off)
-        fields = kept.setdefault("fields", instant_of(scene))
+            apart.append(off)
+        fields = kept["fields"] = kept.get("fields") or instant_of(scene)
         if known := field_truth(scene, fields["time"], fields["at"]):
             fields["references"], off = renewed(fields.get("references"), known)
-            apart = max(apart, off)
-        print(f"{name}: {float(kept['reference']):.15g}, stored and evaluated again differ by {apart:.1e}", flush=True)
-        write(stored)
+            apart.append(off)
+        print(f"{name}: {float(kept['reference']):.15g}, stored and evaluated again differ by {max(apart):.1e}", flush=True)
+        write_json(FILE, dict(sorted(stored.items())))
 
 
 def renewed(old: list[str | None] | None, new: list[str]) -> tuple[list[str], float]:
@@ -152,34 +150,29 @@ def places(scene: Scene) -> list[float]:
     return [inner + (outer - inner) * part for part in PLACES]
 
 
-def write(stored: dict[str, dict]) -> None:
-    """The table, sorted by scene."""
-    FILE.write_text(json.dumps(dict(sorted(stored.items())), indent=1) + "\n", encoding="utf-8")
-
-
 def lines(stored: dict[str, dict]) -> list[Line]:
     """Every quantity of every scene, beside what is stored."""
-    found = []
-    for name in NAMES:
-        scene, kept = load_scene(name), stored.get(name, {})
-        rows = [(quantity, value, None, None) for quantity, value in measure(scene).items()]
-        rows[0] = (*rows[0][:2], kept.get("reference"), None)
-        if "fields" in kept:
-            fields = kept["fields"]
-            answer = semi_analytic.solve(scene, x=fields["at"], time=[fields["time"]])
-            top = scene.friction.coefficient * float(answer.pressure.max())
-            values = [answer.tangential_displacement.item(), answer.stick_half_width.item(), *answer.shear[0], answer.slip[0, -1]]
-            known, scales = fields.get("references", [None] * len(FIELDS)), [None, None, top, top, top, None]
-            rows += list(zip(FIELDS, map(float, values), known, scales, strict=True))
-        if "x" in kept:
-            density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density
-            names = [f"density at {part}" for part in PLACES]
-            rows += list(
-                zip(names, density.tolist(), kept["density"], [max(map(float, kept["density"]))] * len(names), strict=True)
-            )
-        frozen = kept.get("frozen", {})
-        found += [Line(name, quantity, value, frozen.get(quantity), *more) for quantity, value, *more in rows]
-    return found
+    return [line for name in NAMES for line in lines_of(load_scene(name), stored.get(name, {}))]
+
+
+def lines_of(scene: Scene, kept: dict[str, Any]) -> Iterator[Line]:
+    """Every quantity of a scene, beside what is stored of it."""
+
+    def line(quantity: str, value: float, reference: str | None = None, scale: float | None = None) -> Line:
+        return Line(scene.name, quantity, float(value), kept.get("frozen", {}).get(quantity), reference, scale)
+
+    for quantity, value in measure(scene).items():
+        yield line(quantity, value, kept.get("reference") if quantity == "dissipation" else None)
+    if fields := kept.get("fields"):
+        answer = semi_analytic.solve(scene, x=fields["at"], time=[fields["time"]])
+        top = scene.friction.coefficient * float(answer.pressure.max())
+        values = [answer.tangential_displacement[0], answer.stick_half_width[0], *answer.shear[0], answer.slip[0, -1]]
+        known, scales = fields.get("references", [None] * len(FIELDS)), [None, None, top, top, top, None]
+        yield from map(line, FIELDS, values, known, scales)
+    if "x" in kept:
+        density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density
+        scale = max(map(float, kept["density"]))
+        yield from map(line, (f"density at {part}" for part in PLACES), density, kept["density"], [scale] * len(PLACES))
 
 
 def show(found: list[Line]) -> None:
@@ -203,7 +196,7 @@ def main() -> int:
     if unknown := {*asked.accept, *(asked.references or ())} - set(NAMES):
         print(f"regress: no such scene: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
-    stored = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    stored = claim.stored(FILE)
     if asked.references is not None:
         references(asked.references or list(NAMES), stored)
     mp.mp.dps = DIGITS + 10
@@ -211,7 +204,7 @@ def main() -> int:
     for name in asked.accept:
         stored.setdefault(name, {})["frozen"] = {line.quantity: line.value for line in found if line.scene == name}
     if asked.accept:
-        write(stored)
+        write_json(FILE, dict(sorted(stored.items())))
         found = lines(stored)
     show(found)
     bad = [line for line in found if not line.good]

@@ -28,13 +28,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import commit, stored, write_json
+from claim import chosen, commit, measure, stored, write_json
 
 from reports.console import Stages
-from reports.scoring.calculix_files import FrdFile, read_frd
+from reports.scoring.calculix_files import read_frd
 from reports.third.calculix import calculix_version, find_calculix, run_calculix, solve_with_calculix
-from reports.third.deck import Deck, DeckSettings, build_deck
-from reports.third.dialects import deck_text
+from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import freeze, load_scene, scene_names
 
 STORED = Path(__file__).with_suffix(".json")
@@ -113,20 +112,20 @@ def on_roller(
         (folder / "roller.inp").write_text(text, encoding="utf-8")
         done = run_calculix(program, folder, "roller", float(deck.deck_time[-1]), LIMIT)
         result = read_frd(folder / "roller.frd", ("DISP", "STRESS", "CONTACT"))
+
+    def last(block: str, component: str) -> float:
+        """A nodal value in the last frame, under the middle of the roller."""
+        frame = [one for one in result.blocks if one.name == block][-1]
+        return float(frame.column(component)[np.flatnonzero(frame.nodes == middle)[0]])
+
     return {
         "code": f"CalculiX {calculix_version(program)}",
         "nodes": len(deck.lower.nodes) + len(deck.upper.nodes),
         "seconds": round(done.seconds, 1),
-        "displacement": round(_last(result, "DISP", "D2", middle), 6),
-        "stress": round(-_last(result, "STRESS", "SYY", middle), 2),
-        "pressure per undeformed length": round(_last(result, "CONTACT", "CPRESS", middle), 2),
+        "displacement": round(last("DISP", "D2"), 6),
+        "stress": round(-last("STRESS", "SYY"), 2),
+        "pressure per undeformed length": round(last("CONTACT", "CPRESS"), 2),
     }
-
-
-def _last(result: FrdFile, block: str, component: str, node: int) -> float:
-    """A nodal value in the last frame."""
-    found = [one for one in result.blocks if one.name == block][-1]
-    return float(found.column(component)[np.flatnonzero(found.nodes == node)[0]])
 
 
 # ------------------------------------------------------------------------------------------------------------------- the cases
@@ -155,17 +154,19 @@ ROLLERS = {
 }
 
 
-def main(names: list[str]) -> int:
-    if unknown := [name for name in names if name not in CASES | ROLLERS]:
-        print(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(CASES | ROLLERS)}", file=sys.stderr)
-        return 2
+def dated(case: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    found = case() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
+    print(found.get("failure") or found.get("errors") or f"{found['displacement']} mm, {found['stress']} MPa", flush=True)
+    return found
+
+
+def main(words: list[str]) -> int:
+    asked = chosen(words, CASES | ROLLERS)
     for file, cases in ((STORED, CASES), (ROLLER, ROLLERS)):
-        for name in [name for name in cases if (name in names if names else name not in stored(file))]:
-            found = cases[name]() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
-            there = stored(file) | {name: found}
-            write_json(file, {each: there[each] for each in (sorted(there) if file == STORED else cases) if each in there})
-            said = found.get("failure") or found.get("errors") or f"{found['displacement']} mm, {found['stress']} MPa"
-            print(f"{found['seconds']:6.1f} s  {name}: {said}", flush=True)
+        for name in [name for name in cases if name in asked and (words or name not in stored(file))]:
+            measure(file, {name: partial(dated, cases[name])}, [name])
+            known = stored(file)
+            write_json(file, {each: known[each] for each in (sorted(known) if file == STORED else cases) if each in known})
     return 0
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import MISSING, Field, fields, is_dataclass
-from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -151,21 +150,6 @@ def links(_app: Sphinx, _name: str, source: list[str]) -> None:
     source[0] = re.sub(r"\]\(\.\./reports/published/([\w/-]+\.md)\)", r"](published/\1)", source[0])
 
 
-def places(app: Sphinx, name: str, source: list[str]) -> None:
-    """On the first page: leave out places of pages that are not there, and put pages that have no place where `(others)` stands."""
-    if name != "index":
-        return
-    there = [path.stem for path in sorted(Path(app.srcdir).glob("*.md"))]
-    kept: list[str] = []
-    for line in source[0].splitlines():
-        if line == "(others)":
-            listed = {stem for stem in there if any(fnmatch(stem, one) for one in kept)}
-            kept += [stem for stem in there if stem not in {*listed, "index"}]
-        elif not line.endswith("*") or any(Path(app.srcdir).glob(f"{line}.md")):
-            kept.append(line)
-    source[0] = "\n".join(kept)
-
-
 def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
@@ -173,6 +157,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-skip-member", old_names)
     app.connect("builder-inited", published_pages)
     app.connect("source-read", links)
-    app.connect("source-read", places)
     app.connect("autodoc-process-docstring", plain, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -73,7 +73,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     permanent = _permanent_stick(scene, problem, run, every)
     pressure, shear = (one * scales.load / weights for one in forces)
     loads = np.array([state.loads[:2] for state in states]) * scales.load
-    return {
+    closed = scene.load.path().period is not None and run.steady_from is not None
+    found = {
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
@@ -92,35 +93,22 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
         "steady_from": run.steady_from,
-        "loop_work": _loop_work(scene, run) * work,
-        **(
-            {}
-            if not anywhere
-            else {"permanent_stick_edges": freeze(permanent * scales.half_width), **_imposed(problem, states, scales)}
-        ),
+        # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
+        "loop_work": float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work if closed else float("nan"),
     }
-
-
-def _imposed(problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales) -> dict[str, Array]:
-    """Bulk stresses, tilt and the moments of pressure and shear about x = 0, each (n_steps,), by the solution's names."""
+    if not anywhere:
+        return found
     stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
     imposed = np.array([state.imposed for state in states])
-    _, pressure, shear, _ = nodal(np.stack([state.values for state in states]))
-    found = {
-        "bulk_stress_lower": imposed[:, 0] * stress,
-        "bulk_stress_upper": imposed[:, 1] * stress,
-        "tilt": imposed[:, 2] * stress / scales.modulus,
-        "moment": -problem.interface.work_of_imposed(pressure, shear)[:, 2] * moment,
-        "shear_moment": shear @ problem.interface.x * moment,
+    return found | {
+        "permanent_stick_edges": freeze(permanent * scales.half_width),
+        "bulk_stress_lower": freeze(imposed[:, 0] * stress),
+        "bulk_stress_upper": freeze(imposed[:, 1] * stress),
+        "tilt": freeze(imposed[:, 2] * stress / scales.modulus),
+        # Moments of pressure and shear about x = 0.
+        "moment": freeze(-problem.interface.work_of_imposed(*forces)[:, 2] * moment),
+        "shear_moment": freeze(forces[1] @ problem.interface.x * moment),
     }
-    return {name: freeze(values) for name, values in found.items()}
-
-
-def _loop_work(scene: Scene, run: PathRun) -> float:
-    """Closed integral of Q dU, and of what bulk stress adds, over the last revolution; NaN where that revolution is not closed."""
-    if scene.load.path().period is None or run.steady_from is None:
-        return float("nan")
-    return float(run.column("loop")[run.cycle_starts[-1] :].sum())
 
 
 def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool) -> dict[str, Array]:
@@ -214,48 +202,34 @@ def penalty_audit(
     scene: Scene, problem: ContactProblem, states: Sequence[InterfaceState], arrays: Mapping[str, Any], scales: Scales
 ) -> PenaltyAudit:
     """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
-    layer, weights = problem.layer, problem.interface.weights * scales.half_width
-    compliance = {
-        "normal": layer.normal / scales.modulus,
-        "tangential": layer.tangential / scales.modulus,
-    }  # length per nodal force
-    stiffness = {name: _stiffness(values, weights) for name, values in compliance.items()}
-    forces = {name: np.abs(arrays[name]) * weights for name in ("pressure", "shear")}
-    penetration = float(np.max(compliance["normal"] * forces["pressure"], initial=0.0))
-    elastic_slip = float(np.max(compliance["tangential"] * forces["shear"], initial=0.0))
-    half_width = float(np.nanmax(arrays["contact_half_width"]))
-    rise = float(np.ptp(scene.profile.height(np.array([0.0, half_width]))))
-    creep, slip = _creep_and_slip(scene, np.array([state.state for state in states]), arrays)
-    return PenaltyAudit(
-        normal_stiffness=stiffness["normal"],
-        tangential_stiffness=stiffness["tangential"],
-        penetration=penetration,
-        penetration_share=penetration / rise if rise else float("nan"),
-        elastic_slip=elastic_slip,
-        elastic_slip_share=elastic_slip / slip if slip else float("nan"),
-        creep=creep,
-        creep_share=creep / slip if slip else float("nan"),
-    )
-
-
-def _stiffness(compliance: np.ndarray, weights: np.ndarray) -> float:
-    """Stress per length of a layer that has one stiffness everywhere."""
-    largest = float(np.max(compliance * weights))
-    return 1 / largest if largest else float("inf")
-
-
-def _creep_and_slip(scene: Scene, law: NDArray[np.int8], arrays: Mapping[str, Any]) -> tuple[float, float]:
-    """Largest range of relative displacement, in the last cycle, of nodes that stick throughout and of nodes that slip.
-
-    By the law's own states (n_steps, n): those that a reader sees count a node that has hardly moved as sticking.
-    """
+    weights, costs = problem.interface.weights * scales.half_width, {}
+    for name, compliance in (("pressure", problem.layer.normal), ("shear", problem.layer.tangential)):
+        by_stress = compliance / scales.modulus * weights  # length per stress, one and the same everywhere
+        largest = float(by_stress.max())
+        costs[name] = 1 / largest if largest else np.inf, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0))
+    (normal_stiffness, penetration), (tangential_stiffness, elastic_slip) = costs.values()
+    rise = float(np.ptp(scene.profile.height(np.array([0.0, float(np.nanmax(arrays["contact_half_width"]))]))))
+    # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of nodes that slip, by the law's own
+    # states: those that a reader sees count a node that has hardly moved as sticking.
     period, time = scene.load.path().period, arrays["time"]
     cycle = np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
-    state, slip = law[cycle], arrays["slip"][cycle]
-    spread = np.ptp(slip, axis=0)
-    sticks = np.all(state[1:] == STICK, axis=0)
-    slips = np.any(slip_sign(state) != 0, axis=0)
-    return float(np.max(spread[sticks], initial=0.0)), float(np.max(spread[slips], initial=0.0))
+    law, moved = np.stack([state.state for state in states])[cycle], np.ptp(arrays["slip"][cycle], axis=0)
+    creep = float(np.max(moved[np.all(law[1:] == STICK, axis=0)], initial=0.0))
+    slip = float(np.max(moved[np.any(slip_sign(law) != 0, axis=0)], initial=0.0))
+
+    def share(part: float, whole: float) -> float:
+        return part / whole if whole else float("nan")
+
+    return PenaltyAudit(
+        normal_stiffness=normal_stiffness,
+        tangential_stiffness=tangential_stiffness,
+        penetration=penetration,
+        penetration_share=share(penetration, rise),
+        elastic_slip=elastic_slip,
+        elastic_slip_share=share(elastic_slip, slip),
+        creep=creep,
+        creep_share=share(creep, slip),
+    )
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:

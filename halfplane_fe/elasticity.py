@@ -365,12 +365,12 @@ class ArcLoads(NamedTuple):
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
-    found = arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
-    by_nodes = found[0][system.arc.ravel()]
+    contact, dofs = system.basis.doflocs[0, system.contact[0]], system.arc.ravel()
+    by_nodes, *of_half_plane = arc_work(system.basis, facets, dofs, contact, system.material, datum_length)
     if system.arc.size and not system.around:  # each end holds half of a force along x
         ends = np.abs(system.pull[system.arc.ravel()])
         by_nodes[:, : system.contact.shape[1]] -= (ends / ends.sum())[:, None]
-    return ArcLoads(by_nodes, *found[1:])
+    return ArcLoads(by_nodes, *of_half_plane)
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:

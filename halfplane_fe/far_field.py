@@ -96,35 +96,38 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
 
 
 def arc_work(
-    basis: skfem.Basis, facets: NDArray, force_at: Array, material: Elastic, datum_length: float
+    basis: skfem.Basis, facets: NDArray, dofs: NDArray, force_at: Array, material: Elastic, datum_length: float
 ) -> tuple[Array, Array, Array]:
     """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
 
     Parameters
     ----------
     facets : of the mesh, on the arc; none for a body of finite size
+    dofs : (k,) degrees of freedom of the nodes there
     force_at : (m,) contact nodes [length]
 
     Returns
     -------
-    by_nodes : (basis.N, 2 m) per unit displacement of each node of the body
-    tractions, displacements : (k, 2 m) of the half-plane along x and y at the points of the arc, tractions times their share of
+    by_nodes : (k, 2 m) per unit displacement of each of `dofs`
+    tractions, displacements : (l, 2 m) of the half-plane along x and y at the points of the arc, tractions times their share of
         its length; the product of the one, transposed, and the other is the work in the half-plane's own displacement
     """
+    by_nodes = np.zeros((len(dofs), 2 * len(force_at)))
     if not len(facets):
-        return np.zeros((basis.N, 2 * len(force_at))), *np.zeros((2, 0, 2 * len(force_at)))
+        return by_nodes, *np.zeros((2, 0, 2 * len(force_at)))
     edge = skfem.FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=_ARC_ORDER)
     x, y = np.asarray(edge.global_coordinates()).reshape(2, -1)
     normal, length = np.asarray(edge.normals).reshape(2, -1), edge.dx.ravel()
     young, nu = material.young_modulus, material.poisson_ratio
     forces = surface_force_traction(x, y, normal, force_at).reshape(2, len(x), -1) * length[:, None]
-    displacement = surface_force_displacement(x, y, force_at, young, nu, datum_length).reshape(2, len(x), -1)
-    by_nodes = np.zeros((basis.N, forces.shape[-1]))
-    for function in range(edge.Nbfun):
-        value = np.asarray(edge.basis[function][0])
-        work = np.einsum("ieq,ieqm->em", value, forces.reshape(*value.shape, -1), optimize=True)
-        np.add.at(by_nodes, edge.element_dofs[function], work)
-    return by_nodes, forces.reshape(2 * len(x), -1), displacement.reshape(2 * len(x), -1)
+    displacement = surface_force_displacement(x, y, force_at, young, nu, datum_length).reshape(2 * len(x), -1)
+    row, by_facet = np.full(basis.N, -1), forces.reshape(2, len(facets), -1, forces.shape[-1])
+    row[dofs] = np.arange(len(dofs))
+    for function, own in enumerate(edge.element_dofs):
+        on = np.flatnonzero(row[own] >= 0)
+        value = np.asarray(edge.basis[function][0])[:, on]
+        np.add.at(by_nodes, row[own[on]], np.einsum("ieq,ieqm->em", value, by_facet[:, on], optimize=True))
+    return by_nodes, forces.reshape(2 * len(x), -1), displacement
 
 
 def rigid_motions(basis: skfem.Basis) -> Array:

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
+_BODIES = ("lower", "upper")
 # Distance from the middle of the contact over its half-width up to which the stress at nodes is that of the tractions, but no
 # further than this share of the way to the nearest support or side; over the last share of it the elements' takes its place.
 _OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
@@ -87,18 +88,33 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     steps = [_step(solution, float(instant)) for instant in instants]
     if not steps:
         return ()
-    pairs = [_tractions(solution, step) for step in steps]
-    forces = _forces(solution, steps)
-    bodies = {name: _body_fields(name, forces[name], solution, pairs, steps) for name in forces}
-    return tuple(
-        Snapshot(
-            float(solution.time[step]),
-            float(solution.normal_load[step]),
-            float(solution.tangential_load[step]),
-            (bodies["lower"][k], _moved(bodies["upper"][k], solution, step)),
-        )
-        for k, step in enumerate(steps)
-    )
+    tension, uncertain = edge_tension(solution, steps)
+    pairs = [with_uncertainty(_nodal(solution, step)) for step in steps]
+    bodies = []
+    for number, name in enumerate(_BODIES):
+        side, material, bulk = 1.0 - 2.0 * number, solution.condensed[number].material, _bulk_stress(solution, steps, number)
+        basis, displacements, stresses, _ = _stress(solution, number, steps, pairs, bulk)
+        nodes, places = node_dofs(basis), basis.mesh.p
+        moved = displacements[nodes]  # (2, n_nodes, k)
+        if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+            moved = moved + uniform_stretch(material, *places)[..., None] * bulk
+            stresses = stresses + np.array([1.0, 0.0, 0.0, material.poisson_ratio])[:, None] * bulk
+        points = places.T * [1.0, side]
+        cells = _counter_clockwise(points, _cells(basis))
+        found = []
+        for k, (step, (series, _)) in enumerate(zip(steps, pairs, strict=True)):
+            displacement, stress = moved[..., k].T * [1.0, side], stresses[..., k] * [1.0, 1.0, side, 1.0]
+            if number:
+                tilt = 0.0 if solution.tilt is None else solution.tilt[step]
+                displacement = displacement + tilt * points[:, ::-1] * [-1.0, 1.0]
+                displacement += [solution.tangential_displacement[step], -solution.normal_approach[step]]
+            edges = np.array(series.edges if series is not None else (np.nan, np.nan))
+            of_edges = edges, tension[k, number], uncertain[k, number]
+            found.append(BodyFields(name, points, cells, displacement, stress, _von_mises(stress), *of_edges))
+        bodies.append(found)
+    times, normal, tangential = (values.tolist() for values in (solution.time, solution.normal_load, solution.tangential_load))
+    pairs_of_bodies = zip(steps, *bodies, strict=True)
+    return tuple(Snapshot(times[step], normal[step], tangential[step], (lower, upper)) for step, lower, upper in pairs_of_bodies)
 
 
 def _step(solution: FiniteElementSolution, instant: float) -> int:
@@ -125,39 +141,35 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     """
     if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
         raise InputError("edge_tension: the answer has no meshes, so what the size of its bodies adds is not known; solve it again")
-    pairs = [_tractions(solution, step) for step in steps]
+    pairs = [with_uncertainty(_nodal(solution, step)) for step in steps]
     values, uncertain = np.zeros((len(steps), 2, 2)), np.zeros((len(steps), 2, 2))
-    there = [k for k, (found, _) in enumerate(pairs) if found is not None]
-    for k in there:
-        found, apart = pairs[k]
-        assert found is not None  # for the type checker
-        values[k], uncertain[k] = np.outer([1.0, -1.0], found.edge_tension()), apart
-    moments = np.array([found.moments() for found, _ in pairs if found is not None]).reshape(-1, 6)
-    bulk = _bulk_stresses(solution, [steps[k] for k in there])
-    for body, name in enumerate(("lower", "upper")):
-        if not there or isinstance(getattr(solution.scene.bodies, name), HalfPlane):
-            values[there, body] += bulk[body][:, None]
+    there = [(k, found) for k, (found, _) in enumerate(pairs) if found is not None]
+    for k, found in there:
+        values[k], uncertain[k] = np.outer([1.0, -1.0], found.edge_tension()), pairs[k][1]
+    rows = [k for k, _ in there]
+    for number, name in enumerate(_BODIES if there else ()):
+        bulk = _bulk_stress(solution, [steps[k] for k in rows], number)
+        if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+            values[rows, number] += bulk[:, None]
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         # What the body adds is linear in tractions and bulk stress, and hardly depends on more than moments of the former: found
         # at a few instants.
-        chosen = sorted({there[k] for k in np.linspace(0, len(there) - 1, _SAMPLED).round().astype(int)})
-        at = [there.index(k) for k in chosen]
-        forces = _forces(solution, [steps[k] for k in chosen])[name]
-        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen], bulk[body][at], rest_alone=True)[1:]
+        at = sorted(set(np.linspace(0, len(rows) - 1, _SAMPLED).round().astype(int).tolist()))
+        chosen = [rows[k] for k in at]
+        rest = _stress(solution, number, [steps[k] for k in chosen], [pairs[k] for k in chosen], bulk[at], rest_alone=True)[3]
         if rest is None:
-            values[there, body] = uncertain[there, body] = np.nan
+            values[rows, number] = uncertain[rows, number] = np.nan
             continue
-        causes = np.column_stack([moments, bulk[body]]) if bulk[body].any() else moments
+        causes = np.array([found.moments() for _, found in there])
+        causes = np.column_stack([causes, bulk]) if bulk.any() else causes
         scale = np.abs(causes).max(axis=0) + 1e-300
         slopes = np.linalg.lstsq(causes[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
         whole = replace(rest, coefficients=(causes / scale @ slopes).T)
-        for number, k in enumerate(there):
-            found = pairs[k][0]
-            assert found is not None  # for the type checker
-            values[k, body] += whole.stress(np.array(found.edges), np.zeros(2))[:, 0, number]
-        missed = rest.stress(np.array([0.0]), np.zeros(1)) - whole.stress(np.array([0.0]), np.zeros(1))[..., at]
-        uncertain[there, body] += float(rest.error.max() + np.abs(missed[:, 0]).max())
+        for column, (k, found) in enumerate(there):
+            values[k, number] += whole.stress(np.array(found.edges), np.zeros(2))[:, 0, column]
+        missed = rest.stress(np.zeros(1), np.zeros(1)) - whole.stress(np.zeros(1), np.zeros(1))[..., at]
+        uncertain[rows, number] += float(rest.error.max() + np.abs(missed[:, 0]).max())
     return values, uncertain
 
 
@@ -188,23 +200,22 @@ def stress(
     across, depth = np.broadcast_arrays(np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(side * np.asarray(y, dtype=float)))
     if np.any(depth > 0):
         raise InputError(f"stress: y = {side * float(depth.max()):.6g} is outside the {body} body; y points out of the lower one")
-    pairs = [_tractions(solution, step) for step in steps]
-    found = np.zeros((len(steps), len(across), 4))
+    pairs, number = [with_uncertainty(_nodal(solution, step)) for step in steps], int(body == "upper")
+    found, bulk = np.zeros((len(steps), len(across), 4)), _bulk_stress(solution, steps, number)
     for k, (series, _) in enumerate(pairs):
         if series is not None:
             found[k, :, :3] = replace(series, shear=side * series.shear).stress(across, depth)
-    bulk = _bulk_stresses(solution, steps)[int(body == "upper")]
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         found[..., 0] += bulk[:, None]
     elif any(series is not None for series, _ in pairs):
-        rest = _stress(body, _forces(solution, steps)[body], solution, pairs, bulk, rest_alone=True)[2]
+        rest = _stress(solution, number, steps, pairs, bulk, rest_alone=True)[3]
         if rest is None or np.any(np.hypot(across, depth) > rest.length * (1 + 1e-9)):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the tractions alone give its stress"
             )
         found[..., :3] += np.moveaxis(rest.stress(across, depth), -1, 0)
     found[..., 2] *= side
-    found[..., 3] = solution.condensed[body == "upper"].material.poisson_ratio * (found[..., 0] + found[..., 1])
+    found[..., 3] = solution.condensed[number].material.poisson_ratio * (found[..., 0] + found[..., 1])
     return found
 
 
@@ -245,17 +256,10 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     return LargestTension(*size, float(solution.time[steps[k]]), ("lower", "upper")[body], place)
 
 
-def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, Array]:
-    """Nodal forces on each body in its own frame, (2, n, n_steps)."""
-    states = [solution.states[step] for step in steps]
-    nodal = (np.stack([getattr(state, name) for state in states], axis=1) * solution.scales.load for name in ("pressure", "shear"))
-    return body_forces(*solution.condensed, *nodal)
-
-
-def _bulk_stresses(solution: ContactSolution, steps: Sequence[int]) -> Array:
-    """(2, n_steps) bulk stress of the lower and the upper body [stress]."""
-    both = (solution.bulk_stress_lower, solution.bulk_stress_upper)
-    return np.array([np.zeros(len(steps)) if one is None else one[list(steps)] for one in both])
+def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:
+    """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
+    found = (solution.bulk_stress_lower, solution.bulk_stress_upper)[number]
+    return np.zeros(len(steps)) if found is None else np.asarray(found[list(steps)])
 
 
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
@@ -273,77 +277,40 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
     return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
 
 
-def _tractions(solution: ContactSolution, step: int) -> tuple[Tractions | None, Array]:
-    """Tractions at a stored step as series, and the uncertainty of the tension at either edge."""
-    return with_uncertainty(_nodal(solution, step))
-
-
-def _body_fields(
-    name: str,
-    forces: Array,
-    solution: FiniteElementSolution,
-    pairs: Sequence[tuple[Tractions | None, Array]],
-    steps: Sequence[int],
-) -> list[BodyFields]:
-    """Fields of a body for each column of `forces` (2, n, k); the upper body is reflected into the common frame."""
-    bulk, shape = _bulk_stresses(solution, steps)[int(name == "upper")], getattr(solution.scene.bodies, name)
-    (basis, displacements), stresses, rest = _stress(name, forces, solution, pairs, bulk)
-    if isinstance(shape, HalfPlane) and bulk.any():
-        material, nodes = solution.condensed[name == "upper"].material, node_dofs(basis)
-        stretched = uniform_stretch(material, *basis.mesh.p)
-        for component in (0, 1):
-            displacements[nodes[component]] += np.outer(stretched[component], bulk)
-        stresses = stresses + np.array([1.0, 0.0, 0.0, material.poisson_ratio])[:, None] * bulk
-    side = 1.0 if name == "lower" else -1.0
-    flip = np.array([1.0, side])
-    nodes, points = node_dofs(basis), basis.mesh.p.T * flip
-    cells = _counter_clockwise(points, _cells(basis))
-    found = []
-    for k, (values, (series, apart)) in enumerate(zip(displacements.T, pairs, strict=True)):
-        stress = stresses[..., k] * [1.0, 1.0, side, 1.0]
-        edges = np.array(series.edges if series is not None else (np.nan, np.nan))
-        tension, uncertain = side * series.edge_tension() if series is not None else np.zeros(2), apart
-        if series is not None and isinstance(shape, HalfPlane):
-            tension = tension + bulk[k]
-        if rest is not None and series is not None:
-            tension = tension + rest.stress(edges, np.zeros(2))[:, 0, k]
-            uncertain = uncertain + rest.error[k]
-        elif series is not None and not isinstance(shape, HalfPlane):
-            tension, uncertain = np.full(2, np.nan), np.full(2, np.nan)  # too thin: what its size adds is not known
-        parts = (cells, values[nodes].T * flip, stress, _von_mises(stress), edges, tension, uncertain)
-        found.append(BodyFields(name, points, *parts))
-    return found
-
-
 def _stress(
-    name: str,
-    forces: Array,
     solution: FiniteElementSolution,
+    number: int,
+    steps: Sequence[int],
     pairs: Sequence[tuple[Tractions | None, Array]],
     bulk: Array,
     rest_alone: bool = False,
-) -> tuple[tuple[skfem.Basis, Array], Array, Rest | None]:
-    """Basis and displacements of a body; its stress (n, 4, k) at the nodes in its own frame; what its size adds, None if unknown.
+) -> tuple[skfem.Basis, Array, Array, Rest | None]:
+    """Basis and displacements of a body at stored steps; its stress (n, 4, k) at the nodes; what its size adds, None if unknown.
+
+    The body, 0 the lower or 1 the upper one, is in its own frame; `pairs` are the tractions on the lower one.
 
     The bulk stress (k,) is in all of it, but for that of a half-plane. With `rest_alone` the stress is that of the elements alone.
 
     Beside the contact stress is that of the tractions on a half-plane and what the size of the body adds; further away that of
     the elements; a smooth step leads from the one to the other. Faces that are not flat are flattened for it.
     """
-    condensed, shape = solution.condensed[name == "upper"], getattr(solution.scene.bodies, name)
+    condensed, shape = solution.condensed[number], getattr(solution.scene.bodies, _BODIES[number])
+    states = [solution.states[step] for step in steps]
+    loads = (np.stack([getattr(state, what) for state in states], axis=1) * solution.scales.load for what in ("pressure", "shear"))
+    forces = body_forces(*solution.condensed, *loads)[_BODIES[number]]
     basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length, bulk)
     nodal = [_nodal_stress(basis, *case, condensed) for case in zip(displacements.T, tensions.T, strict=True)]
     stress, weights = np.stack([part for part, _ in nodal], axis=-1), nodal[0][1]
     touching = [found.half_width for found, _ in pairs if found is not None]
     if not touching:
-        return (basis, displacements), stress, None
+        return basis, displacements, stress, None
     edge = max(touching)
     far = min(_OUTER * edge, _OF_BODY * _room(shape))
     if far < 1.5 * edge:  # so thin that all of it is next to the contact: the elements alone
-        return (basis, displacements), stress, None
+        return basis, displacements, stress, None
     x, y = basis.mesh.p[0], np.minimum(basis.mesh.p[1] + face_of(shape, solution.scene.profile).depth(np.abs(basis.mesh.p[0])), 0.0)
     near = np.flatnonzero(np.hypot(x, y) < far)
-    x, y, side = x[near], y[near], 1.0 if name == "lower" else -1.0
+    x, y, side = x[near], y[near], 1.0 - 2.0 * number
     series = [None if found is None else replace(found, shear=side * found.shear) for found, _ in pairs]
 
     def of_half_plane(x: Array, y: Array) -> Array:
@@ -355,13 +322,13 @@ def _stress(
         beyond = stress[near][good, :3] - of_half_plane(x[good], y[good])
         rest = fitted_rest(x[good], y[good], beyond, weights[near][good], far, edge)
     if rest_alone:
-        return (basis, displacements), stress, rest
+        return basis, displacements, stress, rest
     local = of_half_plane(x, y) + (0.0 if rest is None else rest.stress(x, y))
     share = np.clip((far - np.hypot(x, y)) / (_STEP * far), 0.0, 1.0)
     share = (share**2 * (3 - 2 * share))[:, None, None]
     stress[near, :3] = (1 - share) * stress[near, :3] + share * local
     stress[near, 3] = condensed.material.poisson_ratio * (stress[near, 0] + stress[near, 1])
-    return (basis, displacements), stress, rest
+    return basis, displacements, stress, rest
 
 
 def _room(shape: Shape) -> float:
@@ -369,12 +336,6 @@ def _room(shape: Shape) -> float:
     if isinstance(shape, HalfPlane):
         return math.inf
     return shape.radius if isinstance(shape, Cylinder) else min(shape.width / 2, shape.height)
-
-
-def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
-    rigid = np.array([solution.tangential_displacement[step], -solution.normal_approach[step]])
-    tilt = 0.0 if solution.tilt is None else solution.tilt[step]
-    return replace(body, displacement=body.displacement + rigid + tilt * body.points[:, ::-1] * [-1.0, 1.0])
 
 
 def _cells(basis: skfem.Basis) -> NDArray[np.int64]:

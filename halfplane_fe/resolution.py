@@ -13,7 +13,6 @@ elements of a/16 to a/160 dissipate 0.024 to 0.04 (h/a)^2 A f^2 P^2.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,11 +36,15 @@ _FLOOR = 0.04
 _FEW = 2.0
 
 
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What the last revolution looks like on its mesh.
+def resolution_notes(
+    scene: Scene, load: Array, contact: Array, stick: Array, element: float, order: int, dissipation: float, sheared: bool
+) -> Iterator[str]:
+    """One sentence for whatever in the last revolution is too narrow for the surface elements.
 
-    Attributes
+    Contacts, or their flanks beyond a kink of the profile, and slip zones of few elements; dissipation not far above what the mesh
+    alone makes.
+
+    Parameters
     ----------
     load, contact, stick : (n,) normal load and half-widths at its instants [force per thickness, length]; stick NaN where nothing
         sticks
@@ -50,37 +53,24 @@ class Seen:
     dissipation : of the revolution over A f^2 P^2, P the largest load
     sheared : whether any shear can arise
     """
+    worse = _LINEAR if order == 1 else 1.0
+    enough = np.ceil(worse * _SHEAR / _TOLD)  # elements from which on the shear is right to what need not be told
 
-    load: Array
-    contact: Array
-    stick: Array
-    element: float
-    order: int
-    dissipation: float
-    sheared: bool
+    def off(elements: float) -> tuple[float, float, str]:
+        """Expected errors of q and p in L2, over f p and p, and what to expect of the tractions."""
+        shear, pressure = worse * _SHEAR / elements, worse * _PRESSURE / elements
+        if (shear if sheared else pressure) > 0.5:
+            return shear, pressure, "expect errors of tractions and dissipation of half their size and more"
+        of_shear = f"of {shear:.0%} of f p in the shear and " if sheared else ""
+        return shear, pressure, f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
 
-    @property
-    def loaded(self) -> Array:
-        """Half-widths at the instants that count [length]."""
-        return self.contact[self.load > _LOADED * np.max(self.load)]
-
-
-def resolution_notes(scene: Scene, seen: Seen) -> Iterator[str]:
-    """One sentence for whatever is too narrow for the surface elements."""
-    yield from _of_tractions(scene, seen)
-    if seen.sheared:
-        yield from _of_slip(seen)
-
-
-def _of_tractions(scene: Scene, seen: Seen) -> Iterator[str]:
-    """Contacts, or their flanks beyond a kink of the profile, of few elements."""
-    least = float(np.min(seen.loaded, initial=np.inf)) / seen.element
-    shear, pressure = _off(least, seen.order)
-    if shear > _TOLD and (seen.sheared or pressure > _TOLD):
+    least = float(np.min(contact[load > _LOADED * np.max(load)], initial=np.inf)) / element
+    shear, pressure, words = off(least)
+    if shear > _TOLD and (sheared or pressure > _TOLD):
         yield (
             f"the contact is {least:.2g} elements from its middle to its edge where it is smallest (loads above {_LOADED:g} of the "
-            f"largest), {seen.element:.3g} each on the coarser side: {_in_words(shear, pressure, seen.sheared)}; make "
-            f"edge_element_size of that side less than 1/{np.ceil(_elements(seen.order)):.0f} of the half-width there"
+            f"largest), {element:.3g} each on the coarser side: {words}; make edge_element_size of that side less than "
+            f"1/{enough:.0f} of the half-width there"
         )
     exponent = getattr(scene.profile, "exponent", 2.0)
     if exponent < _SHARP:
@@ -90,54 +80,31 @@ def _of_tractions(scene: Scene, seen: Seen) -> Iterator[str]:
         )
     for kink in scene.profile.kinks:
         # A flank is as steep as it is narrow beside what it ends: one that takes most of the contact is Hertz' own.
-        width = least - kink / seen.element
-        shear, pressure = _off(max(width, 1e-9) * max(least / (kink / seen.element), 1.0), seen.order)
+        width = least - kink / element
+        shear, _, words = off(max(width, 1e-9) * max(least / (kink / element), 1.0))
         if width > -1 and shear > _TOLD:
             yield (
-                f"the contact ends {max(width, 0.0):.2g} elements, {seen.element:.3g} each, beyond x = {kink:.6g}, where the "
-                f"pressure is steep: it is not resolved there, {_in_words(shear, pressure, seen.sheared)}; make edge_element_size "
-                f"{np.ceil(_elements(seen.order)):.0f} times less than that distance"
+                f"the contact ends {max(width, 0.0):.2g} elements, {element:.3g} each, beyond x = {kink:.6g}, where the pressure "
+                f"is steep: it is not resolved there, {words}; make edge_element_size {enough:.0f} times less than that distance"
             )
-
-
-def _off(elements: float, order: int) -> tuple[float, float]:
-    """Expected errors of q and p in L2, over f p and p."""
-    worse = _LINEAR if order == 1 else 1.0
-    return worse * _SHEAR / elements, worse * _PRESSURE / elements
-
-
-def _elements(order: int) -> float:
-    """From how many on the shear is right to what need not be told."""
-    return _off(1.0, order)[0] / _TOLD
-
-
-def _in_words(shear: float, pressure: float, sheared: bool) -> str:
-    """What to expect of the tractions."""
-    if (shear if sheared else pressure) > 0.5:
-        return "expect errors of tractions and dissipation of half their size and more"
-    of_shear = f"of {shear:.0%} of f p in the shear and " if sheared else ""
-    return f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
-
-
-def _of_slip(seen: Seen) -> Iterator[str]:
-    """Slip zones of few elements, dissipation not far above what the mesh alone makes."""
-    zones = seen.contact - np.where(np.isfinite(seen.stick), seen.stick, 0.0)
-    slip = float(np.max(zones, initial=0.0)) / seen.element
-    floor = _FLOOR * (seen.element / float(np.max(seen.contact, initial=seen.element))) ** 2
-    if not seen.dissipation > 0:
+    if not sheared:
+        return
+    slip = float(np.max(contact - np.where(np.isfinite(stick), stick, 0.0), initial=0.0)) / element
+    floor = _FLOOR * (element / float(np.max(contact, initial=element))) ** 2
+    if not dissipation > 0:
         yield (
-            f"no node slips: a slip zone narrower than an element, {seen.element:.3g} at the edges, would not be seen, and its "
+            f"no node slips: a slip zone narrower than an element, {element:.3g} at the edges, would not be seen, and its "
             "dissipation would be missing"
         )
     elif slip < _FEW:
         much = "some per cent or more" if slip > 1 else "a factor, up or down"
         yield (
-            f"slip zones are {slip:.2g} elements wide at most, {seen.element:.3g} each: the error of the dissipation is {much}; "
+            f"slip zones are {slip:.2g} elements wide at most, {element:.3g} each: the error of the dissipation is {much}; "
             "make edge_element_size several times less than their width"
         )
-    elif floor > _TOLD * seen.dissipation:
+    elif floor > _TOLD * dissipation:
         yield (
-            f"the dissipation is {seen.dissipation:.2g} A f^2 P^2, and the mesh alone makes up to {floor:.2g} of that unit where "
+            f"the dissipation is {dissipation:.2g} A f^2 P^2, and the mesh alone makes up to {floor:.2g} of that unit where "
             "all of the contact is next to slipping, even if nothing slips: take the figure for uncertain by that much"
         )
 

@@ -33,7 +33,7 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import check_admissible
-from halfplane_fe.resolution import Seen, resolution_notes, uncertainty, uncertainty_note
+from halfplane_fe.resolution import resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
@@ -356,8 +356,8 @@ def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, array
     unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
     work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
     coarser = mesh.edge_element_size * scales.half_width * max(mesh.upper_ratio, 1.0)
-    seen = Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
-    return (*_drift_notes(run, scales), *_thinned_notes(run), *resolution_notes(scene, seen))
+    of_mesh = resolution_notes(scene, load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
+    return (*_drift_notes(run, scales), *_thinned_notes(run), *of_mesh)
 
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -118,6 +119,7 @@ def _attempt(
 ) -> Increment | float:
     """The increment to the first event or to `end`; the instant to which it was tried where that does not converge."""
 
+    @cache
     def loads_at(time: float) -> tuple[float, ...]:
         return scaled_loads(stretch.leg, time, units)
 
@@ -150,6 +152,7 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
         wanted = history.loads[0] + share * (held.loads[0] - history.loads[0])
         if not min(history.loads[0], held.loads[0]) < wanted < max(history.loads[0], held.loads[0]):
             return "regular", end
+        before = history.loads[0] - wanted
 
         def left(time: float) -> float:
             return loads_at(time)[0] - wanted
@@ -163,14 +166,14 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
         def left(time: float) -> float:
             return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
 
-    time = _zero(left, history.time, end, share)
+    time = _zero(left, history.time, end, share, before)
     return (event, time) if history.time < time < end else ("regular", end)
 
 
-def _zero(function: Callable[[float], float], low: float, high: float, share: float) -> float:
+def _zero(function: Callable[[float], float], low: float, high: float, share: float, at_low: float) -> float:
     """Where a function that is next to linear is zero, near that share of the way; by secants, and bracketed where they miss."""
     before, time = low, low + share * (high - low)
-    value_before, value = function(low), function(time)
+    value_before, value = at_low, function(time)
     for _ in range(_MOST_SECANTS):
         if value in (0.0, value_before):
             return time
@@ -181,7 +184,7 @@ def _zero(function: Callable[[float], float], low: float, high: float, share: fl
         if not low <= time <= high:
             break
         value = function(time)
-    if not function(low) * function(high) < 0:
+    if not at_low * function(high) < 0:
         return high
     return float(brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 

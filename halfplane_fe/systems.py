@@ -32,7 +32,7 @@ which is a column A_0^-1 e of the base for each changed row, kept with it, and o
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -209,14 +209,6 @@ class NestedFactor:
 
 
 # ----------------------------------------------------------------------------------------------------------- unlike bodies
-class Rows(NamedTuple):
-    """What the rows of a set of states are: which nodes are closed, which stick, and q over p of the others."""
-
-    closed: Mask
-    stick: Mask
-    traction: Array
-
-
 class _Change(NamedTuple):
     """From a base to a set: the changed rows, A_0^-1 E and the factors of the small system, None where nothing changes."""
 
@@ -225,12 +217,19 @@ class _Change(NamedTuple):
     factors: Factors | None
 
 
+class _Rows(NamedTuple):
+    """The rows of a set: those of gap, slip and loads that hold (2 n + 2,), and q over p of the nodes that slide (n,)."""
+
+    held: Mask
+    traction: Array
+
+
 @dataclass(eq=False)
 class _Base:
     """A set with factors of its own; A_0^-1 e of rows, (2 n + 2,), and the sets that were reached from it."""
 
     kinds: NDArray[np.int8]  # (2 n,) of its rows
-    rows: Rows
+    rows: _Rows
     factors: Factors
     nbytes: int
     columns: dict[int, Array] = field(default_factory=dict)
@@ -244,23 +243,33 @@ class CoupledFactor:
     Attributes
     ----------
     interface : normals and coupling
-    normal, tangential : (n, n) compliance of interface and layer
+    normal, tangential, coupling : (n, n) compliance of interface and layer
     friction : coefficient f
     work : counts "linear solves", "factorisations" (of n^3) and "factor updates" (of m n^2)
     """
 
     interface: Interface
-    normal: Array
-    tangential: Array
-    coupling: Array
+    normal: InitVar[Array]
+    tangential: InitVar[Array]
+    coupling: InitVar[Array]
     friction: float
     work: Counter[str]
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, normal: Array, tangential: Array, coupling: Array) -> None:
+        (n_x, n_y), n = self.interface.normals, len(normal)
+        # (2 n + 2, 2 n + 2) gap, slip and the two loads by z, as if all nodes stuck.
+        self.matrix = np.zeros((2 * n + 2, 2 * n + 2))
+        self.matrix[: 2 * n, : 2 * n] = np.block([[normal, -coupling.T], [coupling, -tangential]])
+        self.matrix[: 2 * n, 2 * n :] = np.column_stack([np.concatenate([-n_y, n_x]), np.concatenate([n_x, n_y])])
+        self.matrix[2 * n, : 2 * n] = np.concatenate([n_y, n_x])
+        if self.interface.guided:
+            self.matrix[2 * n + 1, 2 * n + 1] = 1.0
+        else:
+            self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
         self._bases: list[_Base] = []  # what was used last comes last
 
-    def solve(self, states: States, gap: Array, slip: Array, loads: tuple[float, float]) -> tuple[Array, Array, float, float]:
-        """p, q, approach and shift with the given gap at closed nodes and the given slip at sticking ones, each (n,).
+    def solve(self, states: States, gap: Array, slip: Array, loads: tuple[float, float]) -> Array:
+        """(2 n + 2,) z with the given gap at closed nodes and the given slip at sticking ones, each (n,).
 
         Raises
         ------
@@ -268,111 +277,77 @@ class CoupledFactor:
             If the states leave the bodies free to move.
         """
         self.work["linear solves"] += 1
-        rows = Rows(states != OPEN, states == STICK, np.asarray(slip_sign(states) * self.friction))
+        closed, n = states != OPEN, len(states)
+        traction = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)
+        rows = _Rows(np.concatenate([closed, states == STICK, [True, True]]), traction)
         base, change = self._reached(states, rows)
-        right = np.concatenate([np.where(rows.closed, gap, 0.0), np.where(rows.stick, slip, 0.0), loads])
+        right = np.where(rows.held, np.concatenate([gap, slip, loads]), 0.0)
         wanted = right[change.rows]
         right[change.rows] = 0.0
         found = self._solve(base, right[:, None])[:, 0]
         if change.factors is not None:
             lacking = wanted - self._values(rows, change.rows, found[:, None])[:, 0]
             found += change.columns @ _lu_solve(change.factors, lacking)
-        n = len(states)
-        pressure = np.where(rows.closed, found[:n], 0.0)
-        shear = np.where(rows.stick, found[n : 2 * n], rows.traction * pressure)
-        return pressure, shear, float(found[-2]), float(found[-1])
+        found[:n][~closed] = 0.0  # to the last digit, like q of what slides
+        found[n : 2 * n] = np.where(states == STICK, found[n : 2 * n], rows.traction * found[:n])
+        return found
 
-    def _reached(self, states: States, rows: Rows) -> tuple[_Base, _Change]:
+    def _reached(self, states: States, rows: _Rows) -> tuple[_Base, _Change]:
         """A base and how to get from it to a set: kept, from the base nearest to it, or by making it a base."""
         key = states.tobytes()
         for number, base in enumerate(self._bases):
             if (known := base.changes.get(key)) is not None:
                 self._bases.append(self._bases.pop(number))
                 return base, known
-        if not rows.stick.any():  # not left to the factors: an update of a base makes a pivot of rounding from one that is zero
+        if not np.any(states == STICK):  # not left to the factors: an update of a base makes a pivot of rounding from a zero
             raise SingularSet("no node sticks: the bodies slide on each other")
-        kinds = np.concatenate([rows.closed, states], dtype=np.int8, casting="unsafe")
+        kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
         apart = [np.flatnonzero(base.kinds != kinds) for base in self._bases]
         near = min(range(len(apart)), key=lambda number: len(apart[number]), default=-1)
         if near >= 0 and len(apart[near]) <= _MOST_ROWS:
             base, changed = self._bases.pop(near), apart[near]
         else:
-            own = _lu(self._matrix(rows))
-            base, changed = _Base(kinds, rows, own, own[0].nbytes), np.empty(0, dtype=np.int64)
+            held, sliding = np.flatnonzero(rows.held), np.flatnonzero(rows.traction)
+            own = self.matrix[np.ix_(held, held)]
+            # Sliding nodes take their q along with p.
+            own[:, np.searchsorted(held, sliding)] += self.matrix[np.ix_(held, len(states) + sliding)] * rows.traction[sliding]
+            factors = _lu(own)
+            base, changed = _Base(kinds, rows, factors, factors[0].nbytes), np.empty(0, dtype=np.int64)
             self.work["factorisations"] += 1
         self._bases.append(base)
-        columns, factors = np.empty((len(kinds) + 2, 0)), None
+        columns, update = np.empty((len(self.matrix), 0)), None
         if len(changed):
             self.work["factor updates"] += 1
             missing = [row for row in changed.tolist() if row not in base.columns]
-            units = np.zeros((len(kinds) + 2, len(missing)))
+            units = np.zeros((len(self.matrix), len(missing)))
             units[missing, np.arange(len(missing))] = 1.0
             base.columns.update(zip(missing, self._solve(base, units).T, strict=True))
             columns = np.stack([base.columns[row] for row in changed.tolist()], axis=1)
-            factors = _lu(self._values(rows, changed, columns))
+            update = _lu(self._values(rows, changed, columns))
             base.nbytes += units.nbytes + columns.nbytes
         if base.nbytes > _COUPLED_BYTES:
             base.changes.clear()
             base.nbytes = base.factors[0].nbytes + columns.nbytes + sum(column.nbytes for column in base.columns.values())
-        base.changes[key] = change = _Change(changed, columns, factors)
+        base.changes[key] = change = _Change(changed, columns, update)
         while len(self._bases) > 1 and sum(one.nbytes for one in self._bases) > _COUPLED_BYTES:
             self._bases.pop(0)
         return base, change
 
-    def _matrix(self, rows: Rows) -> Array:
-        """Rows: gap of closed nodes, slip of sticking ones, the two loads; columns: p, q of the same, approach, shift."""
-        closed, stick, traction = rows
-        n_x, n_y = self.interface.normals
-        by_pressure = self.normal - self.coupling.T * traction  # gap by p, sliding nodes taking their q along
-        slip_by_pressure = self.coupling - self.tangential * traction
-        n, m = int(closed.sum()), int(stick.sum())
-        matrix = np.zeros((n + m + 2, n + m + 2), order="F")
-        matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
-        matrix[:n, n : n + m] = -self.coupling.T[np.ix_(closed, stick)]
-        matrix[:n, n + m], matrix[:n, n + m + 1] = -n_y[closed], n_x[closed]
-        matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
-        matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
-        matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
-        matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
-        if self.interface.guided:
-            matrix[n + m + 1, n + m + 1] = 1.0
-        else:
-            matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
-        return matrix
-
     def _solve(self, base: _Base, right: Array) -> Array:
         """A_0^-1 right, both (2 n + 2, k)."""
-        closed, stick, traction = base.rows
-        n, traction = len(closed), traction[:, None]
-        pressure, shear = np.where(closed[:, None], 0.0, right[:n]), np.where(stick[:, None], 0.0, right[n : 2 * n])
-        i, j = (np.flatnonzero(known.any(axis=1)) for known in (pressure, shear))  # few, or none
-        gap, slip, loads = right[:n].copy(), right[n : 2 * n].copy(), right[2 * n :].copy()
-        n_x, n_y = self.interface.normals
-        if len(i):
-            gap -= self.normal[:, i] @ pressure[i]
-            slip -= self.coupling[:, i] @ pressure[i]
-            loads -= np.stack([n_y[i] @ pressure[i], 0 * right[0] if self.interface.guided else -n_x[i] @ pressure[i]])
-        if len(j):
-            gap += self.coupling[j].T @ shear[j]
-            slip += self.tangential[:, j] @ shear[j]
-            loads -= np.stack([n_x[j] @ shear[j], 0 * right[0] if self.interface.guided else n_y[j] @ shear[j]])
-        found = _lu_solve(base.factors, np.vstack([gap[closed], slip[stick], loads]))
-        n_closed = int(closed.sum())
-        pressure[closed] = found[:n_closed]
-        shear[stick] = found[n_closed:-2]
-        return np.vstack([pressure, shear + traction * pressure, found[-2:]])
+        (held, traction), n = base.rows, len(base.rows.traction)
+        found = np.where(held[:, None], 0.0, right)
+        given = np.flatnonzero(found.any(axis=1))  # few, or none
+        found[held] = _lu_solve(base.factors, right[held] - self.matrix[np.ix_(held, given)] @ found[given])
+        found[n : 2 * n] += traction[:, None] * found[:n]
+        return found
 
-    def _values(self, rows: Rows, changed: Indices, found: Array) -> Array:
+    def _values(self, rows: _Rows, changed: Indices, found: Array) -> Array:
         """The changed rows of a set times `found` (2 n + 2, k)."""
-        n = len(rows.closed)
-        pressure, shear, rigid = found[:n], found[n : 2 * n], found[2 * n :]
-        n_x, n_y = self.interface.normals
-        i, j = changed[changed < n], changed[changed >= n] - n
-        gap = self.normal[i] @ pressure - self.coupling.T[i] @ shear + np.stack([-n_y[i], n_x[i]], axis=1) @ rigid
-        slip = self.coupling[j] @ pressure - self.tangential[j] @ shear + np.stack([n_x[j], n_y[j]], axis=1) @ rigid
-        normal = np.where(rows.closed[i, None], gap, pressure[i])
-        tangential = np.where(rows.stick[j, None], slip, shear[j] - rows.traction[j, None] * pressure[j])
-        return np.vstack([normal, tangential])
+        n = len(rows.traction)
+        slope = np.concatenate([np.zeros(n), rows.traction])[changed, None]
+        own = found[changed] - slope * found[changed - n]  # p of open nodes, q - (+-f) p of others
+        return np.where(rows.held[changed, None], self.matrix[changed] @ found, own)
 
 
 # ----------------------------------------------------------------------------------------------------------- all equations
@@ -403,17 +378,17 @@ class Systems:
 
         Gap and slip are those of the law, h - n_y delta + n_x U + N p - K^T q and n_y U + n_x delta + K p - T q; no tilt.
         """
+        n, found = len(height), np.empty(3 + 4 * len(height))
+        slips, pressure, shear, gaps = found[3:].reshape(4, -1)
         if self._coupled is not None:
-            pressure, shear, approach, shift = self._coupled.solve(states, -height, slip, loads)
-        else:
-            pressure, approach = self.pressure_alone(states != OPEN, height, loads[0])
-            shear, shift = np.zeros_like(pressure), 0.0
-            if self.tangential_too:
-                shear, shift = self._shear_alone(states, pressure, slip, loads[1])
-        found = np.empty(3 + 4 * len(height))
+            z = self._coupled.solve(states, -height, slip, loads)
+            pressure[:], shear[:], found[:3] = z[:n], z[n : 2 * n], (*z[2 * n :], 0.0)
+            gaps[:], slips[:] = (self._coupled.matrix[: 2 * n] @ z).reshape(2, -1)
+            gaps += height
+            return found
+        pressure[:], approach = self.pressure_alone(states != OPEN, height, loads[0])
+        shear[:], shift = self._shear_alone(states, pressure, slip, loads[1]) if self.tangential_too else (0.0, 0.0)
         found[:3] = approach, shift, 0.0
-        slips, found_pressure, found_shear, gaps = found[3:].reshape(4, -1)
-        found_pressure[:], found_shear[:] = pressure, shear
         gaps[:], slips[:] = self.interface.moved(approach, shift)
         gaps += height
         if pressure.any():

@@ -12,6 +12,7 @@ from reports.comparison.metrics import bulk_strains
 from reports.units import load_unit, minus, number, units
 from scenes import (
     Block,
+    ContactSolution,
     Cylinder,
     EllipseLoad,
     Hertz,
@@ -281,7 +282,6 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
-    from semi_analytic.profiles import contact_of
 
     load, time = _when_largest(scene)
     turned: dict[str, float] = {}
@@ -290,31 +290,24 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
         for leg in (*path.initial_loading, *path.cycle):
             if leg.turning is not None and leg.start <= time <= leg.end:
                 turned = {"moment" if path.moment_given else "tilt": float(leg.turning.loads(time)[int(path.moment_given)])}
-    whole = bool(turned) or not scene.profile.symmetric  # else the right half of the contact is enough
     still = scene.model_copy(update={"load": PolygonLoad(initial_loading=((load, 0.0),), **turned)})
+
+    def solved(x: Array, *fields: str) -> ContactSolution:
+        return semi_analytic.solve(still, x=x, time=[1.0], fields=fields)
+
     try:
-        if whole:
-            left, right = semi_analytic.solve(still, x=[0.0], time=[1.0], fields=()).contact_edges[0].tolist()
-        else:
-            contact = contact_of(scene.profile, scene.material)
-            left, right = 0.0, float(contact.half_width(load))
+        left, right = solved(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-
-    def pressure_at(x: Array) -> Array:
-        if whole:
-            return semi_analytic.solve(still, x=x, time=[1.0], fields="pressure").pressure[0]
-        return contact.pressure(x, load)
-
     # Close points at the edges, where a flat with rounded corners has its peak; then closer ones around the best.
-    middle, half = ((left + right) / 2, (right - left) / 2) if whole else (0.0, right)
-    x = middle + half * np.sin(np.linspace(-np.pi / 2 * whole, np.pi / 2, 257 if whole else 129))
+    half = (right - left) / 2
+    x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
     x = np.union1d(x, [kink for one in scene.profile.kinks for kink in (-one, one) if left < kink < right])
-    pressure = pressure_at(x)
+    pressure = solved(x, "pressure").pressure[0]
     best = int(np.argmax(pressure))
     near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[best]), float(np.max(pressure_at(near))))
-    ends = np.array([left, right] if whole else [right])
+    peak = max(float(pressure[best]), float(np.max(solved(near, "pressure").pressure)))
+    ends = np.array([left, right])
     slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[:, 0] / (2e-6 * np.abs(ends))
     slope, mean = float(np.max(slopes)), load / (2 * half)
     strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)

@@ -13,7 +13,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 from meshes.interrupts import interrupts_wait
-from reports.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
+from reports.staging import fcntl, hidden_folder, made, remove, remove_left_behind
 from scenes import InputError
 from scenes.files import parsed_json, text_of
 
@@ -242,22 +242,25 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
     One that goes meanwhile is made again, or FileNotFoundError.
     """
     end, handle = time.monotonic() + _PATIENCE, None
-    while handle is None:
-        try:
-            handle = lock(folder)
-        except CannotLock:
-            break
-        except FileNotFoundError:
-            if not make:
-                raise
+    while fcntl is not None:
+        if make:
             folder.mkdir(parents=True, exist_ok=True)
-        if handle is None and time.monotonic() > end:
+        handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):  # else it was just replaced
+                break
+        except BlockingIOError:
+            pass
+        except OSError:  # there are no locks here
+            break
+        os.close(handle)
+        if time.monotonic() > end:
             raise InputError(
                 f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves no files (is it stopped?); "
                 "end it, or name another folder"
             )
-        if handle is None:
-            time.sleep(0.01)
+        time.sleep(0.01)
     try:
         yield
     finally:

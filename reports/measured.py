@@ -327,23 +327,5 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
         return None
     cycles = [(name_of(one.engine).capitalize(), found) for one in solutions if (found := load_cycles(one)) is not None]
     first = cycles[0][1].cycles if cycles else ()
-    order = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
-    rows = [
-        [
-            f"{first[k].count:g}",
-            *(minus(f"{value:.4g}") for value in (first[k].range, first[k].mean, first[k].start, first[k].end)),
-            *(f"{found.cycles[k].dissipation:.4g}" if len(found.cycles) == len(first) else "–" for _, found in cycles),
-        ]
-        for k in order
-    ]
-    totals = [(name, f"{found.counted:g}", f"{found.per_cycle:.4g}", f"{found.cumulative[-1]:.6g}") for name, found in cycles]
-    return {
-        "read": read,
-        "said": list(record_in_words(scene, record)) if record else [],
-        "engines": [name for name, _ in cycles],
-        "rows": rows,
-        "left": len(first) - len(order),
-        "totals": totals,
-        "load": load_unit(scene),
-        "energy": energy_unit(scene),
-    }
+    most = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
+    return {"read": read, "said": list(record_in_words(scene, record)) if record else [], "cycles": cycles, "most": most}

@@ -242,7 +242,7 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _written(rows: Sequence[Sequence[str]] = (), **content: Any) -> str:
-    text = template("published.md").render(words=words, table=markdown_table, rows=rows, **content).strip()
+    text = template("publishing.md").render(words=words, table=markdown_table, rows=rows, **content).strip()
     return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from meshes.interrupts import interrupts_wait
 from scenes import InputError, files
 
-# None on Windows, which locks no folders.
+# None on Windows, which has other locks.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
 
 # Of a container its own processes: one of another with the same name and number may live.
@@ -31,37 +31,6 @@ _HERE = hashlib.sha256(f"{platform.node()} {_SPACE.readlink() if _SPACE.is_symli
 _OURS = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
 # Seconds: where nobody says whether its process lives, what did not change for a day is left behind.
 _LEFT_BEHIND = 86400.0
-
-
-class CannotLock(OSError):
-    """The system has no locks here."""
-
-
-def lock(path: Path) -> int | None:
-    """A handle that locks a file or folder until it is closed; None while another process does, or where `path` was just replaced.
-
-    Raises
-    ------
-    CannotLock
-        On Windows, and on some network disks.
-    OSError
-        Where `path` is not there, or can't be opened.
-    """
-    if fcntl is None:
-        raise CannotLock("folders can't be locked")
-    with interrupts_wait():
-        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.path.exists(path) and os.path.samestat(os.fstat(handle), os.stat(path)):
-                return handle
-        except BlockingIOError:
-            pass
-        except OSError as reason:
-            os.close(handle)
-            raise CannotLock(str(reason)) from reason
-        os.close(handle)
-        return None
 
 
 def hidden_folder(place: Path, better: Path) -> Path:

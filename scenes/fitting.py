@@ -65,9 +65,9 @@ def fitted_keys(
     Raises
     ------
     RowError
-        For too few or too many rows, x that does not ascend, rows that do not bend up or lie on one side of the middle in part.
+        For too few or too many rows, x that descends, rows that do not bend up or lie on one side of the middle in part.
     """
-    back = np.flatnonzero(np.diff(x) <= 0)
+    back = np.flatnonzero(np.diff(x) < 0)  # a trace with few digits has rows at one x
     if len(back):
         raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
     if len(x) > _MOST:
@@ -80,8 +80,8 @@ def fitted_keys(
     for _ in range(_PASSES):
         near = np.abs(whole - start) <= reach
         x, h = rows[near].T
-        if len(x) < _FEWEST:
-            raise RowError(last, f"{len(x)} rows within the extent are too few for a fit: at least {_FEWEST} are needed")
+        if (count := len(np.unique(x))) < _FEWEST:
+            raise RowError(last, f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are needed")
         # In units of the rows, so that nothing depends on theirs.
         apart, height = np.abs(x - start), float(np.ptp(h))
         length = float(np.max(apart))

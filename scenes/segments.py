@@ -37,13 +37,15 @@ LEAST = 1e-290
 """Changes of load below it are none: their inverse, and soon the numbers themselves, are not known to rounding any more."""
 
 _ROUNDING = 1e-14
-_ROUNDING_OF_TIME = 2.3e-16
+_ROUNDING_OF_TIME = 4.5e-16
 # Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts from 0.
 _ROUNDING_OF_SUM = 1e-15
 # A double root is known to the root of a rounding only. Taking too many does no harm: a segment is cut in two.
 _DOUBLE = 1e-5
-# Of scipy's search for a root: the function has one sign at both ends.
-_NO_BRACKET = -1
+# Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
+_MOST_STEPS = 4000
+# Steps without gain after which rounding is reached, where they are shorter than this share of the way.
+_IDLE, _SHORT = 3, 1e-9
 
 
 class Combination(NamedTuple):
@@ -141,7 +143,7 @@ class LoadSegment(abc.ABC):
         Raises
         ------
         NotFoundError
-            Where none is found, of loads that are not finite for example.
+            Where Newton's method finds none, of loads that are not finite for example.
         """
         wanted = np.asarray(amount, dtype=float)
         total = float(self.change_of(what, end, begin))
@@ -152,17 +154,27 @@ class LoadSegment(abc.ABC):
         return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside))
 
     def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
-        """By the bracketing search of Chandrupatla (1997), to round-off."""
-        from scipy.optimize.elementwise import find_root
-
+        """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where rounding stops them from gaining."""
         wanted = np.clip(wanted / total, 0, 1) * total
-        ends = (np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end)))
-        exact = {"xatol": 0.0, "xrtol": _ROUNDING_OF_TIME, "fatol": 0.0, "frtol": 0.0}
-        found = find_root(lambda time, amount: self.change_of(what, time, begin) - amount, ends, args=(wanted,), tolerances=exact)
-        beside = found.status == _NO_BRACKET  # at an end, to the rounding of the change there
-        if not np.all(found.success | beside):
-            raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
-        return np.where(beside, np.where(2 * np.abs(wanted) > abs(total), end, begin), found.x)
+        rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
+        low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
+        best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
+        for _ in range(_MOST_STEPS):
+            fault, slope = rising * (self.change_of(what, time, begin) - wanted), rising * self.rate_of(what, time)
+            better = np.abs(fault) < least
+            best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
+            # Steps that gain no more are round-off where they are short: a long one is half a bracket, and others follow.
+            no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
+            if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+                return best
+            low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
+            steep = slope > 0
+            newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
+            inside = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
+            following = np.where(inside, newton, (low + high) / 2)
+            last, time = np.abs(following - time), following
+        raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
 
     def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 most segments have none
         """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a parabola; None elsewhere."""

@@ -226,6 +226,7 @@ PLAIN = {
     "fit.csv": [
         "".join(["x [mm];h [um]\n", *(f"{0.1 * k:.1f};{5.0 * k * k + k % 3:.0f}\n" for k in range(-12, 13))]),
         "".join(["x,h\n", *(f"{0.05 * k:.4g},{0.005 * max(k - 4, 0) ** 2 + 1e-5 * (k % 2):.5g}\n" for k in range(20))]),
+        "".join(["x;h\n", *(f"{k // 2 / 10:.1f};{(k // 2) ** 2 + k % 2}\n" for k in range(-24, 25))]),  # few digits of x
     ],
     "mapping.toml": [
         'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n'

@@ -24,11 +24,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from scenes import CallableProfile, ChebyshevSegment, HarmonicSegment, PowerLaw, StraightSegment
-from semi_analytic import friction_work
 from semi_analytic.history import history_of
 from semi_analytic.memory import pieces
 from semi_analytic.profiles import contact_of
-from semi_analytic.quadrature import graded
 
 LONG = np.longdouble
 PI = LONG("3.14159265358979323846264338327950288")
@@ -630,31 +628,3 @@ class Work:
             ratio = np.log1p(np.maximum(at - stick[:, None], 0) / stick[:, None])
             area += np.sum(weight * self.law.rate(at) * ratio, axis=-1)
         return area
-
-
-# ------------------------------------------------------------------------------------------------------------ parts of the engine
-
-
-def work_over_points(contact, modulus, spans, work):
-    """Integral of W(x) over the whole contact, about `work`: another way to W.
-
-    W(x) is smooth between the edges of contact and of stick where a span begins, passes a corner of the profile or ends; where
-    fronts run by no formula it may be steep anywhere.
-    """
-    marks = [np.array(contact.breaks, dtype=float)]
-    for span in spans:
-        times = np.array([span.begin.time, *friction_work.corner_times(contact, span), span.end.time])
-        load = span.leg.loads(times)[0]
-        marks += [contact.half_width(load), contact.half_width(np.maximum(load - span.slipped(times), 0.0))]
-    every = np.unique(np.concatenate(marks))
-    every = every[every <= max(float(np.max(half)) for half in marks[1:])]
-    every = every[np.diff(every, prepend=-np.inf) > 1e-12 * every[-1]]
-
-    def rule(_, low, high):
-        x, weight = graded(low, high)
-        density = friction_work.pointwise_dissipation(contact, modulus, spans, x.ravel()).total
-        return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
-
-    if not any(friction_work.uneven(contact, span) for span in spans):
-        return float(np.sum(rule(None, every[:-1], every[1:])))
-    return float(np.sum(friction_work.by_halving(rule, every[:-1], every[1:], friction_work.CONVERGED * work).value))

@@ -36,7 +36,7 @@ from reports import folder as folders
 from reports import staging
 from reports.comparison import Comparison
 from reports.folder import MANIFEST, FilledBefore, claim, filled
-from reports.staging import lock, replace_text
+from reports.staging import replace_text
 from reports.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_reports_synthetic import cattaneo_mindlin
@@ -653,9 +653,10 @@ def test_a_folder_that_was_replaced_is_locked_again(tmp_path: Path, monkeypatch:
             out.mkdir()
 
     monkeypatch.setattr(fcntl, "flock", flock)
-    assert lock(out) is None
-    handle = lock(out)
-    assert os.path.samestat(os.fstat(handle), out.stat())
+    with folders._alone_in(out, out):
+        handle = os.open(out, os.O_RDONLY)
+        with pytest.raises(BlockingIOError):
+            real(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     os.close(handle)
 
 

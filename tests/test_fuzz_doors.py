@@ -35,8 +35,7 @@ from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
 from reports.staging import replace_text
 from reports.sweep.store import Store
-from reports.third.deck import Deck, DeckSettings, build_deck
-from reports.third.dialects import deck_text
+from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import InputError, load_scene, text_tables
 from scenes.files import parsed_toml, within_memory
 from score_results import exact

@@ -244,10 +244,10 @@ def sets(count: int, n: int = N, every: int = 7, few: int = 3) -> list[np.ndarra
 
 def residual(one: CoupledFactor, states: np.ndarray, gap: np.ndarray, slip: np.ndarray, loads: tuple[float, float]) -> float:
     """Worst violation of the equations that the states name, written out afresh."""
-    p, q, approach, shift = one.solve(states, gap, slip, loads)
-    n_x, n_y = one.interface.normals
-    found_gap = n_x * shift - n_y * approach + one.normal @ p - one.coupling.T @ q
-    found_slip = n_y * shift + n_x * approach + one.coupling @ p - one.tangential @ q
+    found, faces = one.solve(states, gap, slip, loads), one.interface
+    (p, q), (approach, shift), (n_x, n_y) = found[:-2].reshape(2, -1), found[-2:], faces.normals
+    found_gap = n_x * shift - n_y * approach + faces.normal @ p - faces.coupling.T @ q
+    found_slip = n_y * shift + n_x * approach + faces.coupling @ p - faces.tangential @ q
     sign = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0])
     rows = np.where(states == OPEN, p, found_gap - gap)
     tangential = np.where(states == STICK, found_slip - slip, q - sign * SLIDING * p)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -40,6 +41,11 @@ from tolerances import check
 
 STEEL, ALUMINIUM = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=70e3, poisson_ratio=0.33)
 UNLIKE = Materials(upper=ALUMINIUM, lower=STEEL)
+BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+import long_record  # noqa: E402
+
+sys.path.remove(str(BENCHMARKS))
 
 
 def scene_of(name):
@@ -468,20 +474,10 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
 MOST = halfplane_fe.run.MOST_INSTANTS
 
 
-def rows_of(count: int) -> np.ndarray:
-    """(count, 3) time [s], P and Q [N/mm] as a machine writes them, the first rows of the same record: 17 cycles in 2,000 rows.
-
-    Q a quarter of a cycle behind P, noise of 1 % of the mean of P and of the amplitude of Q.
-    """
-    turn, noise = 2 * np.pi * 17 / 1999 * np.arange(count), 0.01 * np.random.default_rng(1).standard_normal((count, 2))
-    normal, tangential = 90 * (1 + noise[:, 0]) + 30 * np.cos(turn), 30 * (np.sin(turn) + noise[:, 1])
-    return np.column_stack([0.01 * np.arange(count), normal, tangential])
-
-
 @cache
 def solved(rows: int, most: int, repeats: bool = False) -> FiniteElementSolution:
     """The first `rows` of the record, kept at `most` instants; as a cycle, with its first row again at the end."""
-    record = rows_of(rows)
+    record = long_record.rows_of(rows)
     if repeats:
         record = np.vstack([record, [record[-1, 0] + 0.01, *record[0, 1:]]])
     load = TimeSeriesLoad(rows=record.tolist(), repeats=repeats)
@@ -522,7 +518,7 @@ def assert_thinned(found: FiniteElementSolution, whole: FiniteElementSolution, m
 def test_every_row_stays_and_everything_but_the_instants_is_of_the_whole_path() -> None:
     found, whole = solved(120, 200), solved(120, 10**9)
     assert_thinned(found, whole, 200)
-    assert np.isin(rows_of(120)[:, 0], found.time).all()
+    assert np.isin(long_record.rows_of(120)[:, 0], found.time).all()
 
 
 def test_of_more_rows_than_there_is_room_for_some_stay() -> None:

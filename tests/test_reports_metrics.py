@@ -356,6 +356,18 @@ def test_what_one_of_them_lacks_is_said(case: str) -> None:
     assert metric.absolute is (case in ("no dissipation", "no slip"))
 
 
+@pytest.mark.parametrize("more", [1 - 1e-12, 1.0, 1 + 1e-12])
+def test_of_differences_alike_but_for_rounding_the_first_counts(more: float) -> None:
+    """A cycle that is its own mirror image has each twice, with both signs: which was named was chance."""
+    shift, pressure = TRUTH.tangential_displacement.copy(), TRUTH.pressure.copy()
+    shift[[20, 80]] += 0.03 * STROKE * np.array([1, -more])
+    pressure[33, [40, 60]] += 0.07 * pressure[33].max() * np.array([1, -more])
+    found = compare(TRUTH, changed(tangential_displacement=shift, pressure=pressure))
+    moved, largest = found.metric("tangential_displacement"), found.metric("pressure_maximum")
+    assert (moved.value, moved.time) == pytest.approx((0.03, TIME[20]))
+    assert (largest.value, largest.place) == pytest.approx((0.07, X[40]))
+
+
 def test_too_little_stick_and_too_much_of_it_count_alike() -> None:
     """Over what sticks in either."""
     half = changed(state=np.where(X > 0, 0, TRUTH.state).astype(np.int8))

@@ -714,15 +714,8 @@ def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
 
 def children(pid: int) -> list[int]:
     """Workers of a client: processes below it that were spawned."""
-    parents, workers = {}, []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parents[int(path.parent.name)] = int(path.read_text().rsplit(")", 1)[1].split()[1])
-            if b"spawn_main" in (path.parent / "cmdline").read_bytes():
-                workers.append(int(path.parent.name))
-        except (OSError, IndexError):
-            continue
-    return [worker for worker in workers if parents.get(worker) == pid]
+    psutil = importlib.import_module("psutil")
+    return [one.pid for one in psutil.Process(pid).children() if "spawn_main" in " ".join(one.cmdline())]
 
 
 def until(true: Callable[[], bool], client: subprocess.Popen[str]) -> None:

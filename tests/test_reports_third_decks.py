@@ -18,8 +18,7 @@ import pytest
 from reports import cli
 from reports.console import Stages
 from reports.third.calculix import Attempt, calculix_version, find_calculix, run_calculix, solve_with_calculix, status
-from reports.third.deck import Deck, DeckSettings, build_deck
-from reports.third.dialects import Dialect, deck_text, elastic_slip
+from reports.third.deck import Deck, DeckSettings, Dialect, build_deck, deck_text, elastic_slip
 from scenes import ConvergenceError, InputError, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"

@@ -11,13 +11,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 
 import semi_analytic
 from reports import Report, compare, write
 from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
 from reports.charts.plate import Cell, Key, Panel, Plate, stacks
-from reports.charts.publication import drawn, write_plots
+from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.style import marked, style_of
 from reports.charts.table import harmless, table_text
 from reports.cli.solving import summary_rows
@@ -373,6 +374,9 @@ def test_files_of_publication_quality_are_of_the_same_figure(tmp_path: Path) -> 
         frame = next(one.frame for stack in stacks(plate()) for one in stack if one.name == panel)
         at = (left + float(frame.x.place(x)), top + float(frame.y.place(y)))
         assert image.getpixel(tuple(round(v * 200 / 96) for v in at)) == colour
+    texts = [text.get_text() for text in figure_of(plate()).findobj(Text)]
+    assert r"x / a$_{\mathrm{ref}}$" in texts
+    assert sum(NASTY.partition("$")[0] in text and r"\$x$_{\mathrm{1}}$\$" in text for text in texts) == 3
     assert (0xD5, 0x5E, 0x00) in {colour for _, colour in image.getcolors(10**7) or []}
 
 

@@ -37,6 +37,7 @@ from scenes import (
     parabola_segment,
     sampled,
 )
+from scenes.errors import NotFoundError
 from scenes.reduction import turning_points, within
 
 TURN = 2 * math.pi
@@ -165,6 +166,14 @@ def test_times_on_harmonics_are_found_however_they_turn(normal, tangential, fric
     waves = [tuple((size, math.radians(phase)) for size, phase in load) for load in (normal, tangential)]
     scale = sum(abs(friction) * size for size, _ in waves[0]) + sum(size for size, _ in waves[1])
     found_again(HarmonicSegment(0.0, TURN, (3.0, 0.0), *waves), Combination(friction, 1.0), 2e-14 * scale + 1e-290)
+
+
+def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_one_that_is_no_number_nowhere():
+    segment = SEGMENTS["series"]
+    for begin, end in ((0.5, 2.0), (2.0, 0.5)):
+        assert segment._time_inside(NORMAL_LOAD, np.array([9.0]), 9.0, begin, end).tolist() == [end]
+    with pytest.raises(NotFoundError, match=r"changed as wanted, between 0\.5 and 2"):
+        replace(segment, normal=(3.0, math.nan, 0.1)).time_of(NORMAL_LOAD, 0.1, 0.5, 2.0)
 
 
 def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time():

@@ -34,7 +34,7 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import arc_depth, face_of
-from scenes.fitting import fitted_keys, resampled
+from scenes.fitting import fitted_keys, less_smoothed, resampled
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -296,6 +296,7 @@ def test_extent_and_centre_are_respected():
         (lambda rows: rows * [1, -1], "the rows do not bend up"),
         (lambda rows: rows * [1, 0], "the rows are flat from end to end"),
         (lambda rows: rows[:7], "7 rows within the extent are too few for a fit: at least 8 are needed"),
+        (lambda rows: np.round(rows * [2, 1], 0) / [2, 1], "7 rows within the extent are too few"),
         (lambda rows: rows[::-1], "row 2: x = .* does not ascend"),
         (lambda rows: rows + np.array([5.0, 0.0]), "the middle, x = 0, is not among the rows"),
         (lambda rows: np.where(np.arange(len(rows))[:, None] == 40, np.nan, rows), "row 41"),
@@ -319,6 +320,15 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
         assert off[0] <= 1.02 * min(off[1:])
         weights.append(found[0]["fitted"]["weight"])
     assert 100 * weights[0] <= weights[1]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
+    rows = rows_of(TRUTHS[kind], 301, 1e-6)
+    coarse = np.column_stack([np.round(rows[:, 0], 2), 0.3 + TRUTHS[kind].height(np.round(rows[:, 0], 2) - 0.1)])
+    assert np.any(np.diff(coarse[:, 0]) == 0)
+    s = np.linspace(0, 1.3, 50)
+    np.testing.assert_allclose(fit_profile(coarse, kind, noise=1e-9).height(s), TRUTHS[kind].height(s), atol=3e-7)
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
@@ -353,6 +363,21 @@ def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurement
     assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
     assert len(resampled(scenes[0].profile, 4)) == 4
     assert resampled(scenes[0].profile, 2, seed=1) != resampled(scenes[0].profile, 2, seed=2)
+
+
+def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
+    """Ten times less of it changes the half-width more than the mean of other measurements does: these have lost it already."""
+    scene = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 50e-6, seed=1), "smoothing_spline", 50e-6)
+    found = fit_uncertainty(scene, 10).half_width
+
+    def change(keys):
+        return largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width - found.value
+
+    others = [change(keys) for keys in resampled(scene.profile, 10)]
+    closer = abs(change(less_smoothed(scene.profile)))
+    assert closer > abs(np.mean(others))
+    assert found.uncertainty == pytest.approx(2 * np.std(others) + closer, rel=1e-9)
+    assert less_smoothed(fit_profile(rows_of(TRUTHS["hertz"]), "hertz")) is None
 
 
 def test_page_and_json_state_the_fit():

@@ -337,7 +337,7 @@ TABLES = [
     (TRACE, "x,h\n1,0\n2,1\n3,2\n", "a row with x = 0"),
     (TRACE, "x,h\n-2,4\n-1,1\n0,0\n1,1.5\n2,4\n", ", line 5: the profile is not symmetric"),
     (TRACE, "x,h\n-1,1\n0,0\n1,1\n2,4\n", ", line 5: x = 2 has no partner on the other side"),
-    ((HERTZ, f'{TRACE[1]}\nfit = {{kind = "hertz"}}'), "x,h\n-1,1\n0,0\n1,1\n1,4\n", "table.csv, line 5: x = "),
+    ((HERTZ, f'{TRACE[1]}\nfit = {{kind = "hertz"}}'), "x,h\n-1,1\n0,0\n1,1\n0.5,4\n", "table.csv, line 5: x = "),
     (
         (SERIES[0], f"{SERIES[1]}\nthickness = 2.0"),
         "time,P [kN/m],Q\n0,1,0\n1,2,0\n",

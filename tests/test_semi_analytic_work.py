@@ -17,17 +17,15 @@ from scenes import (
     TimeSeriesLoad,
     Wedge,
     load_scene,
-    scene_names,
 )
 from scenes.loads import HarmonicLoad
-from semi_analytic import compliance, dissipation, friction_work, hysteresis, solve
-from semi_analytic.elasticity import composite_modulus
-from semi_analytic.friction_work import CONVERGED, by_halving, closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic import compliance, friction_work, hysteresis, solve
+from semi_analytic.friction_work import CONVERGED, by_halving, pointwise_dissipation
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
 from semi_analytic.quadrature import crowded, graded
 from semi_analytic_cases import LOADS, PROFILES, REFERENCE, ellipse, extreme, make_scene, mindlin, polygon, reference_scene
-from semi_analytic_oracle import Work, work_over_points
+from semi_analytic_oracle import Work
 
 ONLY = ("dissipation",)
 
@@ -236,58 +234,7 @@ def test_lines_shake_down_or_slip_both_ways(load, exact):
         assert answer.dissipation > 0
 
 
-# ------------------------------------------------------------------------------------------------------ independent routes
-
-
-LONG = {"harmonics", "time-series"}  # W(x) by halving, 25 s; 75 kinks, 2 s
-
-
-def setup(scene):
-    """Contact, E*, spans of the last cycle."""
-    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
-    return contact_of(scene.profile, scene.material), composite_modulus(scene.material), history.cycles[-1]
-
-
-def batch(scene):
-    """W by the batch."""
-    load = scene.load
-    names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
-    return float(
-        dissipation(
-            profile=scene.profile,
-            material=scene.material,
-            friction_coefficient=scene.friction.coefficient,
-            phase=math.radians(load.phase_degrees),
-            **{name: getattr(load, name) for name in names},
-        ).value
-    )
-
-
-def routes(scene):
-    """By slip areas first, then by every other way that there is."""
-    contact, modulus, spans = setup(scene)
-    work = float(global_dissipation(contact, modulus, spans).total)
-    found = [work, solve(scene, x=[0.0], fields=("dissipation",)).dissipation]
-    found.append(work_over_points(contact, modulus, spans, work))
-    if scene.load.path().period is not None:
-        found.append(closed_integral(contact, modulus, spans)[0])
-    if isinstance(scene.load, EllipseLoad):
-        found.append(batch(scene))
-    return np.array(found)
-
-
-PLAIN = [name for name in scene_names() if not load_scene(name).load.has_bulk_or_tilt]  # the others: test_semi_analytic_bulk.py
-
-
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in PLAIN])
-def test_every_way_to_the_work_of_a_scene_of_the_library_meets(name):
-    """Worst measured 3e-11 (tiny-slip, Q dU, where W is 1e-9 of A f^2 P^2), 1.2e-13 elsewhere; 0 where nothing slips."""
-    scene = load_scene(name)
-    found = routes(scene)
-    size = 2 / composite_modulus(scene.material) * (scene.friction.coefficient * np.max(solve(scene, x=[0.0]).normal_load)) ** 2
-    np.testing.assert_allclose(found, found[0], rtol=1e-10, atol=0 if found[0] else 1e-15 * size)
-
-
+# ------------------------------------------------------------------------------------------------- corners of the profile
 def table(count):
     x = np.linspace(0, 4, count)
     return Tabulated(points=np.column_stack([x, np.cosh(x) - 1]).tolist())

@@ -101,10 +101,8 @@ def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *,
                 with path.open("x", encoding="utf-8") as stream:
                     undo.callback(path.unlink, missing_ok=True)
                     stream.write(content)
-            except FileExistsError:
-                _refuse_taken(path)
-                raise
             except OSError as reason:
+                _refuse_taken(path, reason)
                 raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
         undo.pop_all()
     if not options.quiet:
@@ -115,10 +113,10 @@ def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *,
     return WITHIN
 
 
-def _refuse_taken(path: Path) -> None:
+def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
     from scenes import InputError
 
-    if os.path.lexists(path):
+    if os.path.lexists(path) and (reason is None or isinstance(reason, FileExistsError)):
         raise InputError(f"{path}: the file is there already and stays as it is; name another")
 
 
@@ -135,19 +133,12 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
         values = {"flat_half_length": 0.5} | values
     for name, value in values.items():
         key = {"friction": "coefficient"}.get(name, name)
-        if isinstance(value, str):
-            plain = "".join(sign if sign.isprintable() else " " for sign in value)
-            line = f'{key} = "{plain.replace(chr(92), chr(92) * 2).replace(chr(34), chr(92) + chr(34))}"'
-        else:
-            line = f"{key} = {float(value)!r}"
-        text, count = re.subn(
-            rf'(?m)^(?:# )?{key} = (?:".*"|-?[\d.e+-]+)( *)(#.*)?$',
-            lambda found, line=line: f"{line:<{_COMMENTS - 1}} {found[2]}" if found[2] else line,  # type: ignore[misc]
-            text,
-            count=1,
-        )
-        if not count:
-            raise ValueError(f"the example has no line for {key}")
+        # JSON's texts are TOML's, but for one sign.
+        shown = json.dumps(value, ensure_ascii=False).replace("\x7f", " ") if isinstance(value, str) else repr(float(value))
+        line = f"{key} = {shown}"
+        found = re.search(rf'(?m)^(?:# )?{key} = (?:".*"|-?[\d.e+-]+)( *)(#.*)?$', text)
+        assert found, f"the example has no line for {key}"
+        text = text[: found.start()] + (f"{line:<{_COMMENTS - 1}} {found[2]}" if found[2] else line) + text[found.end() :]
     return text
 
 
@@ -246,26 +237,17 @@ def _details(scene: Scene) -> Iterator[str]:
     from reports.comparison.metrics import are_half_planes, tolerances_of
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
-    admitted = tolerances_of(scene, are_half_planes(scene))
+    admitted = tolerances_of(scene, are_half_planes(scene)).items()
     expected = [
         f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}: {one.source}"
         for one in scene.expected
     ]
-    sections = (
-        ("name", scene.name),
-        ("title", scene.title),
-        ("purpose", scene.purpose),
-        ("source", scene.source),
-        ("tags", ", ".join(scene.tags)),
-        ("question", question(scene)),
-        ("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))),
-        (
-            "tolerances",
-            ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted.items()) or "none: nothing is judged",
-        ),
-        *(("files", ", ".join(files)) for files in [_companions(scene)] if files),
-        *(("expected", text) for text in expected or ["no number"]),
-    )
+    sections = [(name, getattr(scene, name)) for name in ("name", "title", "purpose", "source")]
+    sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
+    sections.append(("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))))
+    limits = ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted) or "none: nothing is judged"
+    sections += [("tolerances", limits), *(("files", ", ".join(files)) for files in [_companions(scene)] if files)]
+    sections += [("expected", text) for text in expected or ["no number"]]
     for head, text in sections:
         yield from textwrap.wrap(text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12)
 

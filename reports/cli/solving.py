@@ -629,8 +629,7 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         with stages.stage("loading"):
             from halfplane_fe.solve import versions
-            from reports.third.deck import DeckSettings, build_deck
-            from reports.third.dialects import deck_text
+            from reports.third.deck import DeckSettings, build_deck, deck_text
             from reports.units import units
         given = {name: getattr(options, name) for name in ("steps_per_cycle", "cycles")}
         with stages.stage("deck"):

@@ -34,6 +34,8 @@ LIGHT = 0.1
 # Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
 # is the points that decide which of the two comes out higher.
 EQUAL_PEAKS = 0.05
+# Differences of size that are rounding: engines repeat themselves to 1e-11.
+ALIKE = 1e-9
 # Below this, in f p_ref, the shear of an instant is rounding and has no peak.
 NO_SHEAR = 1e-9
 # Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
@@ -455,16 +457,23 @@ def spacing_at(x: Array, place: float) -> float:
     return float(x[right] - x[right - 1])
 
 
+def _largest(size: Array) -> NDArray[np.intp]:
+    """The first place along the last axis of what is largest but for rounding.
+
+    A cycle that is its own mirror image has each difference twice, with both signs: which of them is larger is chance.
+    """
+    return np.argmax(size >= (1 - ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
+
+
 def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, float | None]:
-    """The value of largest size and its instant among those that apply; a NaN among these is the worst there is.
+    """The value of largest size and its instant, the first of like ones, among those that apply; a NaN is the worst there is.
 
     >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
     """
     if not applies.any():
         return None, None
-    size = np.where(applies, np.where(np.isnan(series), np.inf, np.abs(series)), -1.0)
-    at = int(np.argmax(size))
+    at = int(_largest(np.where(applies, np.where(np.isnan(series), np.inf, np.abs(series)), -1.0)))
     return float(series[at]), float(time[at])
 
 
@@ -475,7 +484,7 @@ def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     >>> values.tolist(), places.tolist()
     ([-3.0], [0.5])
     """
-    column = np.argmax(np.where(np.isnan(difference), np.inf, np.abs(difference)), axis=1)
+    column = _largest(np.where(np.isnan(difference), np.inf, np.abs(difference)))
     return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
 
 

@@ -86,10 +86,6 @@ class Curvatures:
         """
         return float(np.sqrt(1 + self.normal)) - 1
 
-    def half_width_error(self) -> float:
-        """Half-width over that of half-planes, minus 1, at P0."""
-        return 1 / float(np.sqrt(1 + self.normal)) - 1
-
 
 def dissipation(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
     """Friction work of the last `last` steps, a closed cycle, over A P0^2/pi.
@@ -100,20 +96,9 @@ def dissipation(normal_load: Array, tangential_load: Array, friction: float, add
     friction : coefficient
     added : what the bodies add; (0, 0) for half-planes
     last : steps of the closed cycle at the end
+
+    The closed integral of Q dU. U is over A P0/pi, its constant part left out: it does no work in a cycle.
     """
-    shift, q = _shifts(normal_load, tangential_load, friction, added)[-last - 1 :], tangential_load[-last - 1 :]
-    return float(np.sum((q[1:] + q[:-1]) / 2 * np.diff(shift)))
-
-
-def dissipation_error(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
-    """Friction work over that of half-planes on the same path and steps, less 1; NaN where these dissipate nothing."""
-    path = (normal_load, tangential_load, friction)
-    plain = dissipation(*path, Curvatures(0.0, 0.0), last)
-    return dissipation(*path, added, last) / plain - 1 if plain > _NOTHING * friction**2 else float("nan")
-
-
-def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures) -> Array:
-    """Tangential displacement (n,) over A P0/pi, its constant part left out: it does no work in a cycle."""
     # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M less that of the curvature tau Q
     nu, tau = added.normal, added.tangential
     square = normal_load / (1 + nu * normal_load)
@@ -134,7 +119,15 @@ def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: 
         np.clip(carried[:edge], q - bound, q + bound, out=carried[:edge])
         shifts[number] = carried @ weights
         frozen, before = carried - tau * q * np.minimum(g, here), float(here)
-    return shifts
+    shift, q = shifts[-last - 1 :], tangential_load[-last - 1 :]
+    return float(np.sum((q[1:] + q[:-1]) / 2 * np.diff(shift)))
+
+
+def dissipation_error(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
+    """Friction work over that of half-planes on the same path and steps, less 1; NaN where these dissipate nothing."""
+    path = (normal_load, tangential_load, friction)
+    plain = dissipation(*path, Curvatures(0.0, 0.0), last)
+    return dissipation(*path, added, last) / plain - 1 if plain > _NOTHING * friction**2 else float("nan")
 
 
 def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: float) -> tuple[Array, Array, int]:
@@ -295,7 +288,7 @@ def correction(scene: Scene) -> Correction:
     error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
     if math.isnan(error):
         raise _refusal(scene, "load: half-plane theory dissipates nothing here, so nothing is relative to it")
-    return Correction(error, added.pressure_error(), added.half_width_error(), added, height, aspect)
+    return Correction(error, added.pressure_error(), 1 / (1 + added.pressure_error()) - 1, added, height, aspect)
 
 
 def corrected_dissipation(scene: Scene, value: float) -> float:

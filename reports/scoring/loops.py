@@ -21,6 +21,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -30,7 +31,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.marks import Axis, Curve, Dot, Mark, Rule
-from reports.charts.plate import Key, Panel, Plate
+from reports.charts.plate import Key, Panel, Plate, worded
 from reports.charts.scale import limits
 from reports.charts.templating import script, template
 from reports.checking import check_path
@@ -497,45 +498,33 @@ def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
 
 def plates(found: LoopScore) -> tuple[Plate, ...]:
     """The loop, U less the straight line through it, so that it opens; and rows minus the best fit."""
-    length, load = units(found.scene)[1], load_unit(found.scene)
-    line = found.rows[1].slope
-    count, share, shifts, loads = _means(found.tau, found.tau, found.shift, found.load)
-    base = float(np.mean(found.shift - line * found.load))
-    dots: list[Mark] = [Dot(float(q), float(u - line * q - base), "p0", 2.2) for q, u in zip(loads, shifts, strict=True)]
-    curves, keys = list[Mark](), list[Key]()
-    for k, (name, shift, q) in enumerate(found.curves, 1):
-        curves.append(Curve(q, shift - line * q - base, f"line-{k}", name))
-        keys.append(Key(f"line-{k}", name))
-    heights = [shifts - line * loads - base, *(shift - line * q - base for _, shift, q in found.curves)]
-    axes = Axis(*limits(loads, found.curves[0][2]), f"Q  [{load}]"), Axis(*limits(*heights), f"U − slope Q  [{length}]")
-    words = f"Dots: means of {count.min():.0f} to {count.max():.0f} rows in each of {len(count)} parts of the cycle."
-    loop = Plate(
-        "loop",
-        "The loop",
-        f"U less the straight line of slope {line:.4g} through the loop of the best fit. {words}",
-        "Relative displacement less a straight line over the tangential load: measured rows and computed loops.",
-        (Panel("loop", *axes, [*dots, *curves], "Loop of displacement over tangential load", 900.0, 380.0, css="broad"),),
-        {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift},
-        tuple(keys),
-        columns=1,
+    length, load, line = units(found.scene)[1], load_unit(found.scene), found.rows[1].slope
+    base, rest = float(np.mean(found.shift - line * found.load)), found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
+    count, share, shifts, loads, means = _means(found.tau, found.tau, found.shift, found.load, rest)
+    opened = shifts - line * loads - base
+    curves = [Curve(q, u - line * q - base, f"line-{k}", name) for k, (name, u, q) in enumerate(found.curves, 1)]
+    keys = [Key(curve.css, curve.label) for curve in curves]
+
+    def panel(
+        name: str, words: str, height: float, across: Axis, up: Axis, dots: tuple[Array, Array], lines: Sequence[Mark]
+    ) -> Panel:
+        marks = [Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)]
+        return Panel(name, across, up, [*marks, *lines], words, 900.0, height, css="broad")
+
+    axes = (
+        Axis(*limits(loads, curves[0].x), f"Q  [{load}]"),
+        Axis(*limits(opened, *(c.y for c in curves)), f"U − slope Q  [{length}]"),
     )
-    rest = found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
-    _, means = _means(found.tau, rest)
-    marks: list[Mark] = [Rule(0.0, "zero")]
-    marks += [Dot(float(t), float(y), "p0", 2.2) for t, y in zip(share, means, strict=True)]
-    axes = Axis(0.0, 1.0, "share of the cycle"), Axis(*limits(means), f"mean rows − best fit  [{length}]")
-    panel = Panel("loop-rest", *axes, marks, "Residuals of the best fit over the cycle", 900.0, 260.0, css="broad")
-    residuals = Plate(
-        "loop_residuals",
-        "Rows minus the best fit",
-        f"{words} One row scatters by {found.noise:.3g} {length} (root mean square). A pattern says that the model does not "
-        "describe the rig: friction that changes, a rig that is not linear, another profile.",
-        "Measured displacement minus the best fit over the cycle.",
-        (panel,),
-        {"tau": found.tau, f"U - fit [{length}]": rest},
-        columns=1,
+    below = Axis(0.0, 1.0, "share of the cycle"), Axis(*limits(means), f"mean rows − best fit  [{length}]")
+    loop = panel("loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves)
+    residuals = panel("loop-rest", "Residuals of the best fit over the cycle", 260.0, *below, (share, means), [Rule(0.0, "zero")])
+    words: dict[str, Any] = {"fewest": f"{count.min():.0f}", "most": f"{count.max():.0f}", "parts": len(count), "columns": 1}
+    columns = {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift}
+    noise: dict[str, Any] = {"noise": f"{found.noise:.3g}", "length": length}
+    return (
+        worded("loop", [loop], columns, keys, slope=f"{line:.4g}", **words),
+        worded("loop_residuals", [residuals], {"tau": found.tau, f"U - fit [{length}]": rest}, **noise, **words),
     )
-    return loop, residuals
 
 
 def write(found: LoopScore, out: str | Path, command: str) -> Path:
@@ -544,9 +533,6 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
 
     program, digest = script()
     drawings, (heads, rows) = plates(found), table(found)
-    stress = units(found.scene)[2]
-    how = "fitted; it takes in the datum length of the half-planes" if found.compliance_fitted else "given"
-    rig = f"Compliance of the rig: {found.compliance:.5g} 1/{stress} ({how})."
     with filled(out) as folder:
         (folder / "figures").mkdir()
         for drawing in drawings:
@@ -558,7 +544,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
             scene=found.scene,
             question=question(found.scene),
             found=found,
-            rig=rig,
+            stress=units(found.scene)[2],
             heads=heads,
             rows=rows,
             drawings=drawings,

@@ -22,6 +22,7 @@ import numpy as np
 
 from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
+from reports.charts.templating import template
 from reports.comparison import Comparison, Report
 from reports.comparison.content import strict
 from reports.comparison.words import value_of
@@ -30,8 +31,7 @@ from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution, whole_path
-from reports.third.deck import Deck, DeckSettings, build_deck
-from reports.third.dialects import deck_text
+from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
 
@@ -199,30 +199,13 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
 
 def limits(deck: Deck) -> list[str]:
     """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and measured (docs/third.md)."""
-    friction, path, unit = deck.scene.friction.coefficient, deck.scene.load.path(), deck.scales.half_width
-    overlap = deck.mean_pressure / deck.stiffness / unit
-    found = [f"Its contact is a penalty: faces overlap by {overlap:.1e} a at the largest mean pressure."]
-    if friction:
-        slip = friction * deck.mean_pressure / deck.stick_slope / unit
-        found.append(
-            f"Faces that stick creep elastically, by up to {slip:.1e} a at the largest mean pressure; at a stick slope of "
-            "1000 E*/h it does not converge."
-        )
+    friction, path, pressure = deck.scene.friction.coefficient, deck.scene.load.path(), deck.mean_pressure / deck.scales.half_width
     cycle = deck.normal_load[deck.time >= path.cycle_start]
-    if friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max():
-        found.append(
-            "Under varying normal load its friction history errs by more than its mesh explains: +6 % of the dissipation of "
-            "hertz-paper at a/40, against +2 % of cattaneo-mindlin's at constant load (docs/third.md)."
-        )
-    found += [
-        "Plane elements are expanded to a layer of three-dimensional ones with constraints; contact is integrated over pieces of "
-        "faces, and the values read here are its extrapolation of them to the nodes: an element at the edge of the contact is off.",
-        "The work of friction is the sum of q ds over the instants that it wrote: the error of the steps is in it.",
-    ]
-    if "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind):
-        reach = deck.settings.far_radius
-        found.append(f"Its half-planes are half-discs of radius {reach:g} a held along the arc: an error of about {reach**-2:.0e}.")
-    return found
+    varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
+    radius = "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind) and deck.settings.far_radius
+    creep = friction * pressure / deck.stick_slope
+    words = template("words.txt").module.limits_of_calculix(pressure / deck.stiffness, creep, varies, radius)  # type: ignore[attr-defined]
+    return [line.strip() for line in str(words).split("\n") if line.strip()]
 
 
 def heads(third: ThirdSolver) -> tuple[str, str, str, str]:
