@@ -410,7 +410,8 @@ class Stick:
 
         def root(edges: Array, load: Array, turn: Array) -> Array:
             low, high = edges[..., None]
-            w = np.sqrt(np.maximum((x - low) * (x - high), np.finfo(float).tiny))
+            # Next to the edge the product is rounding, and may be negative.
+            w = np.sqrt(np.maximum((x - low) * (x - high), 1e-15 * (high - low) ** 2))
             return np.asarray((A / np.pi * load * side - side * turn * (x - (low + high) / 2)) / w)
 
         return d * (f * root(self.contact_edges, P, alpha) - root(self.edges, f * P - d * Q, f * alpha - d * eps))
@@ -865,8 +866,9 @@ class Follower:
         return steps, state
 
     def _roughness(self, step: Step) -> float:
-        """What the last coefficients of the edges leave unresolved, in half-widths."""
-        return float(np.max(np.abs(_fit(step.stick.edges.T)[-2:]))) / (step.stick.width / 2)
+        """What the last coefficients of the edges leave unresolved, in half-widths: s' that a contact edge freezes loses more."""
+        left = float(np.max(np.abs(_fit(step.stick.edges.T)[-2:]))) / (step.stick.width / 2)
+        return left if all(step.stick.slips) else 20 * left
 
 
 def _broken(time: float, where: float, why: str) -> NotOneStickInterval:
