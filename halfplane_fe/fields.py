@@ -265,7 +265,8 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
     """Nodal tractions at a stored step."""
     x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
-    closed, before = pressure > 0, max(step - 1, 0)
+    # A node that just meets or leaves the other face counts, whichever sign round-off gives its pressure; an open one has none.
+    closed, sign, before = pressure != 0, np.sign(pressure), max(step - 1, 0)
     loads = (solution.normal_load, solution.tangential_load)
     rise, drag = (float(load[step] - load[before]) for load in loads)
     (left, right), (first, last) = solution.stick_edges[step].tolist(), solution.contact_edges[step].tolist()
@@ -274,7 +275,8 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
     # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the uncertainty larger, not smaller.
     growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
-    return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
+    p, q = (sign * part for part in (pressure, shear))
+    return Nodal(x[closed], p[closed], q[closed], (left, right), (first, last), friction, carried, growing)
 
 
 def _stress(
