@@ -156,10 +156,11 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
     if any(found.noise):
         seen = f"The rows look noisy: standard deviation {found.noise[0]:.2g} of P and {found.noise[1]:.2g} {unit} of Q"
         if load.average > 1:
-            by, _ = change(found.unreduced, found.all_rows)
-            yield f"{seen}. The means of {load.average} rows change W by {by}.", False
+            by, much = change(found.unreduced, found.all_rows)
+            doubt = ": by noise, or because means of so many rows blur the loads; compare with a smaller load.average" * much
+            yield f"{seen}. The means of {load.average} rows change W by {by}{doubt}.", much
         elif found.by_noise is None:
-            yield f"{seen}; what it makes of W can't be told from the loads.", False
+            yield f"{seen}. How much of W is noise can't be told: there are too few rows a cycle, or the record repeats.", False
         else:
             by, much = change(found.averaged, found.all_rows)
             cure = f"; load.average = {found.average} takes it out" if much else ""

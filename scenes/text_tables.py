@@ -325,7 +325,7 @@ def _plain_layout(
     own_words = [shown(stated[name]) for name in lacking if name in stated]
     if not lacking and len(names) >= count:
         raise InputError(f"{path}, line {number}: columns: {listed} must be of different columns of {shown(text)}")
-    which = f"no heading is {' or '.join(own_words)}" if own_words else f"none is {' or '.join(lacking or columns)}"
+    which = f"no heading is {' or '.join(own_words)}" if own_words else f"none is known as {' or '.join(lacking or columns)}"
     cure = f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
 

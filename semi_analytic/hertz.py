@@ -90,7 +90,7 @@ class HertzContact:
         return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.stretch
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact; equation (22) of the paper.
+        """p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact; equation (22) of the paper.
 
         >>> float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).pressure(0.0, 25 * np.pi).round(12))  # 2 P/(pi a)
         50.0

@@ -238,7 +238,7 @@ def test_the_third_solver_is_what_was_measured_and_published() -> None:
     assert len(cases) == len(rows) + 1
     assert "<!-- n:CalculiX, cattaneo-mindlin, stick slope 50: shear -->" in page
     # The report's sentence on CalculiX' friction history quotes the second revolutions.
-    source = (ROOT / "reports" / "third" / "calculix.py").read_text(encoding="utf-8")
+    source = (ROOT / "reports" / "templates" / "words.txt").read_text(encoding="utf-8")
     varying, constant = (cases[f"{name}, 2 revolutions"]["errors"]["dissipation"] for name in ("hertz-paper", "cattaneo-mindlin"))
     assert f"{100 * varying:+.0f} % of the dissipation of" in source
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source

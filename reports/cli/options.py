@@ -5,7 +5,7 @@ envelope for every command, and its schema."""
 import math
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib import resources
 from json import dumps, loads
 from pathlib import Path
@@ -87,8 +87,12 @@ class Output:
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
 class FiniteElements(Output):
-    """How the finite-element side is meshed and iterated; None leaves the engine's default."""
+    """How the finite-element side is meshed and iterated; None leaves the preset's."""
 
+    preset: Annotated[
+        Literal["default", "coarse", "fine"],
+        _mesh("Mesh to start from: coarse for a first look, fine for a result to rely on."),
+    ] = "default"
     element_size: Annotated[float | None, _mesh("Surface elements where the tractions are smooth.")] = None
     edge_element_size: Annotated[float | None, _mesh("Surface elements where the contact and stick edges travel.")] = None
     far_radius: Annotated[float | None, _mesh("Radius of the half-disc that stands for a half-plane.")] = None
@@ -109,14 +113,20 @@ class FiniteElements(Output):
     max_iterations: Annotated[Count | None, _solver("Of one step, before it counts as not converged.")] = None
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
-        """The settings objects; InputError for a value out of range."""
+        """The settings objects; InputError for a value out of range.
+
+        >>> mesh, _ = FiniteElements(preset="coarse", growth=0.2).settings()
+        >>> mesh.edge_element_size, mesh.growth
+        (0.03125, 0.2)
+        """
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
         given = {one.name: value for one in fields(FiniteElements) if (value := getattr(self, one.name)) is not None}
         mesh = {name: given[name] for name in given if name in MeshSettings.__dataclass_fields__}
         solver = {name: given[name] for name in given if name in SolverSettings.__dataclass_fields__}
-        return MeshSettings(**mesh), SolverSettings(**solver)
+        start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[self.preset]()
+        return replace(start, **mesh), SolverSettings(**solver)
 
 
 # What a tolerance without a key is for: W, p0, a and c.

@@ -308,4 +308,6 @@ def _show_advice(advice: Advice, source: str) -> None:
         rows.append((name, *(cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES), "all added up"))
     heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
     title = advice.scene.title or source
-    show_table(f"{title}: error of half-plane theory, a = {advice.half_width:.4g} {units(advice.scene)[1]}", heads, rows)
+    load = "mean" if advice.scene.load.kind == "ellipse" else "largest"
+    size = f"a = {advice.half_width:.4g} {units(advice.scene)[1]} at the {load} load"
+    show_table(f"{title}: bodies/half-plane theory − 1; {size}", heads, rows)

@@ -439,7 +439,7 @@ def _show_uncertainty(report: Report) -> None:
     if budget is not None:
         columns, lines = narrow(heads(budget, full=False), rows(budget, full=False))
         show_table("Where the difference comes from", columns, lines, right=range(1, len(columns) - 1))
-        say(f"Honest: {report.honest}")
+        say(f"Covered by the stated uncertainty: {report.honest}")
         say(cost(budget))
 
 

@@ -303,7 +303,7 @@ class ErrorBudget:
         """What can be said of the stated uncertainties."""
         known = [budget.honest for budget in self.budgets if budget.honest is not None]
         if not known:
-            return "not assessed: the true error is known for half-planes only, and where every term was measured"
+            return "not assessed: the true error of real bodies is not known; half-planes show it, where every term was measured"
         return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
 
 

@@ -101,7 +101,7 @@ def sentence(advice: Advice) -> str:
         missing = len(advice.parts) - len(advice.known)
         return f"Not known: departures that are in no map: {missing} of {len(advice.parts)}. Solve the scene (`halfplane run`)."
     off = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
-    words = f"error of the dissipation by half-plane theory {off}"
+    words = f"dissipation of the bodies over that of half-plane theory, minus 1: {off}"
     words += ", cross terms left out" * (len(advice.parts) > 1)
     words += "; outside the maps, so solve the scene (`halfplane run`) before you rely on it" * advice.extrapolated
     words += "; undecided, for the uncertainty reaches across the limit" * (advice.verdict is Verdict.UNDECIDED)
