@@ -158,7 +158,7 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
         if load.average > 1:
             by, much = change(found.unreduced, found.all_rows)
             doubt = ": by noise, or because means of so many rows blur the loads; compare with a smaller load.average" * much
-            yield f"{seen}. The means of {load.average} rows change W by {by}{doubt}.", much
+            yield f"{seen}. The means of {load.average} rows change W by {by}{doubt}.", False
         elif found.by_noise is None:
             yield f"{seen}. How much of W is noise can't be told: there are too few rows a cycle, or the record repeats.", False
         else:

@@ -494,9 +494,9 @@ def test_check_and_doctor(said: Any, tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 ERROR = 0.0274  # of the dissipation, as published, ± 0.004: a limit of the error itself is undecided
 ADVICE = {
-    "blocks": (0, True, "within", "Yes: error of the dissipation"),
+    "blocks": (0, True, "within", "Yes: dissipation of the bodies"),
     "blocks --limit 5%": (0, True, "within", "Yes: "),
-    "blocks --limit 0.02": (1, False, "outside", "No: error of the dissipation"),
+    "blocks --limit 0.02": (1, False, "outside", "No: dissipation of the bodies"),
     f"blocks --limit {ERROR}": (1, False, "undecided", "Not sure: "),
     "hertz-paper": (0, True, "within", "both bodies are half-planes of like materials"),
 }
