@@ -183,7 +183,7 @@ def answer(command: str, code: int, result: Mapping[str, Any], scene: str | None
 
     What is not finite in `result` becomes null. `scene` is the name of the scene; None where a command is about none.
     """
-    from reports.comparison.content import strict
+    from reports.comparison.words import strict
     from reports.console import say
 
     content = {"format": FORMAT, "command": command, "exit_code": code, "scene": scene, "result": result}
