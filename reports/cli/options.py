@@ -125,8 +125,7 @@ class FiniteElements(Output):
         given = {one.name: value for one in fields(FiniteElements) if (value := getattr(self, one.name)) is not None}
         mesh = {name: given[name] for name in given if name in MeshSettings.__dataclass_fields__}
         solver = {name: given[name] for name in given if name in SolverSettings.__dataclass_fields__}
-        start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[self.preset]()
-        return replace(start, **mesh), SolverSettings(**solver)
+        return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)
 
 
 # What a tolerance without a key is for: W, p0, a and c.
