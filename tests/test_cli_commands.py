@@ -21,7 +21,7 @@ import pandas as pd
 import pytest
 
 import semi_analytic
-from command_line import COARSE, ROOT, Done, environment, everything, halfplane, process, raising, refused, sentence
+from command_line import COARSE, ROOT, Done, environment, everything, forked, halfplane, raising, refused, sentence, start
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
@@ -257,8 +257,9 @@ def test_help_loads_nothing_heavy(tmp_path: Path) -> None:
         "code += sum(main([*name.split(), '--help']) for name in [*app, 'sweep status'] if name[0] != '-')\n"
         f"print('loaded:', *sorted({heavy!r} & set(sys.modules)))\nsys.exit(code)"
     )
-    done = process(tmp_path, program=("-c", program))
-    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "loaded:")
+    with start(tmp_path, program=("-c", program)) as running:
+        shown, _ = running.communicate()
+    assert (running.returncode, shown.splitlines()[-1]) == (0, "loaded:")
 
 
 def test_a_completion_script_knows_every_command_and_bash_completes(tmp_path: Path) -> None:
@@ -503,10 +504,10 @@ ADVICE = {
 
 
 def test_advice_is_yes_no_not_sure_or_nothing_known(said: Any, tmp_path: Path) -> None:
-    for words, (code, within, verdict, start) in ADVICE.items():
+    for words, (code, within, verdict, begin) in ADVICE.items():
         done, found = said("advise", *words.split())
         assert (done, found["within_limit"], found["passed"], found["verdict"]) == (code, within, code == 0, verdict), words
-        assert found["sentence"].startswith(start)
+        assert found["sentence"].startswith(begin)
         assert ("the uncertainty reaches across the limit" in found["sentence"]) is (verdict == "undecided")
         departures = [one["errors"] for one in found["departures"]]
         assert departures == ([found["sum_of_known"]] if "blocks" in words else [])
@@ -770,16 +771,10 @@ class TestInternalErrors:
         assert "Traceback (most recent call last):" in done.stderr
         assert done.stderr.splitlines()[-1] == PLANTED + "above: please report it"
 
-    def test_of_a_process(self, tmp_path: Path) -> None:
+    def test_of_a_process(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """No traceback on the terminal, nothing on stdout; a message of many lines is one short one."""
-        program = (
-            "import sys, semi_analytic, reports.cli\n"
-            "def fails(*_, **__): raise KeyError('many\\nlines ' * 99)\n"
-            "semi_analytic.solve = fails\n"
-            "sys.argv = ['halfplane', 'exact', 'cattaneo-mindlin', '--quiet']\n"
-            "sys.exit(reports.cli.main())\n"
-        )
-        done = process(tmp_path, program=("-c", program))
+        monkeypatch.setattr("semi_analytic.solve", raising(KeyError("many\nlines " * 99)))
+        done = forked(tmp_path, "exact", "cattaneo-mindlin", "--quiet")
         assert (done.returncode, done.stdout) == (70, "")
         (line,) = done.stderr.splitlines()
         assert len(line) < 400
