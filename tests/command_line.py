@@ -79,7 +79,7 @@ def forked(
                     os.dup2(handle, stream)
                     sign = own.get("PYTHONIOENCODING", "utf-8")
                     name = ("stdin", "stdout", "stderr")[stream]
-                    setattr(sys, name, None if closed else open(stream, "w" if stream else "r", encoding=sign, closefd=False))
+                    setattr(sys, name, None if closed else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False))
                     if closed:
                         os.close(stream)
                 for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

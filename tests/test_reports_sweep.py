@@ -541,7 +541,7 @@ def store(tmp_path: Path) -> Store:
 def test_a_point_of_a_living_sweep_is_left_to_it_and_one_of_a_dead_sweep_is_taken(store: Store) -> None:
     third, fourth = ("3" * 64, "4" * 64)
     words = "import sys, time\nfrom pathlib import Path\nfrom reports.sweep.store import Locks, Store\n"
-    words += f"locks = Locks(Store(Path(sys.argv[1])))\nprint(locks.take('{third}'), flush=True)\ntime.sleep(60)"
+    words += f"locks = Locks(Store(Path(sys.argv[1])))\nprint(locks.take('{third}'), flush=True)\ntime.sleep(600)"
     owner = subprocess.Popen([sys.executable, "-c", words, store.folder], stdout=subprocess.PIPE, text=True, cwd=ROOT)
     ours = Locks(store)
     try:
@@ -614,7 +614,7 @@ def test_workers_hear_no_ctrl_c_from_birth() -> None:
     pool = Processes(1)
     pool.start()
     try:
-        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
+        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(600)
     finally:
         pool.stop(at_once=True)
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
