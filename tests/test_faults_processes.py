@@ -35,9 +35,7 @@ from halfplane_fe import FiniteElementSolution
 from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
 from reports import folder as folders
-from reports import staging
-from reports.folder import MANIFEST, FilledBefore, claim, filled
-from reports.staging import replace_text
+from reports.folder import MANIFEST, FilledBefore, claim, filled, replace_text
 from reports.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_reports_synthetic import cattaneo_mindlin
@@ -146,7 +144,7 @@ def test_what_a_dead_run_left_goes_and_the_folder_of_one_that_lives_stays(
     """After a day where nobody knows whether it is dead."""
     with monkeypatch.context() as elsewhere:
         if where != "here":
-            elsewhere.setattr(staging, "_HERE", "0123ab")
+            elsewhere.setattr("reports.folder._HERE", "0123ab")
         assert forked(tmp_path, act=lambda: dying(tmp_path)).returncode == -signal.SIGKILL
     (dead,) = os.listdir(tmp_path)
     with filled(tmp_path / "alive") as folder:
@@ -701,7 +699,7 @@ def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypa
 
     def watch(frame: FrameType, event: str, _argument: object) -> Callable[..., Any] | None:
         nonlocal lines
-        if not frame.f_code.co_filename.endswith(("folder.py", "staging.py")):
+        if not frame.f_code.co_filename.endswith("folder.py"):
             return None
         lines += event == "line"
         if lines == moment and not others:

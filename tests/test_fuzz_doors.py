@@ -32,8 +32,7 @@ from halfplane_fe.store import _write
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc
 from meshes.bodies import body_nodes, check_count, contact_nodes
 from reports.console import say, show_table
-from reports.folder import claim, default_folder, filled
-from reports.staging import replace_text
+from reports.folder import claim, default_folder, filled, replace_text
 from reports.sweep.store import Store
 from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import InputError, load_scene, text_tables

@@ -20,7 +20,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
-from reports.charts.style import style_of
+from reports.charts.templating import style_of
 from reports.cli import main
 from reports.cli.field_output import FieldsOptions
 from reports.field_output import fatigue, film

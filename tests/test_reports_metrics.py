@@ -19,10 +19,8 @@ from meshes import MeshSettings
 from problems import FEW_STEPS, fe_run
 from reports import compare, write
 from reports.comparison import Comparison, Report
-from reports.comparison.content import as_json
-from reports.comparison.cycles import events, last_cycle, sample
-from reports.comparison.metrics import METRICS, markdown
-from reports.comparison.words import unit_of
+from reports.comparison.metrics import METRICS, events, last_cycle, markdown, sample
+from reports.comparison.words import as_json, unit_of
 from reports.page.figures import draw
 from scenes import ContactSolution, InputError, Materials, Record, Scene, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES

@@ -19,8 +19,7 @@ from reports import Report, compare, write
 from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
 from reports.charts.plate import Cell, Key, Panel, Plate, stacks
 from reports.charts.publication import drawn, figure_of, write_plots
-from reports.charts.style import marked, style_of
-from reports.charts.table import harmless, table_text
+from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of

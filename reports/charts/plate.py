@@ -30,12 +30,12 @@ from reports.charts.marks import (
     Mark,
     Note,
     Rule,
+    Scale,
     Segments,
+    labels,
+    ticks,
 )
-from reports.charts.scale import Scale, labels, ticks
-from reports.charts.style import STATE_NAMES, pieces, shades, style_of
-from reports.charts.table import Table, table_text
-from reports.charts.templating import template
+from reports.charts.templating import STATE_NAMES, Table, pieces, shades, style_of, table_text, template
 
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
 _LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0

@@ -74,7 +74,7 @@ _FIELDS = FieldsOptions()
 
 def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
-    from reports.comparison.content import strict
+    from reports.comparison.words import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled
     from scenes import InputError

@@ -125,8 +125,7 @@ class FiniteElements(Output):
         given = {one.name: value for one in fields(FiniteElements) if (value := getattr(self, one.name)) is not None}
         mesh = {name: given[name] for name in given if name in MeshSettings.__dataclass_fields__}
         solver = {name: given[name] for name in given if name in SolverSettings.__dataclass_fields__}
-        start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[self.preset]()
-        return replace(start, **mesh), SolverSettings(**solver)
+        return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)
 
 
 # What a tolerance without a key is for: W, p0, a and c.
@@ -183,7 +182,7 @@ def answer(command: str, code: int, result: Mapping[str, Any], scene: str | None
 
     What is not finite in `result` becomes null. `scene` is the name of the scene; None where a command is about none.
     """
-    from reports.comparison.content import strict
+    from reports.comparison.words import strict
     from reports.console import say
 
     content = {"format": FORMAT, "command": command, "exit_code": code, "scene": scene, "result": result}

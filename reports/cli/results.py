@@ -100,7 +100,7 @@ def score(
             page = write(report, folder, command=command, seconds=dict(stages.seconds))
         code = exit_code(report.comparison)
         if options.json:
-            from reports.comparison.content import whole_content
+            from reports.comparison.words import whole_content
 
             return answer("score", code, whole_content(report, command, stages.seconds) | {"page": str(page)}, scene.name)
         _show_score(report)

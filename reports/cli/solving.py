@@ -368,12 +368,12 @@ _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdic
 
 def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> int:
     """The verdict on the terminal, or as JSON; the exit code, whose reason is the last line on stderr."""
-    from reports.comparison import expected
+    from reports.comparison import laws
     from reports.comparison.words import lead
 
     comparison, third = report.comparison, report.third
     scene = comparison.scene
-    findings = list(expected.check(scene, (comparison.reference, comparison.result)))
+    findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if not as_json:
         show_verdict(report)
         _show_uncertainty(report)
@@ -393,7 +393,7 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         code = max(exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE)
     if not as_json:
         return code
-    from reports.comparison.content import whole_content
+    from reports.comparison.words import whole_content
 
     whole = whole_content(report, "", stages.seconds)
     content = {
@@ -402,7 +402,7 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         "lead": lead(report),
         "metrics": {key: {name: metric[name] for name in _OF_A_METRIC} for key, metric in whole["metrics"].items()},
         **{name: whole["result"][name] for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
-        "expected": expected.content(findings),
+        "expected": laws.expected_content(findings),
         **{name: whole[name] for name in ("profile_fit", "notes", "seconds")},
         "page": str(page),
     }
@@ -445,10 +445,10 @@ def _show_uncertainty(report: Report) -> None:
 
 def _show_expected(findings: Sequence[Any]) -> None:
     """The numbers that the scene expects beside those found."""
-    from reports.comparison import expected
+    from reports.comparison import laws
 
     if findings:
-        show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+        show_table("Expected numbers", laws.EXPECTED_HEADS, laws.expected_rows(findings), right=(2, 3, 4, 5))
         missed, of = sum(not finding.met for finding in findings), len(findings)
         say(f"{missed} of {of} expected numbers are missed." if missed else f"All {of} expected numbers are met.")
 
@@ -495,20 +495,20 @@ _OF_ONE_ENGINE = (
 def _answer_alone(name: str, folder: Path, stages: Stages, options: Output, solution: ContactSolution, note: str = "") -> int:
     """Files and summary of one engine's answer, as command `name` prints them; `note` is kept with the answer."""
     from reports import profile_fit
-    from reports.comparison import expected
-    from reports.comparison.content import solution_content
+    from reports.comparison import laws
     from reports.comparison.laws import certificates
+    from reports.comparison.words import solution_content
 
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
     scene, path = solution.scene, write_solution(solution, folder)
-    findings, checks = list(expected.check(scene, (solution,))), certificates(solution)
+    findings, checks = list(laws.expected_numbers(scene, (solution,))), certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
     if options.json:
         whole = solution_content(solution, checks)
         content = {"passed": code == WITHIN, "admissible": admissible, **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole}}
-        content |= {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
+        content |= {"expected": laws.expected_content(findings), "file": str(path), "seconds": stages.seconds}
         return answer(name, code, content | {"profile_fit": profile_fit.content(scene)}, scene.name)
     show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
     for sentence in profile_fit.findings(scene)[0]:
@@ -522,9 +522,9 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
     import numpy as np
 
-    from reports.comparison.content import of_bulk
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import name_of, normal_work
+    from reports.comparison.words import of_bulk
     from reports.measured import load_cycles
     from reports.units import energy_unit, load_unit, units
 
@@ -583,11 +583,11 @@ _INSTANTS = (
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
-    from reports.charts.table import table_text
+    from reports.charts.templating import table_text
     from reports.cli.findings import SOLUTION
-    from reports.comparison import cycles
-    from reports.comparison.content import solution_content, strict
     from reports.comparison.laws import certificates
+    from reports.comparison.metrics import OF_BULK
+    from reports.comparison.words import solution_content, strict
     from reports.folder import filled
 
     stem = name or solution.engine
@@ -601,7 +601,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
         columns = {name: getattr(solution, name) for name in _INSTANTS} | {"iterations": solution.record.iterations}
         if solution.tilt is not None:
-            columns |= {name: getattr(solution, name) for name in cycles.OF_BULK}
+            columns |= {name: getattr(solution, name) for name in OF_BULK}
             for kind, edges in (("contact", solution.contact_edges), ("stick", solution.stick_edges)):
                 columns |= {f"{kind}_left": edges[:, 0], f"{kind}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")

@@ -173,9 +173,9 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     InputError
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
+    from reports.folder import replace_text
     from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
     from reports.maps.pages import require_free, write
-    from reports.staging import replace_text
     from reports.sweep import read_index
     from scenes import InputError
 

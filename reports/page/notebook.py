@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve
+from reports.charts.marks import Axis, Curve, limits
 from reports.charts.plate import Panel, Plate
-from reports.charts.scale import limits
-from reports.comparison.content import of_bulk
-from reports.comparison.words import bulk_and_tilt
+from reports.comparison.words import bulk_and_tilt, of_bulk
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
