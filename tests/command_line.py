@@ -65,47 +65,56 @@ def forked(
     Streams given or closed, the others kept; its files limited, in bytes, and what it takes in memory beyond what is there. With
     `act` that is done instead. The exit code is minus the signal that ended it.
     """
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors, warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside the threads of pytest's own workers
-        child = os.fork()
-        if not child:
-            code: object = 1
-            try:
-                os.chdir(folder)
-                os.environ.update(environment(**own))
-                for stream, handle in enumerate(
-                    (os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())
-                ):
-                    os.dup2(handle, stream)
-                    sign = own.get("PYTHONIOENCODING", "utf-8")
-                    name = ("stdin", "stdout", "stderr")[stream]
-                    setattr(sys, name, None if closed else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False))
-                    if closed:
-                        os.close(stream)
-                for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                    signal.signal(which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL)
-                signal.alarm(300)
-                resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
-                if memory != resource.RLIM_INFINITY:
-                    there = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-                    resource.setrlimit(resource.RLIMIT_AS, (there + memory, there + memory))
-                sys.argv = ["halfplane", *map(os.fsdecode, words)]
-                code = act() or 0
-                sys.stdout.flush()
-            except SystemExit as end:
-                code = end.code or 0
-            except BaseException:  # noqa: BLE001 (nothing may run in the copy that is the tests' own)
-                traceback.print_exc()
-            finally:
-                with contextlib.suppress(OSError):
-                    sys.stderr.flush()
-                os._exit(code if isinstance(code, int) else 1)
-        ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+    def as_a_process() -> None:
+        os.chdir(folder)
+        os.environ.update(environment(**own))
+        for stream, handle in enumerate((os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())):
+            os.dup2(handle, stream)
+            name, sign = ("stdin", "stdout", "stderr")[stream], own.get("PYTHONIOENCODING", "utf-8")
+            setattr(sys, name, None if closed else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False))
+            if closed:
+                os.close(stream)
+        for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL)
+        signal.alarm(600)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+        if memory != resource.RLIM_INFINITY:
+            there = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (there + memory, there + memory))
+        sys.argv = ["halfplane", *map(os.fsdecode, words)]
+        code = act()
+        sys.stdout.flush()
+        sys.exit(code if isinstance(code, int) else 0)
+
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors:
+        ended = os.waitstatus_to_exitcode(os.waitpid(child(as_a_process), 0)[1])
         texts = []
         for stream in (out, errors):
             stream.seek(0)
             texts.append(stream.read().decode())
     return Done(ended, *texts)
+
+
+def child(act: Callable[[], object]) -> int:
+    """The number of a copy of this process that does `act` and ends with its exit code, 1 where something was raised."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside the threads of pytest's own workers
+        number = os.fork()
+    if number:
+        return number
+    code: object = 1
+    try:
+        act()
+        code = 0
+    except SystemExit as end:
+        code = end.code or 0
+    except BaseException:  # noqa: BLE001 (nothing may run on in the copy)
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stderr.flush()
+        os._exit(code if isinstance(code, int) else 1)
 
 
 def start(

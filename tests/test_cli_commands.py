@@ -37,6 +37,7 @@ from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
 from scenes import ContactSolution, ConvergenceError, Record, TimeSeriesLoad, freeze, load_scene, scene_names, scene_text
 from score_results import exact, rows, written
+from test_reports_sweep import Bench
 from test_reports_synthetic import cattaneo_mindlin
 
 __all__ = ["COARSE", "ROOT", "environment", "everything", "halfplane", "refused"]  # of command_line.py: other files ask here
@@ -539,6 +540,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (code, f"\n{found['nodes']}, " in deck) == (0, True)
 
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    monkeypatch.setattr("reports.sweep.running.workers_of", lambda **_: Bench())
     code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
     assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2})
     assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
