@@ -1,7 +1,7 @@
 """From a comparison or a report to a folder: the page and its slider, comparison.json, CSV of each figure, NetCDF, VTU when asked.
 
-The page is one self-contained HTML file that works offline; its words are in templates/report.html. Its slider moves through the last
-cycle at a few instants and points, as whole numbers of 16 bits: the reference, and the difference in a scale of its own.
+The page is one self-contained HTML file that works offline; its words are in templates/report.html. Its slider moves through the
+last cycle at a few instants and points, as whole numbers of 16 bits: the reference, and the difference in a scale of its own.
 """
 
 from __future__ import annotations
