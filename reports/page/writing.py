@@ -157,7 +157,7 @@ def render(
         script=program,
         script_hash=digest,
         live=_as_script(dict(live) if live else {"instants": 0}),
-        _carried=_carried(dict(live)) if live else "",
+        carried=_carried(dict(live)) if live else "",
         states=STATE_KEYS,
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
