@@ -111,7 +111,7 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     write(comparison, tmp_path / "out")
     content, plain = (read_json(path / "comparison.json") for path in (tmp_path / "out", folder))
     assert (
-        "the lower body is under a bulk stress from −0.6 to 0.6 MPa along x; the upper body is tilted by 0 rad"
+        "The lower body is under a bulk stress from −0.6 to 0.6 MPa along x. The upper body is tilted by 0 rad."
         in content["question"]
     )
     assert " under bulk stress and tilt" in content["headline"]

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken shows above 1e-6.
 LIMIT = 1e-9
 # Of a foreign result: what a file of four printed digits leaves of a law that its code kept to rounding.
-PRINTED = 1e-3
+_PRINTED = 1e-3
 # Name of what was worked out from other fields of a foreign result -> nothing is checked with it that only repeats how.
 DERIVED = "derived"
 
@@ -66,7 +66,7 @@ def derived(solution: ContactSolution) -> frozenset[str]:
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """Every certificate of `solution`: from its fields first, then from its record.
 
-    Of a foreign result none that rests on a field worked out from the law itself, and the others to `PRINTED`.
+    Of a foreign result none that rests on a field worked out from the law itself, and the others to `_PRINTED`.
     """
     from_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -75,7 +75,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         from_fields["slip"] = _slip(solution)
     if "normal_load" not in derived(solution):
         from_fields["loads"] = _loads(solution)
-    limit = PRINTED if derived(solution) else LIMIT
+    limit = _PRINTED if derived(solution) else LIMIT
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
         for source, found in (("fields", from_fields), ("record", solution.record.certificates))

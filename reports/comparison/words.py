@@ -44,7 +44,8 @@ def in_template(macro: str, *values: Any) -> str:
 
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    return in_template("question", scene, *units(scene)[1:], _loads(scene, load_unit(scene)), bulk_and_tilt(scene))
+    loads = _loads(scene, load_unit(scene))
+    return in_template("question", scene, *units(scene)[1:], f"{loads[:1].upper()}{loads[1:]}", bulk_and_tilt(scene))
 
 
 def without_cycle(text: str, scene: Scene) -> str:
@@ -75,27 +76,27 @@ def _loads(scene: Scene, unit: str) -> str:
 
 
 def bulk_and_tilt(scene: Scene) -> str:
-    """Bulk stresses, tilt, moment or line of action of the loads, each after a semicolon; empty without any.
+    """Bulk stresses, tilt, moment or line of action of the loads, a sentence each; empty without any.
 
     >>> from scenes import load_scene
     >>> bulk_and_tilt(load_scene("cattaneo-mindlin").vary(load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}))
-    '; the lower body is under a bulk stress from −50 to 50 MPa along x; the upper body is tilted by 0.001 rad'
+    'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by 0.001 rad.'
     """
     load, (force, length, stress) = scene.load, units(scene)
     said = [
-        f"the {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
+        f"The {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
         for k, (name, value) in enumerate((("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)))
         if value is not None
     ]
     if load.tilt is not None:
-        said.append(f"the upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
+        said.append(f"The upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
     if load.moment is not None:
         words = _over_time(scene, "turning", 1, load.moment)
-        said.append(f"the pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
+        said.append(f"The pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
     if (line := load.line_of_action) is not None:
         height = f" and Q {number(line.height)} {length} above the contact" if line.height else ""
         said.append(f"P acts along x = {number(line.x)} {length}{height}, and the tilt follows from it")
-    return "".join(f"; {one}" for one in said)
+    return " ".join(f"{one}." for one in said)
 
 
 def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
@@ -110,7 +111,7 @@ def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") 
     return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
 
 
-def under_what(scene: Scene) -> str:
+def _under_what(scene: Scene) -> str:
     """What is beside P and Q, for a headline: " under bulk stress and tilt"; empty for nothing."""
     load = scene.load
     pulled = load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
@@ -118,19 +119,19 @@ def under_what(scene: Scene) -> str:
     return f" under {' and '.join(found)}" if found else ""
 
 
-def shape_words(shape: Shape, length: str) -> str:
+def _shape_words(shape: Shape, length: str) -> str:
     """A body with its sizes and supports.
 
     >>> from scenes import Block
-    >>> shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
-    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides guided by smooth walls'
+    >>> _shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
+    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides between smooth walls'
     """
     return in_template("shape", shape, length)
 
 
 def bodies_in_words(scene: Scene) -> str:
     """Both bodies, what holds them, where the load acts and where the gap comes from."""
-    return in_template("bodies", scene, *(shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
+    return in_template("bodies", scene, *(_shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
 
 
 def idealisation(scene: Scene) -> str:
@@ -187,7 +188,7 @@ def uncertainty_of(metric: Metric) -> str:
     return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
-def open_value_of(metric: Metric) -> str:
+def _open_value_of(metric: Metric) -> str:
     """The value with its uncertainty, where one is known."""
     return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
 
@@ -241,15 +242,27 @@ def headline(report: Report) -> str:
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
         parts = [f"{shown(size, plus=False, digits=2)} in the {_words_of(metric)}" for metric, size in sizes]
-        return f"The two solutions agree to {' and '.join(parts)}{under_what(comparison.scene)}{told}."
+        return f"The two solutions agree to {' and '.join(parts)}{_under_what(comparison.scene)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
         basis = f" (theory/finite elements − 1{told})"
         kind = "these bodies" if not comparison.scene.bodies.half_planes else "these materials"
-        return f"Half-plane theory {' and '.join(parts)} for {kind}{under_what(comparison.scene)}{basis}."
+        return f"Half-plane theory {' and '.join(parts)} for {kind}{_under_what(comparison.scene)}{basis}."
     found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
-    beside = under_what(comparison.scene)
-    return f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}."
+    beside = _under_what(comparison.scene)
+    return (
+        f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}{_worst(comparison, keys)}."
+    )
+
+
+def _worst(comparison: Comparison, named: tuple[str, ...]) -> str:
+    """The metric that is most times its tolerance, where it is not within it and not one of those `named` already."""
+    missed = [one for one in comparison.metrics if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance]
+    worst = max(missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None)
+    if worst is None or {worst.key, worst.definition.judged_by} & set(named):
+        return ""
+    size = f"{value_of(worst)} {unit_of(worst)} (tolerance {tolerance_of(worst)})"
+    return f"; furthest from its tolerance: {_inside(worst.label)}, {size}"
 
 
 def _stated(comparison: Comparison) -> str:
@@ -312,7 +325,7 @@ def said(report: Report) -> dict[str, Any]:
     }
 
 
-def verdict_content(report: Report) -> dict[str, Any]:
+def _verdict_content(report: Report) -> dict[str, Any]:
     """The verdict and what it rests on, for the files and the terminal's JSON alike."""
     comparison = report.comparison
     return {
@@ -350,7 +363,7 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
                 "reference": _amount_words(reference * factor),
                 "result": _amount_words(result * factor),
                 "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
-                "difference": difference_of(metric),
+                "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
                 "tolerance": tolerance_of(metric),
                 "note": metric.note,
@@ -375,12 +388,12 @@ def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]
     return heads, [tuple(row[key] for key in keys) for row in rows]
 
 
-def difference_of(metric: Metric) -> str:
+def _difference_of(metric: Metric) -> str:
     """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
     if metric.value is None:
         return "–"
     if not math.isfinite(metric.value) or metric.absolute:
-        return open_value_of(metric)
+        return _open_value_of(metric)
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
     if not re.search("[1-9]", words.partition("±")[0]):
@@ -441,7 +454,7 @@ def verdict(report: Report) -> str:
 def _listed(comparison: Comparison, state: Verdict) -> str:
     """The metrics of that verdict with value, uncertainty and tolerance; empty where there are none."""
     return ", ".join(
-        f"{_inside(metric.label)} ({open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
+        f"{_inside(metric.label)} ({_open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
         for metric in comparison.metrics
         if metric.verdict is state
     )
@@ -551,7 +564,7 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
             amount(one.rest, one.metric, plus=True),
             "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric),
-            judgement(one),
+            _judgement(one),
             one.judged.verdict or "–",
         )
         for one in budget.budgets
@@ -568,7 +581,7 @@ def share(term: Term, metric: Metric) -> str:
     return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
 
 
-def judgement(budget: Budget) -> str:
+def _judgement(budget: Budget) -> str:
     """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
     if budget.resolved is None:
         return "not known: a term was not measured"
@@ -585,7 +598,7 @@ def cost(budget: ErrorBudget) -> str:
     return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
 
 
-def honest_of(report: Report, metric: Metric) -> str:
+def _honest_of(report: Report, metric: Metric) -> str:
     """Yes, no, or not assessed."""
     if report.budget is None or metric.key not in {one.metric.key for one in report.budget.budgets}:
         return "not assessed"
@@ -594,7 +607,7 @@ def honest_of(report: Report, metric: Metric) -> str:
 
 def honesty(report: Report) -> bool | None:
     """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
-    found = [honest_of(report, metric) for metric in report.comparison.headlines]
+    found = [_honest_of(report, metric) for metric in report.comparison.headlines]
     return None if set(found) == {"not assessed"} else "no" not in found
 
 
@@ -616,7 +629,7 @@ def _metric(budget: Budget) -> dict[str, Any]:
         "u": budget.uncertainty,
         "resolved": budget.resolved,
         "honest": budget.honest,
-        "verdict": judgement(budget),
+        "verdict": _judgement(budget),
     }
 
 
@@ -668,7 +681,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "format": FORMAT,
         **said(report),
         "profile_fit": fit_content(comparison.scene),
-        "verdict": verdict_content(report),
+        "verdict": _verdict_content(report),
         "scales": {
             "P_ref": scales.normal_load,
             "a_ref": scales.half_width,
@@ -710,7 +723,7 @@ def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
         "tolerance": metric.tolerance,
         "accurate": metric.accurate,
         "verdict": metric.verdict,
-        "honest": {"yes": True, "no": False}.get(honest_of(report, metric)),
+        "honest": {"yes": True, "no": False}.get(_honest_of(report, metric)),
         "absolute": metric.absolute,
         "amounts": metric.amounts,
         "signed": metric.definition.signed,
