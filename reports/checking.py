@@ -367,16 +367,13 @@ def bulk_in_words(found: BulkAndTilt) -> str:
     if found.strain:
         said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
     if (share := found.share_of_moderate) is not None:
-        measure = ""
         if found.eccentricity is not None:
-            measure = f"the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}, and "
-        rule = (
-            "moderate, for where it goes with Q both ends of the contact slip one way"
-            if share <= 1 + 1e-9
-            else "large: the ends of the contact slip opposite ways at times"
-        )
+            said.append(f"By its amplitude in the cycle the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}.")
         limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
-        said.append(f"By its amplitude in the cycle {measure}it {limit}: {rule}.")
+        said.append(f"Its amplitude in the cycle {limit}.")
+        moderate = "moderate: where it goes with Q both ends of the contact slip one way"
+        large = "large: the ends of the contact slip opposite ways at times"
+        said.append(f"That is {moderate if share <= 1 + 1e-9 else large}.")
     if found.centre:
         said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
     return " ".join(said)
@@ -398,15 +395,21 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
 
 
 def in_words(scene: Scene, found: LargestContact) -> str:
-    """The same as a sentence."""
+    """The same in sentences."""
     _, length, stress = units(scene)
-    shares = {**found.ratios, "p0/E*": found.strain} if np.isfinite(found.peak_pressure) else found.ratios
-    listed = ", ".join(f"{name} = {value:.4g}" for name, value in shares.items())
-    peak = f"{found.peak_pressure:.4g} {stress}" if np.isfinite(found.peak_pressure) else "infinite at the tip"
-    return (
-        f"At the largest load, P = {number(found.normal_load)} {load_unit(scene)}, half-plane theory gives the half-width "
-        f"a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}: {listed}."
-    )
+    finite = np.isfinite(found.peak_pressure)
+    peak = f"{found.peak_pressure:.4g} {stress}" if finite else "infinite at the tip"
+    said = [
+        f"The largest load is P = {number(found.normal_load)} {load_unit(scene)}.",
+        f"There half-plane theory gives the half-width a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}.",
+    ]
+    ratios = found.ratios | ({"p0/E*": found.strain} if finite else {})
+    of_bodies = [name.startswith(("lower", "upper")) for name in ratios]
+    for words, wanted in (("Ratios", False), ("Bodies", True)):
+        listed = [f"{name} = {ratios[name]:.4g}" for name, body in zip(ratios, of_bodies, strict=True) if body is wanted]
+        if listed:
+            said.append(f"{words}: {', '.join(listed)}.")
+    return " ".join(said)
 
 
 def remarks(scene: Scene, found: LargestContact) -> list[str]:

@@ -20,13 +20,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.charts.table import markdown_table
-from reports.charts.templating import template
+from reports.charts.templating import markdown_table, template
 from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison import words
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.console import say
-from reports.staging import replace_text
+from reports.folder import replace_text
 from reports.units import energy_unit, minus, units
 from scenes import Expected, InputError, Scene, load_scene, scene_names
 
@@ -91,8 +90,8 @@ def half_plane_findings(name: str) -> Findings:
 def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its own points."""
     from reports.comparison import Report
-    from reports.comparison.content import as_json
-    from reports.comparison.expected import measure
+    from reports.comparison.laws import measure
+    from reports.comparison.words import as_json
 
     name = comparison.scene.name
     both, alone = of_content(json.loads(as_json(Report(comparison))), name), half_plane_findings(name)

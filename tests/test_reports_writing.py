@@ -19,18 +19,18 @@ from reports import Report, compare, write
 from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
 from reports.charts.plate import Cell, Key, Panel, Plate, stacks
 from reports.charts.publication import drawn, figure_of, write_plots
-from reports.charts.style import marked, style_of
-from reports.charts.table import harmless, table_text
+from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
 from reports.folder import MANIFEST
 from reports.page.figures import draw
+from reports.sweep import running
 from reports.sweep.page import write_page
-from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
 from scenes import Scene, load_scene, scene_names
+from test_reports_sweep import Bench
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
@@ -111,7 +111,7 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     write(comparison, tmp_path / "out")
     content, plain = (read_json(path / "comparison.json") for path in (tmp_path / "out", folder))
     assert (
-        "the lower body is under a bulk stress from −0.6 to 0.6 MPa along x; the upper body is tilted by 0 rad"
+        "The lower body is under a bulk stress from −0.6 to 0.6 MPa along x. The upper body is tilted by 0 rad."
         in content["question"]
     )
     assert " under bulk stress and tilt" in content["headline"]
@@ -250,7 +250,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     store, points = Store(home / "sweep"), expand(study)
     store.prepare()
     store.write_plan(json.loads(study.model_dump_json()), [Planned(p.number, p.address, p.coordinates) for p in points])
-    run(study, store.folder, workers=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(running, "workers_of", lambda **_: Bench())
+        running.run(study, store.folder)
     store.write({"address": points[0].address, "status": "failed", "values": {}, "figures": {}, "seconds": 1.0, "reason": EVIL})
     report = write(Report(evil(), guesses=(EVIL,)), home / "report", command=EVIL, log=(EVIL,))
     return {"report": report, "sweep": write_page(store)}

@@ -20,9 +20,9 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports.cli.scene_files import tagged
-from reports.comparison import Report, compare, expected
-from reports.comparison.content import as_json
+from reports.comparison import Report, compare, laws
 from reports.comparison.laws import certificates
+from reports.comparison.words import as_json
 from scenes import (
     ContactSolution,
     EllipseLoad,
@@ -144,7 +144,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
     solution = halfplane_fe.solve(scene, mesh=MeshSettings.coarse())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
-    for finding in expected.check(scene, [solution]):
+    for finding in laws.expected_numbers(scene, [solution]):
         limit = 0.15 if finding.expected.quantity == "dissipation" else max(0.04, finding.expected.tolerance)
         assert abs(finding.difference) <= limit, finding
 
@@ -153,7 +153,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
     scene = load_scene(name)
-    findings = list(expected.check(scene, [halfplane_fe.solve(scene)]))
+    findings = list(laws.expected_numbers(scene, [halfplane_fe.solve(scene)]))
     assert not [one for one in findings if not one.met]
 
 
@@ -256,15 +256,15 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(name: str, 
     work = mindlin.dissipation
     one = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
     answer = replace(mindlin, permanent_stick_half_width=math.nan)
-    (found,) = expected.check(answer.scene.vary(expected=(one,)), [answer])
+    (found,) = laws.expected_numbers(answer.scene.vary(expected=(one,)), [answer])
     assert found.met is (name == "right")
     assert found.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
-    row = expected.rows([found])[0]
+    row = laws.expected_rows([found])[0]
     assert (row[-1] == "no", row[3] == "none") == (not found.met, "no " in name)
 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
-    assert [one.expected.engine for one in expected.check(mindlin.scene, [mindlin])] == [THEORY] * 3
+    assert [one.expected.engine for one in laws.expected_numbers(mindlin.scene, [mindlin])] == [THEORY] * 3
     content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
     assert [one["met"] for one in content] == [True] * 3
     assert {"quantity", "value", "tolerance", "engine", "source", "found", "difference", "met"} == set(content[0])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from command_line import ROOT
 from reports.checking import largest_contact
-from reports.page.bodies import fit_residuals
+from reports.page.figures import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, lean
 from scenes import (
     Block,

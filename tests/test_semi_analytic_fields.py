@@ -9,7 +9,7 @@ import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
 from problems import errors, problems
-from reports.comparison import expected
+from reports.comparison import laws
 from scenes import (
     CallableProfile,
     Compound,
@@ -147,7 +147,7 @@ def test_every_scene_of_the_library_keeps_the_laws_and_meets_what_is_expected_of
     scene = load_scene(name)
     answer = solve(scene)
     assert broken_laws(scene, answer) == set()
-    findings = list(expected.check(scene, [answer]))
+    findings = list(laws.expected_numbers(scene, [answer]))
     assert findings
     assert not [one for one in findings if not one.met]
 

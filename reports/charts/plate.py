@@ -30,15 +30,15 @@ from reports.charts.marks import (
     Mark,
     Note,
     Rule,
+    Scale,
     Segments,
+    labels,
+    ticks,
 )
-from reports.charts.scale import Scale, labels, ticks
-from reports.charts.style import STATE_NAMES, pieces, shades, style_of
-from reports.charts.table import Table, table_text
-from reports.charts.templating import template
+from reports.charts.templating import STATE_NAMES, Table, pieces, shades, style_of, table_text, template
 
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
-_LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
+_LEFT, RIGHT, _TOP, _BOTTOM, _LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
 _LONG_LINE, _STRIP = 2000, 1.0
@@ -77,8 +77,8 @@ class Panel:
     @property
     def frame(self) -> Frame:
         """The area that the marks lie in."""
-        above = TOP + LINE * (len(self.notes) + bool(self.title))
-        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, BOTTOM if self.x.words else 24.0)
+        above = _TOP + _LINE * (len(self.notes) + bool(self.title))
+        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, _BOTTOM if self.x.words else 24.0)
         (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
         across, up = self.width - left - right, self.height - top - bottom
         if self.equal:
@@ -361,7 +361,7 @@ class _Pen:
                 given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)
                 anchor = None if mark.anchor == "start" else mark.anchor
                 return "".join(
-                    self.words(x, y + LINE * k, line, mark.css, text_anchor=anchor, **given)
+                    self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
                     for k, line in enumerate(mark.text.split("\n"))
                 )
             case Arrow():
@@ -460,8 +460,8 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
-    first = top - 7.0 - LINE * (len(lines) - 1)
-    parts += [pen.words(left if css == "title" else 24.0, first + LINE * k, text, css) for k, (text, css) in enumerate(lines)]
+    first = top - 7.0 - _LINE * (len(lines) - 1)
+    parts += [pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css) for k, (text, css) in enumerate(lines)]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)

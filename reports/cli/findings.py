@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from reports.comparison.metrics import Verdict, energy_scale, verdict_on
-from reports.staging import replace_text
+from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import first_line, present_names
 from scenes.files import parsed_json, text_of
@@ -112,7 +112,7 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
 
 def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
-    from reports.comparison.content import solution_content, strict
+    from reports.comparison.words import solution_content, strict
 
     return _of_answer({**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}, source)
 

@@ -1,12 +1,10 @@
 """What was compared: two solutions of one scene side by side, every metric with its uncertainty and verdict.
 
-cycles.py       the last cycle of a solution, and one solution put on the points and instants of another
-metrics.py      the metrics: one table of words, needs, functions and tolerances
-laws.py         the laws of contact that an answer obeys, whoever is right
+metrics.py      the last cycle of a solution, on the points of another; the metrics: words, needs, functions, tolerances
+laws.py         the laws of contact that an answer obeys, whoever is right; the numbers that a scene expects
 convergence.py  order and value at size zero of a ladder of solutions
 budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation
-expected.py     the numbers that a scene expects
-words.py        all of that in sentences and cells
+words.py        all of that in sentences, cells and JSON
 """
 
 from __future__ import annotations
@@ -15,7 +13,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from reports.comparison.cycles import last_cycle, sample, sample_instants
 from reports.comparison.laws import Certificate, certificates
 from reports.comparison.metrics import (
     LIGHT,
@@ -25,8 +22,11 @@ from reports.comparison.metrics import (
     Verdict,
     are_half_planes,
     judge,
+    last_cycle,
     missing,
     name_of,
+    sample,
+    sample_instants,
     scales,
     tolerances_of,
 )

@@ -42,7 +42,7 @@ _FIELDS = {
 
 
 # Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is one.
-Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
+_Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
 _LARGEST = 0.25  # of MeshSettings, over the contact half-width
 _LEAST_RATIO = 1.2
@@ -142,7 +142,7 @@ def coarser(mesh: MeshSettings, settings: SolverSettings, factor: float) -> tupl
     return replace(mesh, element_size=middle, edge_element_size=edges), settings
 
 
-def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: Stage, coarsenings: int = 3) -> Ladders:
+def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: _Stage, coarsenings: int = 3) -> Ladders:
     """Solve every rung of a run that was cut by `mesh` and iterated by `settings`.
 
     With three coarser meshes, their size ratio r, the rungs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve
+from reports.charts.marks import Axis, Curve, limits
 from reports.charts.plate import Panel, Plate
-from reports.charts.scale import limits
-from reports.comparison.content import of_bulk
-from reports.comparison.words import bulk_and_tilt
+from reports.comparison.words import bulk_and_tilt, of_bulk
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
@@ -50,7 +48,7 @@ def scene_html(scene: Scene) -> str:
         ("load", scene.load.kind.replace("_", " ")),
         ("P", f"{normal.min():.6g} to {normal.max():.6g}"),
         ("Q", f"{tangential.min():.6g} to {tangential.max():.6g}"),
-        *([("beside P and Q", beside.removeprefix("; "))] if (beside := bulk_and_tilt(scene)) else []),
+        *([("beside P and Q", beside)] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
     return _table_html(scene.title or scene.name or "Scene", rows, _loop_svg(normal, tangential, "P", "Q"))
