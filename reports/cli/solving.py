@@ -253,8 +253,8 @@ def run(scene: str, options: Options) -> Answer:
                     raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
             complain(f"halfplane: {scene.name}: no comparison. {alone}")
             if taken.half_plane:
-                return _answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone)
-            return _answer_alone(folder, stages, _solve_half_plane(scene, stages), alone)
+                return replace(_answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone), command="fe")
+            return replace(_answer_alone(folder, stages, _solve_half_plane(scene, stages), alone), command="exact")
         if options.third:
             from reports.third.calculix import find_calculix
 
