@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from reports.comparison.laws import Certificate, certificates
 from reports.comparison.metrics import (
@@ -34,6 +34,9 @@ from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
+    from reports.scoring.diagnosis import Diagnosis
+    from reports.scoring.study import Study
+    from reports.third.calculix import ThirdSolver
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,18 +117,17 @@ class Report:
     comparison : what was compared; its metrics have the uncertainties of the budget
     budget : where the error of every metric comes from, where that was measured
     guesses : what was taken for granted of somebody else's result, to be read before anything else
-    diagnoses : the likely causes of somebody else's difference, `scoring.diagnosis.Diagnosis`, the strongest first
-    study : what the result's own coarser meshes say, where it came as a folder of them, a `scoring.study.Study`
-    third : the answer of another code to the same scene, a `third.calculix.ThirdSolver`
+    diagnoses : the likely causes of somebody else's difference, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them
+    third : the answer of another code to the same scene
     """
 
     comparison: Comparison
     budget: ErrorBudget | None = None
     guesses: tuple[str, ...] = ()
-    # What makes these compares by this module, so that it cannot import their types.
-    diagnoses: tuple[Any, ...] = ()
-    study: Any = None
-    third: Any = None
+    diagnoses: tuple[Diagnosis, ...] = ()
+    study: Study | None = None
+    third: ThirdSolver | None = None
 
     @property
     def honest(self) -> str:
