@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.charts.templating import markdown_table, template
-from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison import words
+from reports.comparison.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.console import say

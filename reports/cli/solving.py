@@ -491,7 +491,7 @@ _INSTANTS = (
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
     from reports.charts.templating import table_text
-    from reports.cli.findings import SOLUTION
+    from reports.comparison.findings import SOLUTION
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import OF_BULK
     from reports.comparison.words import solution_content, strict
