@@ -20,7 +20,7 @@ import pandas as pd
 import pytest
 
 import semi_analytic
-from command_line import COARSE, ROOT, Done, environment, everything, halfplane, process, raising, refused, sentence
+from command_line import COARSE, ROOT, Done, environment, everything, forked, halfplane, raising, refused, sentence, start
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
@@ -36,6 +36,7 @@ from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
 from scenes import ContactSolution, ConvergenceError, Record, TimeSeriesLoad, freeze, load_scene, scene_names, scene_text
 from score_results import exact, rows, written
+from test_reports_sweep import Bench
 from test_reports_synthetic import cattaneo_mindlin
 
 __all__ = ["COARSE", "ROOT", "environment", "everything", "halfplane", "refused"]  # of command_line.py: other files ask here
@@ -258,8 +259,9 @@ def test_help_loads_nothing_heavy(tmp_path: Path) -> None:
         "code += sum(main([*name.split(), '--help']) for name in [*app, 'sweep status'] if name[0] != '-')\n"
         f"print('loaded:', *sorted({heavy!r} & set(sys.modules)))\nsys.exit(code)"
     )
-    done = process(tmp_path, program=("-c", program))
-    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "loaded:")
+    with start(tmp_path, program=("-c", program)) as running:
+        shown, _ = running.communicate()
+    assert (running.returncode, shown.splitlines()[-1]) == (0, "loaded:")
 
 
 def test_a_completion_script_knows_every_command_and_bash_completes(tmp_path: Path) -> None:
@@ -505,10 +507,10 @@ ADVICE = {
 
 
 def test_advice_is_yes_no_not_sure_or_nothing_known(said: Any, tmp_path: Path) -> None:
-    for words, (code, within, verdict, start) in ADVICE.items():
+    for words, (code, within, verdict, begin) in ADVICE.items():
         done, found = said("advise", *words.split())
         assert (done, found["within_limit"], found["passed"], found["verdict"]) == (code, within, code == 0, verdict), words
-        assert found["sentence"].startswith(start)
+        assert found["sentence"].startswith(begin)
         assert ("the uncertainty reaches across the limit" in found["sentence"]) is (verdict == "undecided")
         departures = [one["errors"] for one in found["departures"]]
         assert departures == ([found["sum_of_known"]] if "blocks" in words else [])
@@ -540,6 +542,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (code, f"\n{found['nodes']}, " in deck) == (0, True)
 
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    monkeypatch.setattr("reports.sweep.running.workers_of", lambda **_: Bench())
     code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
     assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2})
     assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
@@ -772,16 +775,10 @@ class TestInternalErrors:
         assert "Traceback (most recent call last):" in done.stderr
         assert done.stderr.splitlines()[-1] == PLANTED + "above: please report it"
 
-    def test_of_a_process(self, tmp_path: Path) -> None:
+    def test_of_a_process(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """No traceback on the terminal, nothing on stdout; a message of many lines is one short one."""
-        program = (
-            "import sys, semi_analytic, reports.cli\n"
-            "def fails(*_, **__): raise KeyError('many\\nlines ' * 99)\n"
-            "semi_analytic.solve = fails\n"
-            "sys.argv = ['halfplane', 'exact', 'cattaneo-mindlin', '--quiet']\n"
-            "sys.exit(reports.cli.main())\n"
-        )
-        done = process(tmp_path, program=("-c", program))
+        monkeypatch.setattr("semi_analytic.solve", raising(KeyError("many\nlines " * 99)))
+        done = forked(tmp_path, "exact", "cattaneo-mindlin", "--quiet")
         assert (done.returncode, done.stdout) == (70, "")
         (line,) = done.stderr.splitlines()
         assert len(line) < 400

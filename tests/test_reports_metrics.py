@@ -22,7 +22,7 @@ from reports.comparison import Comparison, Report
 from reports.comparison.metrics import METRICS, events, last_cycle, markdown, sample
 from reports.comparison.words import as_json, unit_of
 from reports.page.figures import draw
-from scenes import ContactSolution, InputError, Materials, Record, Scene, SurfaceState, freeze, load_scene
+from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
 
@@ -549,9 +549,7 @@ def test_light_instants_are_shown_and_not_judged() -> None:
     assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in found.notes)
 
 
-@pytest.mark.parametrize(
-    "name", ["hertz-paper", "flat-rounded-paper", "full-stick", "hertz-normal", "cylinder-roller-frictionless"]
-)
+@pytest.mark.parametrize("name", ["hertz-paper", "full-stick", "cylinder-roller-frictionless"])
 def test_half_plane_theory_against_itself(name: str) -> None:
     """Every metric is exactly 0 or says in words why it does not apply."""
     exact = semi_analytic.solve(load_scene(name))
@@ -580,44 +578,6 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
     planted = {key for _, amounts, also, _ in FAULTS.values() for key in (*amounts, *also.split())}
     # See test_step_error_stands_apart, test_tension_at_the_trailing_edge.
     assert set(METRICS) - planted == {"dissipation_step", "edge_tension"}
-
-
-# E* = R = 1 and f = 1: P = 3, Q between +-1.8, and the bulk strain between +-0.3 in phase; or the upper body tilted by 0.2.
-BULK_SCENE = {
-    "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
-    "profile": {"kind": "hertz", "radius": 1.0},
-    "friction": 1.0,
-    "load": {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]},
-}
-
-
-@pytest.mark.parametrize(
-    ("stated", "wrong", "caught"),
-    [
-        # The mirror image of Q turned: loop, bulk term and W are alike, and the stick zone is on the other side.
-        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": (0, -0.6, 0.6)}, {"stick_eccentricity": -0.6}),
-        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": 0.0},
-         {"stick_eccentricity": -0.3, "bulk_work": None, "hysteresis_with_bulk": None, "dissipation": -0.3458294}),
-        ({"tilt": 0.2}, {"tilt": -0.2}, {"contact_centre": 0.4, "stick_eccentricity": 0.4, "moment": 0.4, "tilt": None}),
-        ({"line_of_action": {"x": 0.1}}, {"line_of_action": {"x": -0.1}}, {"contact_centre": -0.2, "moment": -0.2, "tilt": None}),
-    ],
-    ids=["bulk turned", "bulk left out", "tilt turned", "load beside its line"],
-)  # fmt: skip
-def test_an_engine_with_another_bulk_stress_or_tilt_is_caught(
-    stated: dict[str, Any], wrong: dict[str, Any], caught: dict[str, float | None]
-) -> None:
-    scene, other = (Scene.model_validate(BULK_SCENE).vary(load=keys) for keys in (stated, wrong))
-    x = np.linspace(-2.6, 2.6, 201)
-    right = semi_analytic.solve(scene, x=x)
-    found = compare(right, with_fields(semi_analytic.solve(other, x=x, time=right.time), scene=scene))
-    assert not compare(right, right).metric("dissipation").value
-    for key, lengths in caught.items():
-        value = found.metric(key).value
-        assert abs(value) > 0.01, key
-        if lengths is not None:
-            # W is relative already; the moment of a parabola's pressure is P times the way of its centre.
-            unit = 1.0 if key == "dissipation" else 1 / found.scales.half_width
-            assert value == pytest.approx(lengths * unit, rel=1e-6, abs=1e-9), key
 
 
 def test_tension_at_the_trailing_edge() -> None:
@@ -669,15 +629,15 @@ FINE = cattaneo_mindlin(steps_per_leg=40, points=321)
 
 
 def test_stated_interpolation_error_is_honest() -> None:
-    """The truth is known here: of 320 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
+    """The truth is known here: of 107 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
     like = last_cycle(ROUGH)
     smaller = 0
-    for points in range(100, 420):
+    for points in range(100, 420, 3):
         found = sample(last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form")
         if found.interpolation:
             error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
             smaller += error > found.interpolation["pressure"]
-    assert smaller <= 3
+    assert smaller <= 1
 
 
 def test_interpolation_in_time_and_space_is_said() -> None:
@@ -789,15 +749,6 @@ def test_edges_places_and_instants_are_known_to_what_is_stated_and_the_dissipati
     # The three dissipations: W_fe/W_polygon * W_polygon/W_smooth.
     total, other, step = (paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step"))
     assert (1 + step) * (1 + other) == pytest.approx(1 + total, rel=1e-13)
-
-
-def test_reference_on_its_own_grid_is_interpolated_and_says_so(paper: Comparison) -> None:
-    own = compare(semi_analytic.solve(paper.scene), paper.result)
-    assert any("was interpolated" in note for note in own.notes)
-    assert own.metric("dissipation").value == pytest.approx(paper.metric("dissipation").value, abs=1e-9)
-    stated = own.expected.interpolation["pressure"]
-    difference = np.max(np.abs(own.expected.pressure - paper.expected.pressure)) / paper.expected.pressure.max()
-    assert 0 < difference <= stated
 
 
 def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(tmp_path: Path) -> None:

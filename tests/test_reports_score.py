@@ -597,9 +597,8 @@ def example_scored(name: str) -> Report:
     return measure.scored(EXAMPLES[name])
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("calculix", marks=pytest.mark.slow), "kratos", pytest.param("abaqus", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_scores_what_it_and_its_page_say(name: str) -> None:
     """Where a rule of the score was changed on purpose: python docs/examples/score/measure.py."""
     found, shipped = measure.numbers(example_scored(name)), SHIPPED[name]

@@ -24,11 +24,12 @@ from reports.comparison import Comparison
 from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
 from reports.page.figures import draw
+from reports.sweep import running
 from reports.sweep.page import write_page
-from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
 from scenes import Scene, load_scene, scene_names
+from test_reports_sweep import Bench
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
@@ -248,7 +249,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     store, points = Store(home / "sweep"), expand(study)
     store.prepare()
     store.write_plan(json.loads(study.model_dump_json()), [Planned(p.number, p.address, p.coordinates) for p in points])
-    run(study, store.folder, workers=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(running, "workers_of", lambda **_: Bench())
+        running.run(study, store.folder)
     store.write({"address": points[0].address, "status": "failed", "values": {}, "figures": {}, "seconds": 1.0, "reason": EVIL})
     report = write(Report(evil(), guesses=(EVIL,)), home / "report", command=EVIL, log=(EVIL,))
     return {"report": report, "sweep": write_page(store)}
