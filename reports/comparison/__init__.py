@@ -4,8 +4,8 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
 
     metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle` `Event` `events` `OF_BULK`;
                     the metrics, one table of words, needs, functions, tolerances: `METRICS` `Metric` `missing` `norm` `over`
-                    `shares` `scales` `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes` `name_of` `compliance`
-                    `energy_scale` `bulk_strain` `bulk_strains` `bulk_work` `loop_work` `normal_work`
+                    `shares` `scales` `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes` `name_of`
+                    `compliance` `energy_scale` `bulk_strain` `bulk_strains` `bulk_work` `loop_work` `normal_work`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
                     `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
