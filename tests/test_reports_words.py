@@ -18,7 +18,6 @@ import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.charts.marks import Arrow, Curve, Note
-from reports.cli.solving import summary_rows
 from reports.comparison.metrics import METRICS, Metric, normal_work
 from reports.comparison.words import (
     beyond_theory,
@@ -28,6 +27,7 @@ from reports.comparison.words import (
     idealisation,
     lead,
     question,
+    summary_rows,
     tolerance_of,
     unit_of,
     unlike_materials,

@@ -20,9 +20,8 @@ from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, G
 from reports.charts.plate import Cell, Key, Panel, Plate, stacks
 from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.templating import harmless, marked, style_of, table_text
-from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
-from reports.comparison.words import value_of
+from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
 from reports.page.figures import draw
 from reports.sweep import running
@@ -221,7 +220,7 @@ class TestNotebook:
         solution = semi_analytic.solve(load_scene("hertz-paper"))
         words = "".join(ET.fromstring(solution._repr_html_()).itertext())
         assert f"{solution.dissipation:.6g}" in words
-        assert "semi_analytic" in words
+        assert "half-plane theory" in words
         shown = ET.fromstring(comparison._repr_html_())
         words = "".join(shown.itertext())
         assert "Not within tolerance." in words
