@@ -116,7 +116,13 @@ def _told(row: Command, found: Answer, options: Options) -> int:
     if options.json and found.result is not None:
         from reports.comparison.words import strict
 
-        content = {"format": FORMAT, "command": row.name, "exit_code": found.code, "scene": found.scene, "result": found.result()}
+        content = {
+            "format": FORMAT,
+            "command": found.command or row.name,
+            "exit_code": found.code,
+            "scene": found.scene,
+            "result": found.result(),
+        }
         say(dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False))
     elif not (options.quiet and row.silent):
         show(found.shown)

@@ -355,12 +355,14 @@ class Answer:
     shown : lines and tables for the terminal, made when they are printed
     result : what --json prints as "result", not finite numbers among it, made when it is printed; None: there is no JSON of it
     scene : name of the scene; None where a command is about none
+    command : whose answer it is, where not that of the command given
     """
 
     code: int
     shown: Iterable[Part] = ()
     result: Callable[[], Mapping[str, Any]] | None = None
     scene: str | None = None
+    command: str = ""
 
 
 def answer_schema() -> dict[str, Any]:

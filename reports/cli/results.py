@@ -15,8 +15,8 @@ from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
 
 if TYPE_CHECKING:
-    from reports.cli.findings import Difference, Row
     from reports.comparison import Report
+    from reports.comparison.findings import Difference, Row
     from reports.maps.advice import Advice
     from reports.scoring.mapping import Mapping
     from scenes import Scene
@@ -133,7 +133,7 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
 # ------------------------------------------------------------------------------------------------- two runs, or one and a baseline
 def diff(a: str, b: str, options: Options) -> Answer:
     """The table of A and B; with --accept B becomes a baseline of A."""
-    from reports.cli.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
+    from reports.comparison.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
     from scenes import InputError
 
     given, path, first = tolerances_of(options.tolerance), Path(b), read_findings(a)
@@ -153,7 +153,7 @@ def diff(a: str, b: str, options: Options) -> Answer:
 
 
 def _difference_shown(found: Difference) -> Iterator[Part]:
-    from reports.cli.findings import SAME
+    from reports.comparison.findings import SAME
 
     shown = [_cells(row) for row in found.rows if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))]
     title = f"{found.scene}: A = {found.a}, B = {found.b}"

@@ -39,6 +39,7 @@ def read(source: str) -> Scene:
 
 def at_work(source: str, options: Options, work: Callable[[Scene, Path, Stages], Answer]) -> Answer:
     """Read the scene, claim the folder, do the work of a command; what was solved before a failure is kept there."""
+    from reports.comparison.words import summary_rows
     from reports.folder import claim, default_folder
     from scenes import ConvergenceError, InputError, Interrupted
 
@@ -253,8 +254,8 @@ def run(scene: str, options: Options) -> Answer:
                     raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
             complain(f"halfplane: {scene.name}: no comparison. {alone}")
             if taken.half_plane:
-                return _answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone)
-            return _answer_alone(folder, stages, _solve_half_plane(scene, stages), alone)
+                return replace(_answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone), command="fe")
+            return replace(_answer_alone(folder, stages, _solve_half_plane(scene, stages), alone), command="exact")
         if options.third:
             from reports.third.calculix import find_calculix
 
@@ -457,7 +458,7 @@ def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note:
     """Files and summary of one engine's answer; `note` is kept with the answer."""
     from reports import profile_fit
     from reports.comparison.laws import certificates, expected_content, expected_numbers
-    from reports.comparison.words import solution_content
+    from reports.comparison.words import solution_content, summary_rows
 
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
@@ -481,63 +482,6 @@ def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note:
     return Answer(code, shown(), result, scene.name)
 
 
-def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """What a person wants to know first, as (quantity, value)."""
-    import numpy as np
-
-    from reports.comparison.laws import certificates
-    from reports.comparison.metrics import name_of, normal_work
-    from reports.comparison.words import of_bulk
-    from reports.measured import load_cycles
-    from reports.units import energy_unit, load_unit, units
-
-    def or_none(value: float) -> str:
-        return "none" if np.isnan(value) else f"{value:.10g}"
-
-    load, (_, length, stress), work = load_unit(solution.scene), units(solution.scene), energy_unit(solution.scene)
-    beside = of_bulk(solution)
-    checks, apart = certificates(solution), solution.dissipation_uncertainty
-    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
-    dissipation = or_none(solution.dissipation)
-    if not np.isnan(apart):
-        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
-    # A path that does not repeat is one cycle.
-    cycle = "of the whole path" if solution.scene.load.path().period is None else "of the last cycle"
-    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
-    rows = [
-        ("engine", name_of(solution.engine)),
-        ("how it ended", solution.record.message),
-        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
-        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
-        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
-        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
-        (f"permanent stick half-width [{length}]", or_none(solution.permanent_stick_half_width)),
-        (f"dissipation {cycle} [{work}]", dissipation),
-    ]
-    if beside:
-        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.insert(-1, (f"ends of permanent stick [{length}]", ", ".join(map(or_none, ends))))
-    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
-        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
-    if np.isfinite(solution.loop_work):
-        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
-        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
-        if beside.get("bulk_work"):
-            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
-        if (normal := normal_work(solution)) is not None:
-            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
-            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
-    if cycles := load_cycles(solution):
-        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
-    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
-    rows.extend(("note", note) for note in solution.record.notes)
-    # What the engine counted of its own work is in the file beside it, and on the page.
-    rows.extend((f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
-    return rows
-
-
 _INSTANTS = (
     *("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"),
     *("tangential_displacement", "normal_approach"),
@@ -547,7 +491,7 @@ _INSTANTS = (
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
     from reports.charts.templating import table_text
-    from reports.cli.findings import SOLUTION
+    from reports.comparison.findings import SOLUTION
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import OF_BULK
     from reports.comparison.words import solution_content, strict

@@ -12,10 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.comparison.laws import Certificate, derived, expected_content, expected_numbers
-from reports.comparison.metrics import Metric, Verdict, are_half_planes, bulk_work, coupled, last_cycle, name_of
+from reports.comparison.laws import (
+    OF_UNSYMMETRIC,
+    QUANTITIES,
+    Certificate,
+    certificates,
+    derived,
+    expected_content,
+    expected_numbers,
+)
+from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of, normal_work
 from reports.measured import content as cycles_content
-from reports.measured import record_content
+from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
@@ -296,12 +304,14 @@ def _words_of(metric: Metric) -> str:
     return {"largest_half_width": "contact half-width"}.get(metric.key, _inside(metric.label))
 
 
-def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
+def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others in units of the scene."""
     force, length, stress = units(scene)
     match quantity:
         case "stress":
             return 1.0, stress
+        case "moment":
+            return 1.0, force
         case "slip":
             return (1e3, "µm") if length == "mm" else (1.0, length)
         case "energy":
@@ -354,7 +364,7 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     )
     found = []
     for metric in comparison.headlines:
-        factor, unit = _shown_unit(comparison.scene, metric.definition.quantity)
+        factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
         reference, result = metric.amounts or (math.nan, math.nan)
         found.append(
             {
@@ -741,16 +751,64 @@ def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
     }
 
 
-def of_bulk(solution: ContactSolution) -> dict[str, Any]:
-    """What a solution with bulk stress, tilt or unequal sides has beside: ends of permanent stick, and the part of `loop_work` that
-    is the bulk term, -closed integral of m_q d(eps) by the trapezoidal rule; nothing without.
-    """
-    if solution.permanent_stick_edges is None:
-        return {}
-    left, right = solution.permanent_stick_edges.tolist()
-    whole = "whole_cycle" not in solution.work.skipped and len(solution.last_cycle) > 1
-    term = bulk_work(last_cycle(solution), solution.scene.material) if whole else math.nan
-    return {"bulk_work": term, "permanent_stick_left": left, "permanent_stick_right": right}
+def of_bulk(solution: ContactSolution) -> dict[str, float]:
+    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing without."""
+    known = solution.permanent_stick_edges is not None
+    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
+
+
+def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """What a person wants to know first, as (quantity, value): how the solution ended, its size, its largest values."""
+    scene, apart = solution.scene, solution.dissipation_uncertainty
+    load, (_, length, stress), work = load_unit(scene), units(scene), energy_unit(scene)
+    dissipation = _or_none(solution.dissipation)
+    if not np.isnan(apart):
+        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
+        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
+    # A path that does not repeat is one cycle.
+    cycle = "of the whole path" if scene.load.path().period is None else "of the last cycle"
+    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
+    rows = [
+        ("engine", name_of(solution.engine)),
+        ("how it ended", solution.record.message),
+        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
+        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
+        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
+    ]
+    if beside := of_bulk(solution):
+        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
+        rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
+    return [*rows, (f"dissipation {cycle} [{work}]", dissipation)]
+
+
+def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
+    rows, beside, checks, work = first_rows(solution), of_bulk(solution), certificates(solution), energy_unit(solution.scene)
+    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
+        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
+    if np.isfinite(solution.loop_work):
+        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
+        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
+        if beside.get("bulk_work"):
+            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
+        if (normal := normal_work(solution)) is not None:
+            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
+            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
+    if cycles := load_cycles(solution):
+        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
+        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
+    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.extend(("note", note) for note in solution.record.notes)
+    # What the engine counted of its own work is in the file beside it, and on the page.
+    rows.extend((f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
+    return rows
+
+
+def _or_none(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.10g}"
 
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
