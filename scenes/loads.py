@@ -511,7 +511,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         elif self.reduce == "tolerance":
             which += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
         return (
-            f"the loads follow {which}, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}{again}"
+            f"the loads follow {which}. P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}{again}"
         )
 
 
