@@ -35,36 +35,29 @@ OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_mo
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included.
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included."""
 
-    Attributes
-    ----------
-    time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
-    x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
-    normal_load, tangential_load, tangential_displacement, normal_approach : (k,)
-    bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment : (k,), or None, as in the solution
-    dissipation_density : (n,)
-    interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
-        nothing was interpolated
-    whole : False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
-    """
-
-    time: Array
-    fraction: Array
-    x: Array
+    time: Array  # (k,), the solution's own times
+    fraction: Array  # (k,), 0 at the start of the cycle and 1 at its end
+    x: Array  # (n,) [length]
+    # pressure, shear, slip, state: (k, n)
     pressure: Array
     shear: Array
     slip: Array
     state: NDArray[np.int8]
+    # contact_edges, stick_edges: (k, 2)
     contact_edges: Array
     stick_edges: Array
+    # normal_load, tangential_load, tangential_displacement, normal_approach: (k,)
     normal_load: Array
     tangential_load: Array
     tangential_displacement: Array
     normal_approach: Array
-    dissipation_density: Array
+    dissipation_density: Array  # (n,)
+    # estimated largest error of the re-sampling, over the field's largest value; empty where nothing was interpolated
     interpolation: Mapping[str, float] = field(default_factory=dict)
-    whole: bool = True
+    whole: bool = True  # False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
+    # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the solution
     bulk_stress_lower: Array | None = None
     bulk_stress_upper: Array | None = None
     tilt: Array | None = None
@@ -337,22 +330,13 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes the comparison dimensionless.
+    """What makes the comparison dimensionless."""
 
-    Attributes
-    ----------
-    normal_load : P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
-    half_width : a_ref = a(P_ref) of the reference [length]
-    pressure : p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
-    friction : f, or 1 for a frictionless scene, so that a shear that should not be there still shows
-    compliance : A = 2/E* [1/stress]
-    """
-
-    normal_load: float
-    half_width: float
-    pressure: float
-    friction: float
-    compliance: float
+    normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    half_width: float  # a_ref = a(P_ref) of the reference [length]
+    pressure: float  # p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    friction: float  # f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    compliance: float  # A = 2/E* [1/stress]
 
     @property
     def shear(self) -> float:
@@ -508,38 +492,24 @@ class Measured:
 
 @dataclass(frozen=True, kw_only=True)
 class Definition:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    key, label : for programs and for people
-    unit : what its value is a share of
-    norm : how the differences at points and instants become one value
-    region : which points and instants count
-    text : how it is computed
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
-    measure : the function, of a `Pair`
-    signed : whether its sign has a meaning (result − reference); a norm has none
-    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
-    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
-        quantity stands in the first table, the others are folded below it
-    judged_by : key of the tolerance that judges it; the row's own
-    exists : whether a pair has this row at all: not without bulk stress, say
-    """
-
+    # key, label: for programs and for people
     key: str
     label: str
-    unit: str
-    norm: str
-    region: str
-    text: str
-    needs: tuple[str, ...]
-    measure: _Measure
-    signed: bool = True
-    absolute_unit: str = ""
+    unit: str  # what its value is a share of
+    norm: str  # how the differences at points and instants become one value
+    region: str  # which points and instants count
+    text: str  # how it is computed
+    needs: tuple[str, ...]  # fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
+    measure: _Measure  # the function, of a `Pair`
+    signed: bool = True  # whether its sign has a meaning (result − reference); a norm has none
+    absolute_unit: str = ""  # unit where the reference's own figure is 0 and nothing can be relative to it
+    # what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a quantity
+    # stands in the first table, the others are folded below it
     quantity: str = ""
-    judged_by: str = ""
-    exists: Callable[[Pair], bool] = lambda _: True
+    judged_by: str = ""  # key of the tolerance that judges it; the row's own
+    exists: Callable[[Pair], bool] = lambda _: True  # whether a pair has this row at all: not without bulk stress, say
 
     @property
     def headline(self) -> bool:
