@@ -20,9 +20,8 @@ import sys
 import tempfile
 import threading
 import time
-import traceback
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -43,19 +42,6 @@ JOBS = {
     "sweep": ("sweep", "study.toml", "--workers", "1", "--out", "out", "--resume"),
     "cache": ("fe", "cattaneo-mindlin", *COARSE, "--out", "out"),
 }
-
-
-def in_a_child(act: Callable[[], object]) -> int:
-    """Exit code of a process that does `act`, minus the signal that killed it; 1 where something was raised."""
-    child = os.fork()
-    if not child:
-        try:
-            act()
-            os._exit(0)
-        finally:
-            traceback.print_exc()
-            os._exit(1)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
 def started(folder: Path, job: str) -> subprocess.Popen[str]:

@@ -502,7 +502,9 @@ def written() -> Iterator[tuple[str, str]]:
             if path.suffix not in kinds or "_build" in name or "docs/published" in name or name in PRINTED:
                 continue
             text = path.read_text(encoding="utf-8")
-            yield from ((name, words) for words in (words_of(text) if path.suffix == ".py" else [COMMENT.sub("", text)]))
+            yield name, "" if path.suffix == ".py" else COMMENT.sub("", text)
+            if path.suffix == ".py" and PATTERN.search(re.sub(r"\\n|[^a-zA-Z]+", " ", text)):  # a phrase perhaps, or a name
+                yield from ((name, words) for words in words_of(text))
 
 
 def faults(texts: Iterable[tuple[str, str]]) -> list[str]:
@@ -517,7 +519,7 @@ def faults(texts: Iterable[tuple[str, str]]) -> list[str]:
 def test_no_page_template_string_docstring_or_comment_uses_them() -> None:
     """Each phrase is seen through line breaks, and names are not."""
     texts = list(written())
-    assert len(texts) > 2000
+    assert len(texts) > 400
     wanted = {"README.md", "docs/index.md", "reports/templates/scene.toml", "scenes/library/blocks.toml", "meshes/__init__.py"}
     assert wanted <= {name for name, _ in texts}
     assert not faults(texts)

@@ -170,7 +170,7 @@ def test_keys_step_jump_and_play(visit: Callable[..., Any]) -> None:
     assert slider.get_attribute("aria-valuetext")
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-pressed") == "true"
-    for _ in range(100):  # the page's own policy forbids wait_for_function, which evaluates text
+    for _ in range(2400):  # the page's own policy forbids wait_for_function, which evaluates text
         if int(slider.input_value()):
             break
         page.wait_for_timeout(50)
