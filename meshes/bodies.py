@@ -89,7 +89,7 @@ class MeshSettings:
         >>> MeshSettings.preset("coarse") == MeshSettings.coarse()
         True
         """
-        return {"default": cls, "coarse": cls.coarse, "fine": cls.fine}[name]()
+        return {"default": cls(), "coarse": cls.coarse(), "fine": cls.fine()}[name]
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ _OURS = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
 _LEFT_BEHIND = 86400.0
 
 
-def hidden_folder(place: Path, better: Path) -> Path:
+def _hidden_folder(place: Path, better: Path) -> Path:
     """A new folder for this user alone, made in `place` and moved to `better` where that can be.
 
     Raises
@@ -271,7 +271,7 @@ def _staging(folder: Path) -> Path:
 
     Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """
-    return hidden_folder(folder if folder.is_dir() else _above(folder), _above(folder))
+    return _hidden_folder(folder if folder.is_dir() else _above(folder), _above(folder))
 
 
 def _files(folder: Path) -> list[str]:

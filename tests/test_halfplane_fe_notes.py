@@ -18,7 +18,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
-from reports.cli.solving import summary_rows
+from reports.comparison.words import summary_rows
 from scenes import Block, Bodies, ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from semi_analytic.profiles import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon

@@ -23,7 +23,8 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.charts.templating import style_of
 from reports.cli import main
-from reports.cli.field_output import FieldsOptions
+from reports.cli.field_output import named as named_by
+from reports.cli.options import Options
 from reports.field_output import fatigue, film
 from reports.field_output.files import (
     NO_PEAK,
@@ -283,7 +284,7 @@ class TestInstants:
             ({"animate": True}, ("events",)),
         ]
         for known, named in cases:
-            assert FieldsOptions(**known).named == named
+            assert named_by(Options(**known)) == named
 
 
 class TestPictures:

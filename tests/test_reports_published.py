@@ -15,9 +15,9 @@ from hatchling.builders.wheel import WheelBuilder
 
 from command_line import halfplane, sentence
 from reports import Report, compare, publishing
-from reports.cli import findings as baseline
-from reports.cli.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
 from reports.cli.solving import write_solution
+from reports.comparison import findings as baseline
+from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
 from reports.comparison.words import as_json
 from reports.maps.laws import PUBLISHED
 from reports.page.figures import published

@@ -18,7 +18,6 @@ import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.charts.marks import Arrow, Curve, Note
-from reports.cli.solving import summary_rows
 from reports.comparison.metrics import METRICS, Metric, normal_work
 from reports.comparison.words import (
     beyond_theory,
@@ -28,6 +27,7 @@ from reports.comparison.words import (
     idealisation,
     lead,
     question,
+    summary_rows,
     tolerance_of,
     unit_of,
     unlike_materials,
@@ -74,7 +74,8 @@ WORDS = [
         {"bodies": {"lower": A_BLOCK, "upper": A_PAD}},
         [
             "The lower body is a block 20 mm wide and 12 mm high, its base fixed to a rigid plane, its sides free",
-            "the upper body is a pad 10 mm wide and 8 mm high whose face is the true profile",
+            "The upper body is a pad 10 mm wide and 8 mm high, its base fixed to a rigid plane, its sides between smooth walls",
+            "The face of a pad is the true profile.",
             "does not tilt",
             "faces as they are made",
         ],
@@ -83,7 +84,7 @@ WORDS = [
     (
         bodies_in_words,
         {"profile": {"kind": "hertz", "radius": 50.0}, "bodies": {"lower": {"kind": "cylinder", "radius": 50.0}}},
-        ["half of a solid cylinder of radius 50 mm", "the upper body is a half-plane"],
+        ["half of a solid cylinder of radius 50 mm", "The upper body is a half-plane"],
         ["tilt"],
     ),
     (
@@ -203,6 +204,9 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
     assert said.startswith(
         "another code, measured by half-plane theory, overestimates the dissipation by 2 % and agrees in the peak pressure"
     )
+    assert "furthest" not in said  # W itself is
+    turned = with_fields(theory, engine="another code", shear=-TRUTH.shear)
+    assert "; furthest from its tolerance: shear traction, L2, " in headline(Report(compare(theory, turned)))
 
 
 def test_bodies_without_a_tolerance_are_not_judged() -> None:

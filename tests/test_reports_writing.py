@@ -20,9 +20,8 @@ from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, G
 from reports.charts.plate import Cell, Key, Panel, Plate, stacks
 from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.templating import harmless, marked, style_of, table_text
-from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
-from reports.comparison.words import value_of
+from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
 from reports.page.figures import draw
 from reports.sweep import running
@@ -111,7 +110,7 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     write(comparison, tmp_path / "out")
     content, plain = (read_json(path / "comparison.json") for path in (tmp_path / "out", folder))
     assert (
-        "the lower body is under a bulk stress from −0.6 to 0.6 MPa along x; the upper body is tilted by 0 rad"
+        "The lower body is under a bulk stress from −0.6 to 0.6 MPa along x. The upper body is tilted by 0 rad."
         in content["question"]
     )
     assert " under bulk stress and tilt" in content["headline"]
@@ -221,7 +220,7 @@ class TestNotebook:
         solution = semi_analytic.solve(load_scene("hertz-paper"))
         words = "".join(ET.fromstring(solution._repr_html_()).itertext())
         assert f"{solution.dissipation:.6g}" in words
-        assert "semi_analytic" in words
+        assert "half-plane theory" in words
         shown = ET.fromstring(comparison._repr_html_())
         words = "".join(shown.itertext())
         assert "Not within tolerance." in words

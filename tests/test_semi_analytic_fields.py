@@ -9,6 +9,7 @@ import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
 from problems import errors, problems
+from reports.comparison import laws
 from scenes import (
     CallableProfile,
     Compound,
@@ -129,7 +130,7 @@ def broken_laws(scene, answer):
         "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= still * travel,
         "slip against friction": np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
         and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel,
-        "edges in order": np.nanmax(answer.stick_half_width - answer.contact_half_width) <= 1e-15 * edge,
+        "edges in order": np.nanmax((answer.stick_half_width - answer.contact_half_width)[answer.last_cycle]) <= 1e-15 * edge,
         "certificates": max((np.max(values) for values in answer.record.certificates.values()), default=0.0) < 1e-12,
         "energy balance": not answer.loop_work or np.isclose(answer.dissipation, answer.loop_work, rtol=1e-9, atol=1e-20)
         or np.isnan(answer.loop_work),
@@ -137,14 +138,18 @@ def broken_laws(scene, answer):
     return {law for law, holds in laws.items() if not holds}
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_every_scene_of_the_library_keeps_the_laws(name):
+# On grids for seconds, as a loop of test_semi_analytic_bulk.py is.
+NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name == "dovetail-out-of-phase")) for name in scene_names()]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_scene_of_the_library_keeps_the_laws_and_meets_what_is_expected_of_it(name):
     scene = load_scene(name)
-    whole = solve(scene, x=[0.0], fields=())
-    x = np.max(whole.contact_half_width) * np.linspace(0, 1.05, 15)
-    answer = solve(scene, x=x, time=whole.time[-150:], fields=("pressure", "shear", "slip", "state", "tangential_displacement"))
+    answer = solve(scene)
     assert broken_laws(scene, answer) == set()
-    assert answer.time.shape == answer.tangential_displacement.shape == answer.pressure.shape[:1]
+    findings = list(laws.expected_numbers(scene, [answer]))
+    assert findings
+    assert not [one for one in findings if not one.met]
 
 
 def drop_history(monkeypatch):
@@ -325,7 +330,7 @@ def test_instants_in_any_order_and_far_ahead():
 # --------------------------------------------------------------------------------------------- what is asked, done, kept, refused
 
 
-def test_only_what_is_asked_for_is_computed():
+def test_only_what_is_asked_for_is_computed(monkeypatch):
     scene = load_scene("hertz-paper")
     solution = solve(scene, fields=("dissipation",), cycles="steady")
     for name in ("pressure", "shear", "slip", "dissipation_density", "tangential_displacement"):
@@ -338,12 +343,9 @@ def test_only_what_is_asked_for_is_computed():
     everything = solve(scene)
     assert set(FIELDS).isdisjoint(everything.work.skipped)
     assert solution.dissipation == everything.dissipation
-
-
-def test_the_work_of_one_cycle_alone_asks_no_pointwise_kernel(monkeypatch):
-    for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):
+    for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):  # W alone needs none of them
         monkeypatch.setattr(HertzContact, kernel, None)
-    assert solve(load_scene("hertz-paper"), fields=("dissipation",)).dissipation > 0
+    assert solve(scene, fields=("dissipation",)).dissipation == solution.dissipation
 
 
 def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():

@@ -187,7 +187,7 @@ CLOSED |= {f"bulk at {phase}": (make_scene(in_phase(phase)), 0.3095379341715581,
 CLOSED["all but leaves"] = make_scene(ellipse(1.0, 1 - 1e-12, 0.0, 0.2e-12), 0.5, radius=100.0), 5.0929581788030931689e-26, 1e-14
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * ("bulk" in name)) for name in CLOSED])
 def test_work_has_its_closed_form(name):
     scene, exact, close = CLOSED[name]
     answer = solve(scene, x=[0.0], fields=ONLY)

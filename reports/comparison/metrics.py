@@ -27,44 +27,37 @@ from scenes.scene import OWN_TOLERANCES
 
 # -------------------------------------------------------------------------------------------------------- the last cycle
 FIELDS = ("pressure", "shear", "slip")
-EDGES = ("contact_edges", "stick_edges")
-SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
+_EDGES = ("contact_edges", "stick_edges")
+_SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
 # Only of scenes with bulk stress, tilt or an unsymmetric profile.
 OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
 
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included.
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included."""
 
-    Attributes
-    ----------
-    time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
-    x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
-    normal_load, tangential_load, tangential_displacement, normal_approach : (k,)
-    bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment : (k,), or None, as in the solution
-    dissipation_density : (n,)
-    interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
-        nothing was interpolated
-    whole : False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
-    """
-
-    time: Array
-    fraction: Array
-    x: Array
+    time: Array  # (k,), the solution's own times
+    fraction: Array  # (k,), 0 at the start of the cycle and 1 at its end
+    x: Array  # (n,) [length]
+    # pressure, shear, slip, state: (k, n)
     pressure: Array
     shear: Array
     slip: Array
     state: NDArray[np.int8]
+    # contact_edges, stick_edges: (k, 2)
     contact_edges: Array
     stick_edges: Array
+    # normal_load, tangential_load, tangential_displacement, normal_approach: (k,)
     normal_load: Array
     tangential_load: Array
     tangential_displacement: Array
     normal_approach: Array
-    dissipation_density: Array
+    dissipation_density: Array  # (n,)
+    # estimated largest error of the re-sampling, over the field's largest value; empty where nothing was interpolated
     interpolation: Mapping[str, float] = field(default_factory=dict)
-    whole: bool = True
+    whole: bool = True  # False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
+    # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the solution
     bulk_stress_lower: Array | None = None
     bulk_stress_upper: Array | None = None
     tilt: Array | None = None
@@ -74,7 +67,7 @@ class Cycle:
     @property
     def series(self) -> tuple[str, ...]:
         """Names of the series over time that it has."""
-        return (*SERIES, *(name for name in OF_BULK if getattr(self, name) is not None))
+        return (*_SERIES, *(name for name in OF_BULK if getattr(self, name) is not None))
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
@@ -113,7 +106,7 @@ def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, 
         return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
 
     known = [name for name in OF_BULK if getattr(solution, name) is not None]
-    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *EDGES, *SERIES, *known)}
+    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *_EDGES, *_SERIES, *known)}
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),
@@ -159,10 +152,10 @@ def _refuse_cut_contact(cycle: Cycle, like: Cycle, engine: str) -> None:
 
 
 def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *EDGES)}
+    error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *_EDGES)}
     nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
     linear: dict[str, Any] = {
-        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *EDGES, *cycle.series)
+        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *_EDGES, *cycle.series)
     }
     return replace(cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear), error
 
@@ -204,7 +197,7 @@ def _halving(at: Array, values: Array) -> float:
 
 
 # Instants of the last cycle that a page shows.
-MOST_EVENTS = 6
+_MOST_EVENTS = 6
 
 
 @dataclass(frozen=True)
@@ -216,7 +209,7 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
-    """At most `MOST_EVENTS` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
+    """At most `_MOST_EVENTS` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
 
     Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that
     does not move has no extremes.
@@ -238,10 +231,10 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
         if np.ptp(quantity) > 1e-9 * size:
             # The first instant, to rounding: the end of a cycle repeats its start.
             found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
-    chosen = dict(list(found.items())[:MOST_EVENTS])
+    chosen = dict(list(found.items())[:_MOST_EVENTS])
     if len(cycle.time) == 1:
         chosen = {0: "the only instant"}
-    while len(chosen) < min(MOST_EVENTS, len(cycle.time) - 1):
+    while len(chosen) < min(_MOST_EVENTS, len(cycle.time) - 1):
         chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
     return tuple(Event(index, chosen[index]) for index in sorted(chosen))
 
@@ -256,25 +249,25 @@ def _widest_gap(chosen: dict[int, str], time: NDArray[np.float64]) -> int:
 
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Measure = Callable[["Pair"], "Measured"]
+_Mask = NDArray[np.bool_]
+_Measure = Callable[["Pair"], "Measured"]
 
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
 # passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
 LIGHT = 0.1
 # Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
 # is the points that decide which of the two comes out higher.
-EQUAL_PEAKS = 0.05
+_EQUAL_PEAKS = 0.05
 # Differences of size that are rounding: engines repeat themselves to 1e-11.
-ALIKE = 1e-9
+_ALIKE = 1e-9
 # Below this, in f p_ref, the shear of an instant is rounding and has no peak.
-NO_SHEAR = 1e-9
+_NO_SHEAR = 1e-9
 # Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
-NO_DISSIPATION = 1e-12
+_NO_DISSIPATION = 1e-12
 # Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
 _NO_COUPLING = 1e-9
-SIDES = ("left", "right")
-FULL_STICK = 2
+_SIDES = ("left", "right")
+_FULL_STICK = 2
 # What a metric needs beside fields of a solution: a whole cycle, friction.
 WHOLE_CYCLE, FRICTION = "whole_cycle", "friction"
 
@@ -337,22 +330,13 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes the comparison dimensionless.
+    """What makes the comparison dimensionless."""
 
-    Attributes
-    ----------
-    normal_load : P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
-    half_width : a_ref = a(P_ref) of the reference [length]
-    pressure : p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
-    friction : f, or 1 for a frictionless scene, so that a shear that should not be there still shows
-    compliance : A = 2/E* [1/stress]
-    """
-
-    normal_load: float
-    half_width: float
-    pressure: float
-    friction: float
-    compliance: float
+    normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    half_width: float  # a_ref = a(P_ref) of the reference [length]
+    pressure: float  # p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    friction: float  # f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    compliance: float  # A = 2/E* [1/stress]
 
     @property
     def shear(self) -> float:
@@ -444,12 +428,12 @@ class Pair:
     found: Cycle
 
     @cached_property
-    def touching(self) -> Mask:
+    def touching(self) -> _Mask:
         """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not hide)."""
         return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
 
     @cached_property
-    def judged(self) -> Mask:
+    def judged(self) -> _Mask:
         """(k,) instants that a verdict is taken from."""
         return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
 
@@ -508,38 +492,24 @@ class Measured:
 
 @dataclass(frozen=True, kw_only=True)
 class Definition:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    key, label : for programs and for people
-    unit : what its value is a share of
-    norm : how the differences at points and instants become one value
-    region : which points and instants count
-    text : how it is computed
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
-    measure : the function, of a `Pair`
-    signed : whether its sign has a meaning (result − reference); a norm has none
-    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
-    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
-        quantity stands in the first table, the others are folded below it
-    judged_by : key of the tolerance that judges it; the row's own
-    exists : whether a pair has this row at all: not without bulk stress, say
-    """
-
+    # key, label: for programs and for people
     key: str
     label: str
-    unit: str
-    norm: str
-    region: str
-    text: str
-    needs: tuple[str, ...]
-    measure: Measure
-    signed: bool = True
-    absolute_unit: str = ""
+    unit: str  # what its value is a share of
+    norm: str  # how the differences at points and instants become one value
+    region: str  # which points and instants count
+    text: str  # how it is computed
+    needs: tuple[str, ...]  # fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
+    measure: _Measure  # the function, of a `Pair`
+    signed: bool = True  # whether its sign has a meaning (result − reference); a norm has none
+    absolute_unit: str = ""  # unit where the reference's own figure is 0 and nothing can be relative to it
+    # what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a quantity
+    # stands in the first table, the others are folded below it
     quantity: str = ""
-    judged_by: str = ""
-    exists: Callable[[Pair], bool] = lambda _: True
+    judged_by: str = ""  # key of the tolerance that judges it; the row's own
+    exists: Callable[[Pair], bool] = lambda _: True  # whether a pair has this row at all: not without bulk stress, say
 
     @property
     def headline(self) -> bool:
@@ -678,10 +648,10 @@ def shares(at: Array) -> Array:
     return np.asarray(np.concatenate([steps, [0.0]]) + np.concatenate([[0.0], steps])) / 2
 
 
-def spacing_at(x: Array, place: float) -> float:
+def _spacing_at(x: Array, place: float) -> float:
     """Distance of the two points around `place` (at the ends of `x`: of the last two) [length].
 
-    >>> spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
+    >>> _spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
     2.0
     """
     right = int(np.clip(np.searchsorted(x, place, side="right"), 1, len(x) - 1))
@@ -693,10 +663,10 @@ def _largest(size: Array) -> NDArray[np.intp]:
 
     A cycle that is its own mirror image has each difference twice, with both signs: which of them is larger is chance.
     """
-    return np.argmax(size >= (1 - ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
+    return np.argmax(size >= (1 - _ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
 
 
-def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, float | None]:
+def worst(series: Array, applies: _Mask, time: Array) -> tuple[float | None, float | None]:
     """The value of largest size and its instant, the first of like ones, among those that apply; a NaN is the worst there is.
 
     >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
@@ -708,10 +678,10 @@ def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, floa
     return float(series[at]), float(time[at])
 
 
-def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
+def _worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     """The entry of largest size in each row of (k, n) and its place: (k,), (k,). A NaN is the worst there is.
 
-    >>> values, places = worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
+    >>> values, places = _worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
     >>> values.tolist(), places.tolist()
     ([-3.0], [0.5])
     """
@@ -719,19 +689,19 @@ def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
 
 
-def peak_place(expected: Array, found: Array, x: Array) -> Array:
+def _peak_place(expected: Array, found: Array, x: Array) -> Array:
     """Place of the largest `found` less that of `expected` in each row of (k, n), to a point: (k,) [length].
 
-    Where several peaks of `expected` lie within `EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
+    Where several peaks of `expected` lie within `_EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
     holds a NaN or where nothing of `expected` is above 0.
 
     >>> twin = np.array([[0.0, 1.0, 0.0, 0.99, 0.0]])
-    >>> peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
+    >>> _peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
     [1.0]
     """
     rim = np.full((len(expected), 1), -np.inf)
     rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
-    high = (expected >= (1 - EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
+    high = (expected >= (1 - _EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
     apart = x[np.argmax(found, axis=1)][:, None] - x
     size = np.where(rises & falls & high, np.abs(apart), np.inf)
     nearest = np.argmin(size, axis=1)
@@ -741,7 +711,7 @@ def peak_place(expected: Array, found: Array, x: Array) -> Array:
 
 
 def _at_worst(
-    pair: Pair, series: Array, applies: Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
+    pair: Pair, series: Array, applies: _Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
 ) -> Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply.
 
@@ -751,7 +721,7 @@ def _at_worst(
     length, place, doubt = pair.scales.half_width, None, None
     if places is not None and time is not None:
         place = float(places[pair.found.time == time][0]) / length
-        doubt = spacing_at(pair.found.x, place * length) / length if to_a_point else None
+        doubt = _spacing_at(pair.found.x, place * length) / length if to_a_point else None
     return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)
 
 
@@ -867,7 +837,7 @@ def _traction(pair: Pair, name: str, friction: float = 1.0) -> Measured:
 
 def _traction_maximum(pair: Pair, name: str, friction: float = 1.0) -> Measured:
     peak = friction * pair.expected.pressure.max(axis=1, keepdims=True)
-    series, places = worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
+    series, places = _worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
     return _at_worst(pair, series, places=places)
 
 
@@ -878,11 +848,11 @@ def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> Me
     carries = pair.judged & ~(expected.max(axis=1) <= least)
     if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
-    series = peak_place(expected, found, x) / pair.scales.half_width
+    series = _peak_place(expected, found, x) / pair.scales.half_width
     return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
 
 
-def resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
+def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
     """P and Q that the tractions of `cycle` carry, (k,) and (k,) [force / thickness].
 
     Parameters
@@ -901,9 +871,9 @@ def _resultant(pair: Pair, component: int) -> Measured:
     """With the result's own weights nothing of the reference enters; by the trapezoidal rule the rule's own error is taken off."""
     weights, normals = (getattr(pair.result, name, None) for name in ("weights", "normals"))
     loads = [(cycle.normal_load, cycle.tangential_load)[component] for cycle in (pair.found, pair.expected)]
-    lacking, note = resultants(pair.found, weights, normals)[component] - loads[0], ""
+    lacking, note = _resultants(pair.found, weights, normals)[component] - loads[0], ""
     if weights is None:
-        lacking = lacking - resultants(pair.expected, None, None)[component] + loads[1]
+        lacking = lacking - _resultants(pair.expected, None, None)[component] + loads[1]
         note = "the result states no weights, so by the trapezoidal rule, minus its error for the reference"
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
@@ -933,7 +903,7 @@ def _contact_edge(pair: Pair) -> Measured:
     return replace(found, elements=_elements(pair, found.value))
 
 
-def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
 
     Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
@@ -946,7 +916,7 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
 def _stick_edge(pair: Pair) -> Measured:
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
     length = pair.scales.half_width
-    theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
     series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
     found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
     differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
@@ -958,9 +928,9 @@ def _stick_edge(pair: Pair) -> Measured:
 
 def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
-    length, column, applies = pair.scales.half_width, SIDES.index(side), pair.judged
+    length, column, applies = pair.scales.half_width, _SIDES.index(side), pair.judged
     if kind == "stick":
-        applies = applies & np.all([stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
+        applies = applies & np.all([_stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
         if not applies.any():
             return _none("no instant has a stick edge in both")
     expected, found = (getattr(cycle, f"{kind}_edges")[:, column] for cycle in (pair.expected, pair.found))
@@ -971,7 +941,7 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     at = pair.found.time == measured.time
     return replace(
         measured,
-        spacings=measured.value * length / spacing_at(pair.found.x, measured.place * length),
+        spacings=measured.value * length / _spacing_at(pair.found.x, measured.place * length),
         uncertainty=None if stated is None else float(stated[pair.result.last_cycle][at, column][0]) / length,
     )
 
@@ -993,14 +963,14 @@ def _stick_set(pair: Pair) -> Measured:
     return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
 
 
-def intervals(applies: Mask, periodic: bool) -> list[NDArray[np.intp]]:
+def _intervals(applies: _Mask, periodic: bool) -> list[NDArray[np.intp]]:
     """The runs of at least two instants at which `applies` (k,), as indices in the order of time; none if it does always.
 
     In a periodic cycle, whose last instant is the first of the next, a run may go on across the end.
 
-    >>> [run.tolist() for run in intervals(np.array([True, False, True, True, True]), True)]
+    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True, True]), True)]
     [[2, 3, 0]]
-    >>> [run.tolist() for run in intervals(np.array([True, False, True, True]), False)]
+    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True]), False)]
     [[2, 3]]
     """
     order = np.arange(len(applies) - 1 if periodic else len(applies))
@@ -1039,7 +1009,7 @@ def _change(pair: Pair, changes: _Changes, none: str) -> Measured:
 def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     """Starts (at = 0) or ends (at = -1) of full stick, each of the reference against the result's that shares most instants."""
     length, fraction = pair.scales.half_width, pair.found.fraction
-    theirs, ours = (intervals(stick_status(cycle, length) == FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_intervals(_stick_status(cycle, length) == _FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
     pairs = [(run, max(ours, key=lambda other: len(np.intersect1d(run, other)), default=run[:0])) for run in theirs]
     pairs = [(run, other if len(np.intersect1d(run, other)) else other[:0]) for run, other in pairs]
     used = {int(other[0]) for _, other in pairs if len(other)}
@@ -1049,7 +1019,7 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, (np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
+def _slip_sense(cycle: Cycle) -> NDArray[np.int8]:
     """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
     forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
     return np.sign(forward - reverse).astype(np.int8)
@@ -1067,7 +1037,7 @@ def _turns(senses: NDArray[np.int8], sense: int, periodic: bool) -> NDArray[np.i
 
 def _reversals_to(sense: int, pair: Pair) -> _Changes:
     """First instants of slip in `sense`, in turn; NaN where there are not as many in both."""
-    theirs, ours = (_turns(slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_turns(_slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
     if len(theirs) != len(ours):
         absent, extra = max(len(theirs) - len(ours), 0), max(len(ours) - len(theirs), 0)
         return np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra
@@ -1097,7 +1067,7 @@ def _slip(pair: Pair, maximum: bool) -> Measured:
     nothing = bool(largest <= 1e-12 * pair.scales.slip)
     difference = np.where(touching, (pair.found.slip - pair.expected.slip) / (pair.scales.slip if nothing else largest), 0.0)
     if maximum:
-        series, places = worst_point(difference, pair.found.x)
+        series, places = _worst_point(difference, pair.found.x)
         return _at_worst(pair, series, applies, places=places, absolute=nothing)
     lengths = touching * shares(pair.found.x)
     mean = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
@@ -1120,7 +1090,7 @@ def _contact_centre(pair: Pair) -> Measured:
 # ------------------------------------------------------------------------------------------------------- work and energy
 
 
-def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
+def _stroke(pair: Pair) -> tuple[Array, _Mask, str]:
     """(U - U_ref) over the range of U_ref, (k,), NaN where that is nothing; the instants that count; a note."""
     expected, found = pair.expected.tangential_displacement, pair.found.tangential_displacement
     stroke = float(np.ptp(expected))
@@ -1209,7 +1179,7 @@ def _bulk_work(pair: Pair) -> Measured:
     if isinstance(works, str):
         return _none(works)
     work, scale = pair.reference.dissipation, pair.scales.dissipation
-    nothing = abs(work) <= NO_DISSIPATION * scale
+    nothing = abs(work) <= _NO_DISSIPATION * scale
     return Measured(value=(works[1] - works[0]) / (scale if nothing else work), absolute=nothing)
 
 
@@ -1225,7 +1195,7 @@ def _drift(pair: Pair) -> Measured:
 
 def _works_nowhere(pair: Pair) -> bool:
     """Whether the reference does no friction work anywhere (a NaN counts as work)."""
-    return bool(np.max(np.abs(pair.expected.dissipation_density)) <= NO_DISSIPATION * pair.scales.density)
+    return bool(np.max(np.abs(pair.expected.dissipation_density)) <= _NO_DISSIPATION * pair.scales.density)
 
 
 def _density(pair: Pair) -> Measured:
@@ -1248,8 +1218,8 @@ def _place_of_density(pair: Pair) -> Measured:
     x, length = pair.found.x, pair.scales.half_width
     expected, found = (np.atleast_2d(cycle.dissipation_density) for cycle in (pair.expected, pair.found))
     place = float(x[np.argmax(found)])
-    shift = float(peak_place(expected, found, x)[0] / length)
-    return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
+    shift = float(_peak_place(expected, found, x)[0] / length)
+    return Measured(value=shift, place=place / length, uncertainty=_spacing_at(x, place) / length)
 
 
 def _energy_balance(pair: Pair) -> Measured:
@@ -1264,7 +1234,7 @@ def _energy_balance(pair: Pair) -> Measured:
 # -------------------------------------------------------------------------------------------------------------- the table
 
 
-def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: Measure, **more: Any) -> Definition:
+def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: _Measure, **more: Any) -> Definition:
     """Of `words`, "label: how it is computed"; `where`: norm and region; `needs`: separated by blanks."""
     label, _, text = words.partition(": ")
     row: dict[str, Any] = {"unit": unit, "norm": where[0], "region": where[1], "needs": tuple(needs.split())}
@@ -1385,17 +1355,17 @@ METRICS = {row.key: row for row in (
         "of f peak p_ref", _AT_POINTS, "shear", _peak_shear),
     _row("shear_peak_place", f"Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, {_NEAREST}",
         "of a_ref", (_WORST_INSTANT, f"{_POINTS} that carry shear"), "shear",
-        lambda pair: _place_of_peak(pair, lambda c: np.abs(c.shear), NO_SHEAR * pair.scales.shear)),
+        lambda pair: _place_of_peak(pair, lambda c: np.abs(c.shear), _NO_SHEAR * pair.scales.shear)),
     _row("resultant_normal", "Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), "
         "otherwise by the trapezoidal rule, minus the error of that rule for the reference",
         "of P", _AT_INSTANTS, "pressure", partial(_resultant, component=0)),
     _row("resultant_tangential", "Tangential resultant: (resultant − Q)/P, as the normal resultant",
         "of P", _AT_INSTANTS, "shear", partial(_resultant, component=1)),
     *(_row(f"contact_edge_{side}", f"Contact edge, {side}: outward shift of the {side} {_OF_SIDE}",
-        "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in SIDES),
+        "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in _SIDES),
     *(_row(f"stick_edge_{side}", f"Stick edge, {side}: outward shift of the {side} {_OF_SIDE}",
         "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges friction",
-        partial(_edge_of_side, kind="stick", side=side)) for side in SIDES),
+        partial(_edge_of_side, kind="stick", side=side)) for side in _SIDES),
     _row("stick_set", "Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time",
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
         "state whole_cycle friction", _stick_set, signed=False),

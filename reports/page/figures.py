@@ -37,7 +37,7 @@ from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
 from reports.comparison.convergence import Ladder, extrapolate
 from reports.comparison.laws import LIMIT, Certificate
 from reports.comparison.metrics import Cycle, Event, are_half_planes, bulk_strain, bulk_work, events, loop_work, missing, name_of
-from reports.comparison.words import bodies_in_words, bulk_and_tilt, sentence, value_of
+from reports.comparison.words import bodies_in_words, bulk_and_tilt, value_of
 from reports.profile_fit import fit_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import ContactSolution, Cylinder, HalfPlane, Scene, Shape, sampled
@@ -766,7 +766,6 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
     axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
     panel = Panel("bodies", *axes, marks, alt, frame.width, frame.height, bare=True, room=(0.0, 0.0, 0.0, 0.0))
-    beside = bulk_and_tilt(scene)
     return worded(
         "bodies",
         [panel],
@@ -778,7 +777,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         normal=_range(scene, 0),
         tangential=_range(scene, 1),
         load=load_unit(scene),
-        beside=sentence(beside.removeprefix("; ")) if beside else "",
+        beside=bulk_and_tilt(scene),
         alt=alt,
     )
 

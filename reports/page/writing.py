@@ -1,7 +1,7 @@
-"""From a comparison or a report to a folder: the page and its slider, comparison.json, CSV of each figure, NetCDF, VTU when asked.
+"""From a comparison or a report to a folder: the page, comparison.json, a CSV for each figure, NetCDF, and VTU only when asked.
 
-The page is one self-contained HTML file that works offline; its words are in templates/report.html. Its slider moves through the last
-cycle at a few instants and points, as whole numbers of 16 bits: the reference, and the difference in a scale of its own.
+The page is one self-contained HTML file that works offline; its words are in templates/report.html. Its slider moves through the
+last cycle at a few instants and points, as whole numbers of 16 bits: the reference, and the difference in a scale of its own.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def write(
             answer = with_bodies(comparison.result, "--vtu")
             write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, report.third, folder) if report.third else None
-        live = cycle_data(Shown(comparison)) | {"tables": tables(texts)}
+        live = _cycle_data(Shown(comparison)) | {"tables": tables(texts)}
         page = render(report, drawings, command, seconds or {}, live, words)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
@@ -156,8 +156,8 @@ def render(
         third=third,
         script=program,
         script_hash=digest,
-        live=as_script(dict(live) if live else {"instants": 0}),
-        carried=carried(dict(live)) if live else "",
+        live=_as_script(dict(live) if live else {"instants": 0}),
+        carried=_carried(dict(live)) if live else "",
         states=STATE_KEYS,
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
@@ -248,7 +248,7 @@ def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
 # ------------------------------------------------------------------------------------------------- what the slider moves
 Array = NDArray[np.float64]
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
-_MOST_INSTANTS, MOST_VALUES = 200, 100_000
+_MOST_INSTANTS, _MOST_VALUES = 200, 100_000
 # Letters of the longest CSV that a page carries.
 _LETTERS = 1_500_000
 _STEPS, _NOTHING = 32766, -32768
@@ -266,7 +266,7 @@ def _quantised(values: Array) -> dict[str, Any]:
     return {"step": step, "data": base64.b64encode(whole.tobytes()).decode()}
 
 
-def cycle_data(shown: Shown) -> dict[str, Any]:
+def _cycle_data(shown: Shown) -> dict[str, Any]:
     """Everything that the slider moves, and how much of the cycle that is."""
     comparison, expected, found, scales = shown.comparison, shown.expected, shown.found, shown.scales
     # All instants, or evenly many of them with the first, the last and the chosen ones; of the points those that are drawn.
@@ -274,7 +274,7 @@ def cycle_data(shown: Shown) -> dict[str, Any]:
     even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
     rows = np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
     inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
-    points = np.unique([*inside[:: -(-len(inside) * len(rows) // MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
+    points = np.unique([*inside[:: -(-len(inside) * len(rows) // _MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
     grid = np.ix_(rows, points)
     series = {
         "t": shown.time,
@@ -315,7 +315,7 @@ def _short(value: float) -> float | None:
     return float(f"{value:.7g}") if np.isfinite(value) else None
 
 
-def carried(data: dict[str, Any]) -> str:
+def _carried(data: dict[str, Any]) -> str:
     """How much of the cycle the slider moves through, in a sentence."""
     instants, points = data["of"]
     if (data["instants"], data["points"]) == (instants, points):
@@ -333,10 +333,10 @@ def tables(texts: Mapping[str, str]) -> dict[str, str]:
     return {name: base64.b64encode(zlib.compress(text.encode(), 9)).decode() for name, text in short.items()}
 
 
-def as_script(data: dict[str, Any]) -> str:
+def _as_script(data: dict[str, Any]) -> str:
     """JSON that can stand in a script element: no "<" in it, so nothing in a name can end the element.
 
-    >>> as_script({"engine": "</script>"})
+    >>> _as_script({"engine": "</script>"})
     '{"engine":"\\\\u003c/script>"}'
     """
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
