@@ -519,6 +519,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
             raise OSError(number, os.strerror(number))
         real(handle)
 
+    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
     monkeypatch.setattr(os, "fsync", fsync)
     assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
     words = capsys.readouterr().err
