@@ -323,14 +323,21 @@ def test_a_verdict_is_what_the_tests_say_and_the_original_comes_back(
         (tree / "tests" / f"test_semi_analytic_{name}.py").write_text(text, encoding="utf-8")
     monkeypatch.setattr(mutants, "run_tests", run)
     row = next(row for row in mutants.draw(mutants.places(tree)[0], 6, 1, tree) if row["file"].startswith("semi"))
-    assert mutants.judge(row, ["contract", "engine"], tree, 1)["verdict"] == verdict
+    assert mutants.judge(row, ["likely", "contract", "engine"], [], tree, 1)["verdict"] == verdict
     assert (tree / row["file"]).read_text(encoding="utf-8") == SOURCE
     # What failed is run on the unchanged tree; the engine's own tests only if the contract lets it pass, the nearest first.
     again = {0: [("tests/test_semi_analytic_b.py", True)], 1: [("tests/test_a.py::test_b", False)], None: []}
     assert seen == [("tests/contract", True), *again[code]]
-    monkeypatch.setattr(mutants, "run_tests", lambda *_: (1, "tests/test_a.py::test_b"))
-    with pytest.raises(SystemExit, match="the unchanged tree fails tests/test_a"):
-        mutants.judge(row, ["contract"], tree, 1)
+    monkeypatch.setattr(mutants, "run_tests", lambda *_: (1, "tests/test_z.py::test_b"))
+    with pytest.raises(SystemExit, match="the unchanged tree fails tests/test_z"):
+        mutants.judge(row, ["contract"], [], tree, 1)
+    # Of runs before: the test that killed this very mutant, then those of other mutants of the file, while they stand.
+    (tree / "tests" / "test_z.py").write_text("def test_b(): ...\ndef test_c(): ...\n", encoding="utf-8")
+    before = [
+        row | {"by": f"tests/test_z.py::test_{name}", "operator": operator}
+        for name, operator in (("c", "other"), ("c", "other"), ("b", row["operator"]), ("gone", row["operator"]))
+    ]
+    assert mutants.likely(row, before, tree) == ["tests/test_z.py::test_b", "tests/test_z.py::test_c"]
 
 
 def test_equivalent_mutants_leave_the_count_only_with_a_reason(mutants: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

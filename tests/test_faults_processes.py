@@ -490,20 +490,6 @@ def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_r
             assert len(store.addresses()) == 3
 
 
-@pytest.mark.slow
-def test_a_small_disk_is_a_sentence_keeps_what_was_there_and_stores_no_body(
-    small_disk: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(InputError, match="can't be written to"):
-        reports.write(reports.compare(cattaneo_mindlin(), cattaneo_mindlin()), small_disk / "out")
-    assert content(small_disk) == {}
-    monkeypatch.setenv("HALFPLANE_CACHE", str(small_disk / "cache"))
-    answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), MeshSettings(element_size=0.1, edge_element_size=0.008, order=1))
-    assert answer.work.counts["condensations not stored"] > 0
-    assert half_files(small_disk) == []
-    assert not list(small_disk.rglob("*.part"))
-
-
 @pytest.mark.parametrize("name", ["replace", "rename"])
 def test_whichever_move_fails_the_folder_is_as_before_and_what_is_new_is_kept(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

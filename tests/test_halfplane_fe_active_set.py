@@ -169,16 +169,6 @@ def test_every_law_holds_along_any_path(pair, path):
         assert other.shift == pytest.approx(-one.shift, abs=1e-10)
 
 
-def test_some_node_sticks_short_of_sliding():
-    contact = problem()
-    pressed, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (1.0, 0.0))
-    for share in (0.9, 0.99, 0.999999):
-        state, _ = contact.equilibrium(pressed, 2.0, (1.0, share * FRICTION))
-        assert np.any(state.state == STICK)
-        assert np.all(slip_sign(state.state) >= 0)
-        assert max(certificates(contact, [pressed, state]).values()) < 1e-9
-
-
 def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
     springs, none = np.eye(2), np.zeros(2)
     flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)

@@ -17,6 +17,7 @@ from PIL import Image, ImageSequence
 
 import halfplane_fe
 import semi_analytic
+from command_line import everything
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
@@ -39,7 +40,6 @@ from reports.field_output.files import (
 )
 from reports.field_output.pictures import BOUNDARIES, Skin, picture, scales_of, stress
 from scenes import InputError, Scene, load_scene, scene_text
-from test_cli_commands import everything
 
 ROUGH = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
 QUADRILATERALS = MeshSettings(element_size=1 / 8, edge_element_size=1 / 8, far_radius=4, growth=0.5, cells="quadrilaterals")

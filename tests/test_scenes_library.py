@@ -92,31 +92,24 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_tags_say_what_the_scene_is(name: str) -> None:
+def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_sources(name: str) -> None:
     scene = load_scene(name)
     assert set(scene.tags) <= set(tags())
     assert len(set(scene.tags)) == len(scene.tags)
     assert {tag: tag in scene.tags for tag in honest_tags(scene)} == honest_tags(scene)
+    assert scene.purpose
+    assert scene.source
+    assert {one.engine for one in scene.expected} >= {THEORY} | ({FINITE} if not scene.bodies.half_planes else set())
+    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(scene.expected)
+    assert all(len(one.source) > 10 for one in scene.expected)
+    # Something in each scene is somebody else's number, whatever may be frozen beside it.
+    assert [one for one in scene.expected if not one.source.startswith("our own")]
 
 
 def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
     used = {tag for name in NAMES for tag in load_scene(name).tags}
     assert set(tags()) - used == {"profile"}
     assert [scene.name for scene in tagged(("pad", "unlike"))] == ["flat-pad-on-block"]
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_scene_expects_numbers_with_their_sources(name: str) -> None:
-    scene = load_scene(name)
-    assert scene.purpose
-    assert scene.source
-    assert {one.engine for one in scene.expected} >= {THEORY}
-    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(scene.expected)
-    assert all(len(one.source) > 10 for one in scene.expected)
-    # Something in each scene is somebody else's number, whatever may be frozen beside it.
-    assert [one for one in scene.expected if not one.source.startswith("our own")]
-    if not scene.bodies.half_planes:
-        assert FINITE in {one.engine for one in scene.expected}
 
 
 # ------------------------------------------------------------------------------------------------- met by the engine named
