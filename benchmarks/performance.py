@@ -32,6 +32,7 @@ import numpy as np
 import peers
 from claims import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
+from reports.charts.scale import limits
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -42,7 +43,6 @@ from meshes import MeshSettings, SurfaceGrading, half_disc
 from reports.charts.marks import Axis, Curve, Dot, Mark
 from reports.charts.plate import Key, Plate
 from reports.charts.plate import Panel as ChartPanel
-from reports.charts.scale import limits
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
