@@ -47,23 +47,16 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 @dataclass(frozen=True)
 class PathCheck:
-    """How near a load path comes to gross sliding.
+    """How near a load path comes to gross sliding."""
 
-    Attributes
-    ----------
-    ratio : largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    time, normal_load, tangential_load, part : where that is, `part` being "initial loading", "cycle", or "path" if none repeats
-    reason : "" for an admissible path, else "gross sliding" or "separation"
-    first_time : when the path first leaves the admissible region; None if it never does
-    """
-
-    ratio: float
+    ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
+    # time, normal_load, tangential_load, part: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
     time: float
     normal_load: float
     tangential_load: float
     part: str
-    reason: str
-    first_time: float | None
+    reason: str  # "" for an admissible path, else "gross sliding" or "separation"
+    first_time: float | None  # when the path first leaves the admissible region; None if it never does
 
 
 def check_path(scene: Scene) -> PathCheck:
@@ -254,24 +247,14 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
 
 @dataclass(frozen=True)
 class LargestContact:
-    """The contact at the largest normal load of the path, by half-plane theory.
+    """The contact at the largest normal load of the path, by half-plane theory."""
 
-    Attributes
-    ----------
-    normal_load : P [force per thickness]
-    half_width : a [length]
-    peak_pressure : p0 [stress]; infinite at the tip of a sharp wedge
-    strain : p0/E*; the mean pressure over E* where p0 is infinite
-    edge_slope : h'(a), which is a/R for Hertz
-    ratios : a over the radii of the profile, its half-length over a, sizes of the bodies over a
-    """
-
-    normal_load: float
-    half_width: float
-    peak_pressure: float
-    strain: float
-    edge_slope: float
-    ratios: dict[str, float]
+    normal_load: float  # P [force per thickness]
+    half_width: float  # a [length]
+    peak_pressure: float  # p0 [stress]; infinite at the tip of a sharp wedge
+    strain: float  # p0/E*; the mean pressure over E* where p0 is infinite
+    edge_slope: float  # h'(a), which is a/R for Hertz
+    ratios: dict[str, float]  # a over the radii of the profile, its half-length over a, sizes of the bodies over a
 
 
 def largest_contact(scene: Scene, source: str) -> LargestContact:
@@ -316,20 +299,15 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
 
 @dataclass(frozen=True)
 class BulkAndTilt:
-    """What bulk stress and tilt do to a contact, from the loads alone.
+    """What bulk stress and tilt do to a contact, from the loads alone."""
 
-    Attributes
-    ----------
-    strain : largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
-    eccentricity : e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
-    share_of_moderate : that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate.
-        Infinite where Q stands still, None where eps does
-    centre : middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
-    """
-
-    strain: float
+    strain: float  # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
+    # e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
     eccentricity: float | None
+    # that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate. Infinite where Q
+    # stands still, None where eps does
     share_of_moderate: float | None
+    # middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
     centre: float | None
 
 

@@ -39,22 +39,16 @@ class Spread:
 
 @dataclass(frozen=True)
 class FitUncertainty:
-    """What the noise of the rows leaves open.
+    """What the noise of the rows leaves open."""
 
-    Attributes
-    ----------
-    dissipation : W of the last whole cycle; None where it was not resampled
-    half_width, peak_pressure : at the largest load
-    resamples, failed : how many other measurements were fitted, and how many of those did not bend up or were too narrow
-    seed : of the random numbers
-    """
-
-    dissipation: Spread | None
+    dissipation: Spread | None  # W of the last whole cycle; None where it was not resampled
+    # half_width, peak_pressure: at the largest load
     half_width: Spread
     peak_pressure: Spread
+    # resamples, failed: how many other measurements were fitted, and how many of those did not bend up or were too narrow
     resamples: int
     failed: int
-    seed: int
+    seed: int  # of the random numbers
 
 
 def fit_of(scene: Scene) -> Fitted | None:

@@ -43,20 +43,12 @@ _EXACT = 1e-12  # tolerance of half-plane theory
 
 @dataclass(frozen=True)
 class External:
-    """A figure that somebody else's mathematics gives.
+    """A figure that somebody else's mathematics gives."""
 
-    Attributes
-    ----------
-    key : the figure of ours that it judges
-    value : as text, with every digit there is
-    tolerance : of the difference over the value; over A f^2 P^2 where the value is 0
-    source : where it comes from
-    """
-
-    key: str
-    value: str
-    tolerance: float
-    source: str
+    key: str  # the figure of ours that it judges
+    value: str  # as text, with every digit there is
+    tolerance: float  # of the difference over the value; over A f^2 P^2 where the value is 0
+    source: str  # where it comes from
 
 
 # Rigid parabola on a bonded layer (no half-plane): tests/layer_truth.py, Fourier integrals; a is 1 mm by the choice of the load.

@@ -467,7 +467,7 @@ def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
         assert abs(found / whole - 1) < most, keys
         assert count <= kept, keys
     words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words("N/mm")
-    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q, P from" in words
+    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q. P goes from" in words
     assert base.vary(load={"average": 4}).load.rows == base.load.rows  # all rows stay in the scene
 
 

@@ -48,31 +48,24 @@ _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Two axes and marks.
+    """Two axes and marks."""
 
-    Attributes
-    ----------
-    name : used once on a page; alt : what it shows, for who can't see it
-    width, height : of the drawing; room : left, top, right, bottom of it beside the area, automatic if None
-    title, notes : lines above the area; notes hold the numbers of a plot
-    time : "x" or "y" where that axis is the time, so that the instant shown is marked on it
-    equal : one scale for both axes, the one with room to spare showing more on both sides; bare : no axes at all
-    """
-
-    name: str
+    name: str  # used once on a page
     x: Axis
     y: Axis
     marks: Sequence[Mark]
-    alt: str
+    alt: str  # what it shows, for who can't see it
+    # width, height: of the drawing
     width: float = 440.0
     height: float = 300.0
+    # title, notes: lines above the area; notes hold the numbers of a plot
     title: str = ""
     notes: Sequence[str] = ()
-    time: str = ""
+    time: str = ""  # "x" or "y" where that axis is the time, so that the instant shown is marked on it
     css: str = ""
-    equal: bool = False
-    bare: bool = False
-    room: tuple[float, float, float, float] | None = None
+    equal: bool = False  # one scale for both axes, the one with room to spare showing more on both sides
+    bare: bool = False  # no axes at all
+    room: tuple[float, float, float, float] | None = None  # left, top, right, bottom of it beside the area, automatic if None
 
     @property
     def frame(self) -> Frame:
@@ -120,23 +113,16 @@ STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name 
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A figure.
+    """A figure."""
 
-    Attributes
-    ----------
-    name : stem of its files; title, caption : for the page; alt : what it shows, for who can't see it
-    panels : set side by side where there is room, at most `columns`
-    table : column heading (with unit) -> values, all of one length; what the figure draws
-    keys : the legend, above the panels
-    """
-
-    name: str
+    name: str  # stem of its files
+    # title, caption: for the page
     title: str
     caption: str
-    alt: str
-    panels: tuple[Panel | Cell, ...]
-    table: Table
-    keys: tuple[Key, ...] = ()
+    alt: str  # what it shows, for who can't see it
+    panels: tuple[Panel | Cell, ...]  # set side by side where there is room, at most `columns`
+    table: Table  # column heading (with unit) -> values, all of one length; what the figure draws
+    keys: tuple[Key, ...] = ()  # the legend, above the panels
     columns: int = 2
 
     def svg(self) -> str:

@@ -220,25 +220,18 @@ class Operand(NamedTuple):
 
 @dataclass(frozen=True)
 class Command:
-    """A row of the table of commands.
+    """A row of the table of commands."""
 
-    Attributes
-    ----------
-    group, name, help : in the list of commands
-    does : module and function, of the operands and of `Options`
-    operands, options : what it takes; an option with "!" must be given
-    words : of options that mean something else than in the table
-    silent : what --quiet prints: nothing at all
-    """
-
+    # group, name, help: in the list of commands
     group: str
     name: str
     help: str
-    does: str
+    does: str  # module and function, of the operands and of `Options`
+    # operands, options: what it takes; an option with "!" must be given
     operands: tuple[Operand, ...]
     options: tuple[str, ...]
-    words: Mapping[str, str] = field(default_factory=dict)
-    silent: bool = False
+    words: Mapping[str, str] = field(default_factory=dict)  # of options that mean something else than in the table
+    silent: bool = False  # what --quiet prints: nothing at all
 
 
 _SCENE_NAME = Operand("scene", str, "Name of a library scene, or a .toml or .json file.")
@@ -347,22 +340,14 @@ COMMANDS = (
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command found.
+    """What a command found."""
 
-    Attributes
-    ----------
-    code : exit code
-    shown : lines and tables for the terminal, made when they are printed
-    result : what --json prints as "result", not finite numbers among it, made when it is printed; None: there is no JSON of it
-    scene : name of the scene; None where a command is about none
-    command : whose answer it is, where not that of the command given
-    """
-
-    code: int
-    shown: Iterable[Part] = ()
+    code: int  # exit code
+    shown: Iterable[Part] = ()  # lines and tables for the terminal, made when they are printed
+    # what --json prints as "result", not finite numbers among it, made when it is printed; None: there is no JSON of it
     result: Callable[[], Mapping[str, Any]] | None = None
-    scene: str | None = None
-    command: str = ""
+    scene: str | None = None  # name of the scene; None where a command is about none
+    command: str = ""  # whose answer it is, where not that of the command given
 
 
 def answer_schema() -> dict[str, Any]:

@@ -27,20 +27,12 @@ _ORDERS = (0.01, 16.0)
 
 @dataclass(frozen=True)
 class Ladder:
-    """Values of one quantity on rungs of different size, everything else fixed.
+    """Values of one quantity on rungs of different size, everything else fixed."""
 
-    Attributes
-    ----------
-    sizes : h > 0 of each rung, finest first, strictly growing
-    values : phi of each rung, finite
-    formal_order : largest order that theory admits; plausible ones lie between a quarter of it and a twentieth above
-    rounding : differences up to this are none
-    """
-
-    sizes: tuple[float, ...]
-    values: tuple[float, ...]
-    formal_order: float = 2.0
-    rounding: float = 0.0
+    sizes: tuple[float, ...]  # h > 0 of each rung, finest first, strictly growing
+    values: tuple[float, ...]  # phi of each rung, finite
+    formal_order: float = 2.0  # largest order that theory admits; plausible ones lie between a quarter of it and a twentieth above
+    rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
         if len(self.sizes) != len(self.values) or not self.sizes:
@@ -67,22 +59,14 @@ def plausible(order: float | None, formal: float) -> bool:
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """What a ladder says.
+    """What a ladder says."""
 
-    Attributes
-    ----------
-    order : observed p; None where there is none
-    kind : how the values go as h falls
-    value : phi_0; None for a single rung
-    uncertainty : |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single rung
-    rule : in words
-    """
-
-    order: float | None
-    kind: _Kind
-    value: float | None
+    order: float | None  # observed p; None where there is none
+    kind: _Kind  # how the values go as h falls
+    value: float | None  # phi_0; None for a single rung
+    # |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single rung
     uncertainty: float | None
-    rule: str
+    rule: str  # in words
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:

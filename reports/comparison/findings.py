@@ -49,24 +49,16 @@ SAME, DIFFERS, ONLY_A, ONLY_B = "same", "differs", "only in A", "only in B"
 
 @dataclass(frozen=True)
 class Findings:
-    """The figures of a run or of a baseline.
+    """The figures of a run or of a baseline."""
 
-    Attributes
-    ----------
-    source : where they were read, as the user named it
-    scene : the question
-    figures : key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a comparison are
-        "metric.<key>", figures of an engine "<engine>.<quantity>" in the scene's units, counts "<engine>.counts.<name>"
-    engines : engine -> {"settings": ..., "versions": ...}
-    unfinished : sentences of engines that did not converge
-    tolerances : pattern of keys -> largest admitted difference, kept with a baseline
-    """
-
-    source: str
-    scene: Scene
+    source: str  # where they were read, as the user named it
+    scene: Scene  # the question
+    # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a comparison are "metric.<key>",
+    # figures of an engine "<engine>.<quantity>" in the scene's units, counts "<engine>.counts.<name>"
     figures: Mapping[str, float | None]
-    engines: Mapping[str, Mapping[str, Any]]
-    unfinished: tuple[str, ...] = ()
+    engines: Mapping[str, Mapping[str, Any]]  # engine -> {"settings": ..., "versions": ...}
+    unfinished: tuple[str, ...] = ()  # sentences of engines that did not converge
+    # pattern of keys -> largest admitted difference, kept with a baseline
     tolerances: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -229,25 +221,16 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------------------- differences
 @dataclass(frozen=True)
 class Row:
-    """One figure of two findings.
+    """One figure of two findings."""
 
-    Attributes
-    ----------
-    key : of the figure
-    a, b : its values; None for "no such thing"
-    difference : B less A; None where there is nothing to subtract
-    kind : "absolute", or "relative": over the larger of |A| and |B|
-    tolerance : largest admitted |difference|
-    verdict : same, differs, only in A, only in B
-    """
-
-    key: str
+    key: str  # of the figure
+    # a, b: its values; None for "no such thing"
     a: float | None
     b: float | None
-    difference: float | None
-    kind: str
-    tolerance: float
-    verdict: str
+    difference: float | None  # B less A; None where there is nothing to subtract
+    kind: str  # "absolute", or "relative": over the larger of |A| and |B|
+    tolerance: float  # largest admitted |difference|
+    verdict: str  # same, differs, only in A, only in B
 
 
 @dataclass(frozen=True)

@@ -122,18 +122,11 @@ def _largest_pressure(solution: ContactSolution) -> float:
 # ------------------------------------------------------------------------------------------------------ expected numbers
 @dataclass(frozen=True)
 class Finding:
-    """An expected number and what was found in its place.
+    """An expected number and what was found in its place."""
 
-    Attributes
-    ----------
-    expected : the number, its tolerance, engine and source
-    found : the engine's own; NaN where it has no such thing
-    difference : found less expected, in the measure of the tolerance
-    """
-
-    expected: Expected
-    found: float
-    difference: float
+    expected: Expected  # the number, its tolerance, engine and source
+    found: float  # the engine's own; NaN where it has no such thing
+    difference: float  # found less expected, in the measure of the tolerance
 
     @property
     def met(self) -> bool:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -35,36 +36,29 @@ OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_mo
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included.
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included."""
 
-    Attributes
-    ----------
-    time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
-    x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
-    normal_load, tangential_load, tangential_displacement, normal_approach : (k,)
-    bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment : (k,), or None, as in the solution
-    dissipation_density : (n,)
-    interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
-        nothing was interpolated
-    whole : False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
-    """
-
-    time: Array
-    fraction: Array
-    x: Array
+    time: Array  # (k,), the solution's own times
+    fraction: Array  # (k,), 0 at the start of the cycle and 1 at its end
+    x: Array  # (n,) [length]
+    # pressure, shear, slip, state: (k, n)
     pressure: Array
     shear: Array
     slip: Array
     state: NDArray[np.int8]
+    # contact_edges, stick_edges: (k, 2)
     contact_edges: Array
     stick_edges: Array
+    # normal_load, tangential_load, tangential_displacement, normal_approach: (k,)
     normal_load: Array
     tangential_load: Array
     tangential_displacement: Array
     normal_approach: Array
-    dissipation_density: Array
+    dissipation_density: Array  # (n,)
+    # estimated largest error of the re-sampling, over the field's largest value; empty where nothing was interpolated
     interpolation: Mapping[str, float] = field(default_factory=dict)
-    whole: bool = True
+    whole: bool = True  # False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
+    # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the solution
     bulk_stress_lower: Array | None = None
     bulk_stress_upper: Array | None = None
     tilt: Array | None = None
@@ -337,22 +331,13 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes the comparison dimensionless.
+    """What makes the comparison dimensionless."""
 
-    Attributes
-    ----------
-    normal_load : P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
-    half_width : a_ref = a(P_ref) of the reference [length]
-    pressure : p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
-    friction : f, or 1 for a frictionless scene, so that a shear that should not be there still shows
-    compliance : A = 2/E* [1/stress]
-    """
-
-    normal_load: float
-    half_width: float
-    pressure: float
-    friction: float
-    compliance: float
+    normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    half_width: float  # a_ref = a(P_ref) of the reference [length]
+    pressure: float  # p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    friction: float  # f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    compliance: float  # A = 2/E* [1/stress]
 
     @property
     def shear(self) -> float:
@@ -471,6 +456,11 @@ class Pair:
         stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
         return any(one is not None for one in stated) or not scene.profile.symmetric
 
+    @property
+    def unsymmetric(self) -> bool:
+        """Either of both."""
+        return self.pulled or self.turned
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Measured:
@@ -508,38 +498,24 @@ class Measured:
 
 @dataclass(frozen=True, kw_only=True)
 class Definition:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    key, label : for programs and for people
-    unit : what its value is a share of
-    norm : how the differences at points and instants become one value
-    region : which points and instants count
-    text : how it is computed
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
-    measure : the function, of a `Pair`
-    signed : whether its sign has a meaning (result − reference); a norm has none
-    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
-    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
-        quantity stands in the first table, the others are folded below it
-    judged_by : key of the tolerance that judges it; the row's own
-    exists : whether a pair has this row at all: not without bulk stress, say
-    """
-
+    # key, label: for programs and for people
     key: str
     label: str
-    unit: str
-    norm: str
-    region: str
-    text: str
-    needs: tuple[str, ...]
-    measure: _Measure
-    signed: bool = True
-    absolute_unit: str = ""
+    unit: str  # what its value is a share of
+    norm: str  # how the differences at points and instants become one value
+    region: str  # which points and instants count
+    text: str  # how it is computed
+    needs: tuple[str, ...]  # fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
+    measure: _Measure  # the function, of a `Pair`
+    signed: bool = True  # whether its sign has a meaning (result − reference); a norm has none
+    absolute_unit: str = ""  # unit where the reference's own figure is 0 and nothing can be relative to it
+    # what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a quantity
+    # stands in the first table, the others are folded below it
     quantity: str = ""
-    judged_by: str = ""
-    exists: Callable[[Pair], bool] = lambda _: True
+    judged_by: str = ""  # key of the tolerance that judges it; the row's own
+    exists: Callable[[Pair], bool] = lambda _: True  # whether a pair has this row at all: not without bulk stress, say
 
     @property
     def headline(self) -> bool:
@@ -1171,14 +1147,11 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
-def _steps_out(pair: Pair) -> Measured:
+def _steps(pair: Pair, *, out: bool) -> Measured:
+    """W with the error of the steps taken `out`, or that error alone."""
     polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
-
-
-def _steps_only(pair: Pair) -> Measured:
-    polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
+    expected, found = (polygon, pair.result) if out else (pair.reference, polygon)
+    return _of_amounts(expected.dissipation, found.dissipation, pair.scales.dissipation)
 
 
 def _loop(pair: Pair, *, bulk: bool) -> Measured:
@@ -1285,16 +1258,7 @@ _OF_SIDE = "edge; also over the local spacing h of the result's points, and with
 _NEAREST = "to a point; of several peaks of the reference within 5 % the nearest"
 
 
-def _pulled(pair: Pair) -> bool:
-    return pair.pulled
-
-
-def _turned(pair: Pair) -> bool:
-    return pair.turned
-
-
-def _bulk_or_turned(pair: Pair) -> bool:
-    return pair.pulled or pair.turned
+_PULLED, _TURNED, _UNSYMMETRIC = (attrgetter(name) for name in ("pulled", "turned", "unsymmetric"))
 
 
 def _has_polygon(pair: Pair) -> bool:
@@ -1316,7 +1280,7 @@ METRICS = {row.key: row for row in (
     _row("stick_eccentricity", "Stick zone, centre: middle of what sticks through the whole last cycle, result − reference",
         "of a_ref", _ONE_VALUE, "state whole_cycle",
         partial(_of_stick_zone, of=_middle_of_stick),
-        quantity="length", judged_by="permanent_stick", exists=_bulk_or_turned),
+        quantity="length", judged_by="permanent_stick", exists=_UNSYMMETRIC),
     _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1",
         "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle",
         _largest_slip, quantity="slip", absolute_unit="f p_ref a_ref/E*"),
@@ -1348,29 +1312,29 @@ METRICS = {row.key: row for row in (
         "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", partial(_displacement, centred=False)),
     _row("dissipation_polygon", "Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: "
         "all errors except that of the steps",
-        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _steps_out, absolute_unit=_WORK, exists=_has_polygon),
+        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", partial(_steps, out=True), absolute_unit=_WORK, exists=_has_polygon),
     _row("dissipation_step", "Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on "
-        "the smooth path", "of W_ref", _ONE_VALUE, "", _steps_only, absolute_unit=_WORK, exists=_has_polygon),
+        "the smooth path", "of W_ref", _ONE_VALUE, "", partial(_steps, out=False), absolute_unit=_WORK, exists=_has_polygon),
     _row("hysteresis", "Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle", partial(_loop, bulk=False), absolute_unit=_WORK),
     _row("hysteresis_with_bulk", "Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; "
         "with bulk stress Q dU alone is not the dissipation",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle",
-        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_pulled),
+        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_PULLED),
     _row("bulk_work", "Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − "
         "upper body", "of W_ref", _ONE_VALUE, "shear dissipation whole_cycle",
-        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_pulled),
+        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_PULLED),
     _row("dissipation_drift", "Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is "
         "steady", "of W", ("one value", "last two cycles"), "dissipation whole_cycle",
-        _drift, exists=lambda pair: pair.periodic and _bulk_or_turned(pair)),
+        _drift, exists=lambda pair: pair.periodic and pair.unsymmetric),
     _row("contact_centre", "Contact centre: middle of the contact edges, result − reference",
-        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_turned),
+        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_TURNED),
     _row("moment", "Moment: M = ∫x p dx, result − reference",
         "of P_ref a_ref", _AT_INSTANTS, "pressure",
-        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_turned),
+        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_TURNED),
     _row("tilt", "Tilt: that of the upper body, result − reference",
         "of A P_ref/a_ref", _AT_INSTANTS, "",
-        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_turned),
+        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_TURNED),
     _row("dissipation_density", "Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place",
         "of largest w_ref", ("value at the worst point", "every point, edges included; last cycle"),
         "dissipation_density whole_cycle", _density, absolute_unit=f"{_WORK}/a_ref"),

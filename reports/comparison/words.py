@@ -22,7 +22,6 @@ from reports.comparison.laws import (
     expected_numbers,
 )
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of, normal_work
-from reports.measured import content as cycles_content
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
@@ -724,30 +723,20 @@ def _own(comparison: Comparison) -> tuple[ContactSolution, ...]:
     return () if derived(comparison.result) else (comparison.reference, comparison.result)
 
 
+# What the JSON of a metric has of it, and of its row of the table, by the names there.
+_OF_A_METRIC = ("label", "value", "unit", "tolerance", "accurate", "verdict", "absolute", "amounts", "uncertainty", "elements")
+_OF_A_ROW = ("signed", "headline", "norm", "region")
+
+
 def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
     return {
-        "label": metric.label,
-        "value": metric.value,
-        "finite": metric.value is None or math.isfinite(metric.value),
-        "unit": metric.unit,
-        "tolerance": metric.tolerance,
-        "accurate": metric.accurate,
-        "verdict": metric.verdict,
-        "honest": {"yes": True, "no": False}.get(_honest_of(report, metric)),
-        "absolute": metric.absolute,
-        "amounts": metric.amounts,
-        "signed": metric.definition.signed,
-        "headline": metric.definition.headline,
-        "norm": metric.definition.norm,
-        "region": metric.definition.region,
+        **{name: getattr(metric, name) for name in (*_OF_A_METRIC, "spacings", "note", "series")},
+        **{name: getattr(metric.definition, name) for name in _OF_A_ROW},
         "definition": metric.definition.text,
+        "finite": metric.value is None or math.isfinite(metric.value),
+        "honest": {"yes": True, "no": False}.get(_honest_of(report, metric)),
         "worst_at": metric.time,
         "worst_at_x_over_a_ref": metric.place,
-        "uncertainty": metric.uncertainty,
-        "elements": metric.elements,
-        "spacings": metric.spacings,
-        "note": metric.note,
-        "series": metric.series,
     }
 
 
@@ -814,30 +803,16 @@ def _or_none(value: float) -> str:
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """What is worth keeping of one solution beside its fields."""
     record, work = solution.record, solution.work
+    names = ("engine", "dissipation", "dissipation_uncertainty", "dissipation_drift", "loop_work", "cycle_dissipation")
     return {
-        "engine": solution.engine,
-        "dissipation": solution.dissipation,
-        "dissipation_uncertainty": solution.dissipation_uncertainty,
-        "dissipation_drift": solution.dissipation_drift,
-        "loop_work": solution.loop_work,
+        **{name: getattr(solution, name) for name in (*names, "permanent_stick_half_width", "steady_from", "settings", "versions")},
         **of_bulk(solution),
-        "cycle_dissipation": solution.cycle_dissipation,
-        "load_cycles": cycles_content(solution),
-        "permanent_stick_half_width": solution.permanent_stick_half_width,
+        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),
-        "steady_from": solution.steady_from,
-        "converged": record.converged,
-        "termination": record.termination,
-        "message": record.message,
-        "notes": record.notes,
+        **{name: getattr(record, name) for name in ("converged", "termination", "message", "notes")},
         "certificates": {
-            check.label: {
-                "value": check.value,
-                "limit": check.limit,
-                "holds": check.holds,
-                "worst_at": check.time,
-            }
+            check.label: {"value": check.value, "limit": check.limit, "holds": check.holds, "worst_at": check.time}
             for check in checks
         },
         "counts": work.counts,
@@ -846,6 +821,4 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "mesh_quality": {
             name: dict(body.quality) for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
         },
-        "settings": solution.settings,
-        "versions": solution.versions,
     }
