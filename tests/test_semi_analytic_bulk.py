@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -725,3 +726,6 @@ def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch)
     with pytest.raises(InputError, match=r"the contact area does not converge at P = .* of cycle 0; finite elements may") as caught:
         on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
+    p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
+    end = scene.load.path().initial_loading[0].last  # on the straight line to it
+    assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)
