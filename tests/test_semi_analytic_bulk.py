@@ -682,6 +682,19 @@ def on_grids(scene, x, **options):
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
 
 
+def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
+    scene = fretting(0.6)
+    path = scene.load.path()
+    loads = PathLoads(path, strain_of(scene.material), 1.0)
+    for leg in path.cycle:
+        time = np.linspace(leg.start, leg.end, 5)[1:-1]
+        eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
+        np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
+        for name in ("values", "rates"):
+            here, later = (getattr(loads, name)(time + turns * path.period) for turns in (0, 7))
+            np.testing.assert_allclose(later, here, rtol=0, atol=1e-13, err_msg=name)
+
+
 @pytest.mark.slow
 def test_grids_give_a_loop_in_phase_within_the_errors_that_they_state():
     """Row 6 again, with its fields by fronts."""
