@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -727,6 +728,19 @@ def on_grids(scene, x, **options):
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
 
 
+def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
+    scene = fretting(0.6)
+    path = scene.load.path()
+    loads = PathLoads(path, strain_of(scene.material), 1.0)
+    for leg in path.cycle:
+        time = np.linspace(leg.start, leg.end, 5)[1:-1]
+        eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
+        np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
+        for name in ("values", "rates"):
+            here, later = (getattr(loads, name)(time + turns * path.period) for turns in (0, 7))
+            np.testing.assert_allclose(later, here, rtol=0, atol=1e-13, err_msg=name)
+
+
 @pytest.mark.slow
 def test_grids_give_a_loop_in_phase_within_the_errors_that_they_state():
     """Row 6 again, with its fields by fronts."""
@@ -771,3 +785,6 @@ def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch)
     with pytest.raises(InputError, match=r"the contact area does not converge at P = .* of cycle 0; finite elements may") as caught:
         on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
+    p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
+    end = scene.load.path().initial_loading[0].last  # on the straight line to it
+    assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)
