@@ -294,12 +294,6 @@ def _back(time: Array, force: Array, first: int, last: int) -> float:
     return float(time[-1])
 
 
-def content(solution: ContactSolution) -> dict[str, Any] | None:
-    """The cycles for JSON; None where there is no record."""
-    found = load_cycles(solution)
-    return None if found is None else found.content()
-
-
 def record_content(scene: Scene) -> dict[str, Any] | None:
     """For JSON: how files were read, what reduction and noise make of W; None where nothing was measured."""
     read, found = read_in_pairs(scene), check_record(scene)

@@ -516,6 +516,12 @@ def test_advice_is_yes_no_not_sure_or_nothing_known(said: Any, tmp_path: Path) -
     (arcs,) = (line for line in done.stdout.splitlines() if "true arcs" in line)
     assert (done.returncode, "extrapolated" in arcs, "about −" in arcs, "±" in arcs) == (1, True, True, False)
     assert "map `curvature`, pad" in done.stdout  # the name that `halfplane map` takes
+    # A value within the limit that is extrapolated decides nothing: twenty times the load, a/R = 0.45.
+    scene = load_scene("two-cylinders")
+    load = {key: [[20 * one for one in row] for row in getattr(scene.load, key)] for key in ("initial_loading", "cycle")}
+    scene.vary(load=load, expected=()).save(tmp_path / "deep.toml")
+    code, found = said("advise", "deep.toml", "--limit", "90%")
+    assert (code, found["extrapolated"], found["verdict"], found["within_limit"]) == (1, True, "undecided", False)
 
 
 def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -537,6 +543,8 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
     assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2})
     assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
+    shown = halfplane(tmp_path, "sweep", "study.toml", "--workers", "1", "--quiet").stdout
+    assert len(re.findall(r"│\s*[01] │ +1(?:\.2)? │ +0\.002\d+", shown)) == 2  # a row for each point: number, f, W
     status, page = said("sweep", "status", "out/study")[1], said("sweep", "report", "out/study")[1]
     assert status["points"] == page["points"] == found["points"]
     assert (status["title"], status["seconds_left"], status["failures"], status["damaged"]) == ("Friction", None, [], [])

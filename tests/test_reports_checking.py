@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import tracemalloc
 from pathlib import Path
@@ -295,6 +296,13 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
     assert "the peak pressure p0 = infinite at the tip" in halfplane(tmp_path, "check", "wedge.json").stdout
     answer = json.loads(halfplane(tmp_path, "check", "wedge.json", "--json").stdout)["result"]
     assert answer["largest_contact"]["peak_pressure"] is None
+
+
+@pytest.mark.parametrize("name", ["blocks", "cylinder-roller", "dovetail-in-phase", "flight", "large-pad", "row-of-contacts"])
+def test_check_speaks_in_sentences_of_at_most_25_words(name: str, tmp_path: Path) -> None:
+    said = re.split(r"(?<=[.?!])\s", halfplane(tmp_path, "check", name).stdout)
+    assert len(said) > 8
+    assert not [sentence for sentence in said if len(sentence.split()) > 25]
 
 
 REMARKED = {

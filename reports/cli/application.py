@@ -93,9 +93,13 @@ def _taken(row: Command) -> Callable[..., int]:
         parameters.append(Parameter(operand.name, kind, default=default, annotation=Annotated[operand.kind, words]))
     for marked in row.options:
         one = table[marked.rstrip("!")]
-        words = Words(help=row.words[one.name], group="Parameters") if one.name in row.words else Words()
+        other = Words(help=row.words[one.name], group="Parameters") if one.name in row.words else None
         default = Parameter.empty if marked.endswith("!") else one.default
-        parameters.append(Parameter(one.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[one.type, words]))
+        parameters.append(
+            Parameter(
+                one.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[one.type, other] if other else one.type
+            )
+        )
     signature = Signature(parameters)
 
     def command(*operands: Any, **options: Any) -> int:

@@ -115,7 +115,7 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
     """Of content of that kind; whatever is missing or no number raises."""
-    figures: dict[str, float | None] = {}
+    scene, figures = Scene.model_validate(present_names(content["scene"])), dict[str, float | None]()
     answers, tolerances, engines, unfinished = dict[str, Mapping[str, Any]](), {}, {}, []
     if kind == "baseline":
         figures = {str(key): _number(value) for key, value in content["figures"].items()}
@@ -136,7 +136,6 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
         figures |= {f"{name}.counts.{_slug(key)}": _number(answer["counts"][key]) for key in COUNTS if key in answer["counts"]}
         engines[name] = _made_by(answer)
         unfinished += [] if answer["converged"] else [f"{name}: {answer['message']}"]
-    scene = Scene.model_validate(present_names(content["scene"]))
     return Findings(source, scene, figures, engines, tuple(unfinished), tolerances)
 
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -454,6 +455,11 @@ class Pair:
         scene = self.result.scene
         stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
         return any(one is not None for one in stated) or not scene.profile.symmetric
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Either of both."""
+        return self.pulled or self.turned
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -1141,14 +1147,11 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
-def _steps_out(pair: Pair) -> Measured:
+def _steps(pair: Pair, *, out: bool) -> Measured:
+    """W with the error of the steps taken `out`, or that error alone."""
     polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
-
-
-def _steps_only(pair: Pair) -> Measured:
-    polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
+    expected, found = (polygon, pair.result) if out else (pair.reference, polygon)
+    return _of_amounts(expected.dissipation, found.dissipation, pair.scales.dissipation)
 
 
 def _loop(pair: Pair, *, bulk: bool) -> Measured:
@@ -1255,16 +1258,7 @@ _OF_SIDE = "edge; also over the local spacing h of the result's points, and with
 _NEAREST = "to a point; of several peaks of the reference within 5 % the nearest"
 
 
-def _pulled(pair: Pair) -> bool:
-    return pair.pulled
-
-
-def _turned(pair: Pair) -> bool:
-    return pair.turned
-
-
-def _bulk_or_turned(pair: Pair) -> bool:
-    return pair.pulled or pair.turned
+_PULLED, _TURNED, _UNSYMMETRIC = (attrgetter(name) for name in ("pulled", "turned", "unsymmetric"))
 
 
 def _has_polygon(pair: Pair) -> bool:
@@ -1286,7 +1280,7 @@ METRICS = {row.key: row for row in (
     _row("stick_eccentricity", "Stick zone, centre: middle of what sticks through the whole last cycle, result − reference",
         "of a_ref", _ONE_VALUE, "state whole_cycle",
         partial(_of_stick_zone, of=_middle_of_stick),
-        quantity="length", judged_by="permanent_stick", exists=_bulk_or_turned),
+        quantity="length", judged_by="permanent_stick", exists=_UNSYMMETRIC),
     _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1",
         "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle",
         _largest_slip, quantity="slip", absolute_unit="f p_ref a_ref/E*"),
@@ -1318,29 +1312,29 @@ METRICS = {row.key: row for row in (
         "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", partial(_displacement, centred=False)),
     _row("dissipation_polygon", "Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: "
         "all errors except that of the steps",
-        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _steps_out, absolute_unit=_WORK, exists=_has_polygon),
+        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", partial(_steps, out=True), absolute_unit=_WORK, exists=_has_polygon),
     _row("dissipation_step", "Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on "
-        "the smooth path", "of W_ref", _ONE_VALUE, "", _steps_only, absolute_unit=_WORK, exists=_has_polygon),
+        "the smooth path", "of W_ref", _ONE_VALUE, "", partial(_steps, out=False), absolute_unit=_WORK, exists=_has_polygon),
     _row("hysteresis", "Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle", partial(_loop, bulk=False), absolute_unit=_WORK),
     _row("hysteresis_with_bulk", "Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; "
         "with bulk stress Q dU alone is not the dissipation",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle",
-        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_pulled),
+        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_PULLED),
     _row("bulk_work", "Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − "
         "upper body", "of W_ref", _ONE_VALUE, "shear dissipation whole_cycle",
-        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_pulled),
+        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_PULLED),
     _row("dissipation_drift", "Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is "
         "steady", "of W", ("one value", "last two cycles"), "dissipation whole_cycle",
-        _drift, exists=lambda pair: pair.periodic and _bulk_or_turned(pair)),
+        _drift, exists=lambda pair: pair.periodic and pair.unsymmetric),
     _row("contact_centre", "Contact centre: middle of the contact edges, result − reference",
-        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_turned),
+        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_TURNED),
     _row("moment", "Moment: M = ∫x p dx, result − reference",
         "of P_ref a_ref", _AT_INSTANTS, "pressure",
-        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_turned),
+        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_TURNED),
     _row("tilt", "Tilt: that of the upper body, result − reference",
         "of A P_ref/a_ref", _AT_INSTANTS, "",
-        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_turned),
+        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_TURNED),
     _row("dissipation_density", "Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place",
         "of largest w_ref", ("value at the worst point", "every point, edges included; last cycle"),
         "dissipation_density whole_cycle", _density, absolute_unit=f"{_WORK}/a_ref"),

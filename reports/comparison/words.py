@@ -22,7 +22,6 @@ from reports.comparison.laws import (
     expected_numbers,
 )
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of, normal_work
-from reports.measured import content as cycles_content
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
@@ -808,7 +807,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     return {
         **{name: getattr(solution, name) for name in (*names, "permanent_stick_half_width", "steady_from", "settings", "versions")},
         **of_bulk(solution),
-        "load_cycles": cycles_content(solution),
+        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),
         **{name: getattr(record, name) for name in ("converged", "termination", "message", "notes")},

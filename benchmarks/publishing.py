@@ -1,8 +1,8 @@
 """The published reports, reports/published/: one page for each scene of the library, their figures, and the numbers of both.
 
-    make publish            (python -m reports.publishing, some minutes)
+    make publish            (python benchmarks/publishing.py, some minutes)
     make publish PAGES=1    (... --pages: the pages alone, from the numbers that are there)
-    python -m reports.publishing NAME ...   (the named scenes; all others stay as they are)
+    python benchmarks/publishing.py NAME ...   (the named scenes; all others stay as they are)
 
 Two columns, kept apart. *External*: a closed form, a value with 30 digits or a published one, with its tolerance; nothing
 that we compute goes into it. *Frozen*: our own figures of last time, of both engines with their default settings; they say
@@ -33,8 +33,8 @@ from scenes import Expected, InputError, Scene, load_scene, scene_names
 if TYPE_CHECKING:
     from reports.comparison import Comparison
 
-FOLDER = Path(__file__).with_name("published")
-_TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
+FOLDER = Path(__file__).parents[1] / "reports" / "published"
+_TRUTHS = Path(__file__).with_name("regress.json")
 ROLLER = _TRUTHS.with_name("roller.json")
 # Largest difference from the frozen values before they count as stale, before the defaults of `difference`.
 _STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
@@ -352,9 +352,6 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 def main(arguments: Sequence[str]) -> int:
     """Publish the whole library or the scenes named; with --pages write the pages again from values.json."""
-    if not _TRUTHS.exists():
-        say("reports are published from a checkout: benchmarks/regress.json is not there")
-        return 2
     if list(arguments) == ["--pages"]:
         _write_pages(values()["scenes"])
         return 0
