@@ -28,7 +28,7 @@ from unittest import mock
 
 import must_fail
 import numpy as np
-from claim import Row
+from claims import Row
 
 import halfplane_fe
 import semi_analytic

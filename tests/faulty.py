@@ -53,7 +53,7 @@ def started(folder: Path, job: str) -> subprocess.Popen[str]:
 
 def finished(folder: Path, job: str) -> int:
     with started(folder, job) as process:
-        _, errors = process.communicate(timeout=300)
+        _, errors = process.communicate(timeout=3600)
     assert "Traceback" not in errors, errors
     return process.returncode
 

@@ -383,12 +383,12 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
 
 def test_words_choose_cases_and_a_word_that_fits_none_is_refused(tool: Tool, tmp_path: Path) -> None:
     """Each case is stored when it is measured; the others stay."""
-    claim, cases = tool("claim"), {"Finite": lambda: 1, "Finite, again": lambda: 2, "Theory": lambda: 3}
-    assert claim.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {"Finite": 1, "Finite, again": 2, "Theory": 3}
-    assert claim.measure(tmp_path / "one.json", cases | {"Theory": lambda: 4}, ["Theory"])["Theory"] == 4
-    assert claim.measure(tmp_path / "one.json", cases, ["--pages"]) == {"Finite": 1, "Finite, again": 2, "Theory": 4}
+    claims, cases = tool("claims"), {"Finite": lambda: 1, "Finite, again": lambda: 2, "Theory": lambda: 3}
+    assert claims.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {"Finite": 1, "Finite, again": 2, "Theory": 3}
+    assert claims.measure(tmp_path / "one.json", cases | {"Theory": lambda: 4}, ["Theory"])["Theory"] == 4
+    assert claims.measure(tmp_path / "one.json", cases, ["--pages"]) == {"Finite": 1, "Finite, again": 2, "Theory": 4}
     with pytest.raises(SystemExit) as refused:
-        claim.chosen(["Sweeps"], cases)
+        claims.chosen(["Sweeps"], cases)
     assert refused.value.code == 2
 
 

@@ -108,7 +108,7 @@ def test_planted_faults_of_a_page_are_seen(tmp_path: Path) -> None:
 def test_the_notebook_runs_and_shows_scene_solution_and_comparison(tmp_path: Path) -> None:
     os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")
     book = nbformat.read(NOTEBOOK, as_version=4)
-    nbclient.NotebookClient(book, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    nbclient.NotebookClient(book, timeout=1200, resources={"metadata": {"path": str(tmp_path)}}).execute()
     outputs = [output for cell in book.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [output["data"]["text/html"] for output in outputs if "text/html" in output.get("data", {})]
     assert any("Cattaneo-Mindlin" in html for html in shown)

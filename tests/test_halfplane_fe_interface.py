@@ -254,7 +254,7 @@ def both_loaded(line, order, cells, ratio, coarser=0.4, base="rollers"):
     return {which: loaded(which, line, order, cells, size, base) for which, size in sizes_of(ratio, coarser).items()}
 
 
-PRESSURE, SHEAR = 1.5, 0.4
+PRESSURE, SHEAR, SHIFT = 1.5, 0.4, 0.2
 
 
 def patch_errors(line, kind, ratio, stress, coarser=0.4):
@@ -337,3 +337,38 @@ def test_a_uniform_distance_is_found_along_the_normal(line, order):
     np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.normals[1], rtol=1e-11)
     assert lifted.nearest[1] <= 0.01
     assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest[1] < -0.008
+
+
+HELD = [case(line, rest, "hydrostatic") for line in LINES for rest in one_line(line)]
+
+
+@pytest.mark.parametrize(("line", "ratio", "order", "cells"), HELD)
+def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells):
+    """Pressed by the resultants of a uniform pressure every node is closed, sticks, and bears p w: to 1e-9 of it.
+
+    The other boundaries bear the pressure: what that does to gap and slip is known.
+    """
+    lower, upper = pair(line, order, cells, ratio)
+    interface = couple(lower, upper)
+    coupled = mortar(Side(lower.x, lower.y, order), Side(upper.x, -upper.y, order))
+    moved = {}
+    for which, body in both_loaded(line, order, cells, ratio).items():
+        found = body.moved(HYDROSTATIC, 0.0)
+        moved[which] = found[body.contact]
+    moved["upper"] = moved["upper"] * np.array([[1.0], [-1.0]])
+    along = [np.einsum("dncm,cm->dn", getattr(coupled, which), moved[which]) for which in ("lower", "upper")]
+    gap, slip = along[1] - along[0]
+    zero, (n_x, n_y) = np.zeros_like(interface.x), interface.normals
+    problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
+    # A sticking node keeps the slip of the history: with minus what the other boundaries do, the faces meet as they were made, once
+    # the upper body has come back by the shift that is planted here.
+    start = untouched(problem.height, 0.0).changed(slip=n_y * SHIFT - slip, state=np.full(len(zero), SurfaceState.STICK))
+    wanted = PRESSURE * interface.weights
+    state, _ = problem.equilibrium(start, 1.0, interface.carried(wanted, 0 * wanted))
+    assert np.all(state.state == SurfaceState.STICK)
+    np.testing.assert_allclose(state.pressure / interface.weights, PRESSURE, rtol=1e-9)
+    np.testing.assert_allclose(state.shear / interface.weights, 0.0, atol=1e-9 * PRESSURE)
+    np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)
+    strain = (1 + MATERIAL.poisson_ratio) * (1 - 2 * MATERIAL.poisson_ratio) / MATERIAL.young_modulus * PRESSURE
+    assert state.approach == pytest.approx(strain * sum(HEIGHTS.values()), rel=1e-9)
+    assert state.shift == pytest.approx(SHIFT, rel=1e-9)

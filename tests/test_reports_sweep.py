@@ -7,6 +7,7 @@ import math
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -365,16 +366,25 @@ def values(folder: Path) -> dict[float, float]:
     return dict(zip(table["f"].tolist(), table["exact.dissipation"].tolist(), strict=True))
 
 
-@pytest.fixture
-def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
-    """An undisturbed sweep: each result is that of its point."""
-    sweep(folder="truth")
-    found = values(tmp_path / "truth")
-    assert len(found) == 7
-    for friction, work in found.items():
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a sweep that nothing happened to: each result is that of its point."""
+    folder = tmp_path_factory.mktemp("truth") / "truth"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(running, "workers_of", lambda **_: Bench())
+        run(study(**SEVEN), folder)
+    assert len(values(folder)) == 7
+    for friction, work in values(folder).items():
         scene = load_scene("hertz-paper").vary(friction=friction)
         assert work == semi_analytic.solve(scene, cycles="steady", x=[0.0], fields="dissipation").dissipation
-    return found
+    return folder
+
+
+@pytest.fixture
+def truth(tmp_path: Path, undisturbed: Path) -> dict[float, float]:
+    """What a sweep must find in the end; its store is copied to `truth`."""
+    shutil.copytree(undisturbed, tmp_path / "truth")
+    return values(undisturbed)
 
 
 def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
@@ -382,18 +392,15 @@ def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExec
     return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
 
 
-@pytest.mark.parametrize(
-    ("fault", "times", "at_once"),
-    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 1, False)],
-    ids=["worker", "pool", "cancelled"],
-)
-def test_what_dies_costs_nothing(
-    fault: type[BaseException], times: int, at_once: bool, tmp_path: Path, truth: dict[float, float], sweep: Sweep
-) -> None:
-    pool = dying(1.5, times, fault, at_once=at_once)
+DEATHS = {"a worker": (BrokenExecutor, False), "the pool": (BrokenExecutor, True), "cancelled": (CancelledError, False)}
+
+
+@pytest.mark.parametrize("death", DEATHS)
+def test_what_dies_costs_nothing(death: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+    fault, at_once = DEATHS[death]
+    pool = dying(1.5, 1, fault, at_once=at_once)
     sweep(pool)
-    assert values(tmp_path / "out") == truth
-    assert pool.started == 1 + times
+    assert (values(tmp_path / "out"), pool.started) == (truth, 2)
 
 
 def test_a_point_that_kills_its_worker_fails_alone(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
@@ -462,26 +469,25 @@ def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tm
             assert max(map(len, handed)) <= most
 
 
-@pytest.mark.parametrize("how", ["digit", "cut", "empty", "binary", "swapped"])
+DAMAGES: dict[str, Callable[[bytes, bytes], bytes]] = {
+    "digit": lambda one, _: one.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
+    "cut": lambda one, _: one[:200],
+    "empty": lambda *_: b"",
+    "binary": lambda *_: b"\xff\x00\xfe" * 50,
+    "swapped": lambda _, other: other,
+}
+
+
+@pytest.mark.parametrize("how", DAMAGES)
 def test_a_damaged_result_is_set_aside_and_made_again(how: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
-    store = Store(tmp_path / "truth")
+    store, pool = Store(tmp_path / "truth"), Bench()
     one, other = (store.path(address) for address in sorted(store.addresses())[:2])
-    text = one.read_bytes()
-    spoilt = {
-        "digit": text.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
-        "cut": text[:200],
-        "empty": b"",
-        "binary": b"\xff\x00\xfe" * 50,
-        "swapped": other.read_bytes(),
-    }[how]
-    assert spoilt != text
+    spoilt = DAMAGES[how](one.read_bytes(), other.read_bytes())
+    assert spoilt != one.read_bytes()
     one.write_bytes(spoilt)
-    assert len(values(tmp_path / "truth")) == 6
-    assert len(store.damaged()) == 1
-    pool = Bench()
+    assert (len(values(tmp_path / "truth")), len(store.damaged())) == (6, 1)
     sweep(pool, folder="truth")
-    assert values(tmp_path / "truth") == truth
-    assert sum(map(len, pool.handed)) == 1
+    assert (values(tmp_path / "truth"), sum(map(len, pool.handed))) == (truth, 1)
 
 
 @pytest.mark.usefixtures("truth")
@@ -513,6 +519,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
             raise OSError(number, os.strerror(number))
         real(handle)
 
+    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
     monkeypatch.setattr(os, "fsync", fsync)
     assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
     words = capsys.readouterr().err
@@ -711,7 +718,7 @@ def sweeping(home: Path, *words: str, session: bool = False) -> subprocess.Popen
 
 
 def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
-    out, err = client.communicate(timeout=900)
+    out, err = client.communicate(timeout=3600)
     assert client.returncode == code, err
     assert "Traceback" not in err
     return out, err
@@ -724,7 +731,7 @@ def children(pid: int) -> list[int]:
 
 
 def until(true: Callable[[], bool], client: subprocess.Popen[str]) -> None:
-    end = time.monotonic() + 400
+    end = time.monotonic() + 1800
     while not true():
         assert client.poll() is None, client.communicate()
         assert time.monotonic() < end
@@ -770,7 +777,7 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
         assert workers
         client.send_signal(how)
         _, err = finish(client, -how if how == signal.SIGKILL else 128 + how)
-        end = time.monotonic() + 60
+        end = time.monotonic() + 600
         while any(Path(f"/proc/{pid}").exists() for pid in workers):  # they notice that their client is gone
             assert how == signal.SIGKILL
             assert time.monotonic() < end

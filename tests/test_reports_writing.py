@@ -280,7 +280,7 @@ def test_a_browser_runs_nothing_of_a_sweep(pages: dict[str, Path]) -> None:
     if browser is None:
         pytest.skip("needs chromium")
     command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run([*command, pages["sweep"].as_uri()], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run([*command, pages["sweep"].as_uri()], capture_output=True, text=True, timeout=1200, check=True)
     assert "<title>run</title>" not in done.stdout
     assert "&lt;script&gt;" in done.stdout
 

@@ -321,10 +321,6 @@ def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
 
 
 # -------------------------------------------------------------------------------------------------------------- bad members
-def test_full_stick_has_no_peak():
-    peak = batch((1.0, 0.2, 0.0, 0.0, 0.0), peak_dissipation)
-    assert peak.value == 0
-    assert np.isnan([peak.place, peak.fraction]).all()
 
 
 def test_bad_members_get_a_reason_and_the_rest_their_values():

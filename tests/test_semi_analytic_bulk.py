@@ -29,7 +29,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from semi_analytic import eccentricity, events, solve
+from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
@@ -233,24 +233,6 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
     np.testing.assert_allclose(tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10)
     np.testing.assert_allclose(tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12)
     np.testing.assert_allclose(tilted.centre(loads), 0, atol=1e-13)
-
-
-def test_a_parabola_under_tilt_has_closed_forms():
-    """p is Hertz' about m; the gap closes by the slip integral; Lam is Hertz' and 3 kappa^2/S (P - P_c)^2 more; M = -alpha R P."""
-    tilt, kappa = 0.2, -0.1
-    contact = TiltedProfile(NestedIntervals(convex_profile(Hertz(radius=1.0)), 2.0, tilt, kappa, 4.0), 1.0)
-    square = 4 / math.pi  # c^2 = S eta, S = 4 R/(pi E*)
-    x, load, loads = np.linspace(-1.9, 2.1, 21), np.linspace(0.05, 4, 9)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
-    t = x + tilt + kappa * load
-    expected = np.sqrt(np.maximum(square * load - t**2, 0)) / 2
-    np.testing.assert_allclose(contact.pressure(x, load), expected, rtol=0, atol=1e-12)
-    open_to = contact.load(x)
-    np.testing.assert_allclose(contact.slip_integral(x, open_to) * 2 / math.pi, (x + tilt) ** 2 / 2, rtol=0, atol=1e-12)
-    ratio = loads / (loads - 0.2)
-    expected = (loads * np.log(ratio) - 0.2) / 2 + 3 * kappa**2 / square * 0.2**2
-    np.testing.assert_allclose(contact.dissipation_kernel(loads, 0.2), expected, rtol=1e-11)
-    moment = replace(contact, rigid="moment").log_distance(loads)
-    np.testing.assert_allclose(moment, -(tilt + kappa * loads) * loads, rtol=1e-12)
 
 
 # ---------------------------------------------------------------------------------------- profiles that are no parabolas
@@ -495,11 +477,6 @@ def test_eccentricity_of_the_stick_zone():
     assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
 
 
-def test_events_are_those_of_the_loads():
-    plain, leans = (events(scene) for scene in (make_scene(EllipseLoad(**PAPER, initial_loading=[(2, 0)])), leaning(0.1)))
-    assert [(one.letter, one.time) for one in plain] == [(one.letter, one.time) for one in leans]
-
-
 # ------------------------------------ fronts and grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
 CONTACT, HALF = Parabola(2.0, 1.0), 1.9544100476116797
 PI = math.pi
@@ -627,24 +604,10 @@ def test_all_that_is_followed_agrees_with_the_dense_grid(followed):
     works = grid.step * np.sum((q[1:] + q[:-1]) * np.diff(s, axis=0), axis=1) / 2  # by the trapezoidal rule, as the grid's
     assert np.sum(works[-20:]) == pytest.approx(grid.cycle_work(20)[-1], rel=1e-3)
     assert np.mean(followed.state == grid.state) > 0.995
-
-
-def test_work_loop_and_work_at_the_points_are_one(followed):
-    """W = closed integral of Q dU - m_q d eps = int W(x) dx; and W is that without the tilt, which moves it all by -0.1 R."""
+    # W = closed integral of Q dU - m_q d eps; and W is that without the tilt, which moves it all by -0.1 R.
+    assert (followed.works[-1], followed.loop) == pytest.approx((0.9368781396315213,) * 2, rel=1e-8)
     assert followed.steady_from == 2
-    assert followed.works[-1] == pytest.approx(0.9368781396315213, rel=1e-8)
-    assert followed.loop == pytest.approx(followed.works[-1], rel=1e-8)
-    assert np.sum(followed.density) * 5 / CELLS == pytest.approx(followed.works[-1], rel=2e-3)
     assert followed.remainder < 1e-9 * followed.works[-1]
-
-
-def test_a_moment_is_the_tilt_that_it_makes(followed):
-    """M = -alpha R P: given the moment, the cycle is as given the tilt."""
-    rows = (*STAYS[:3], (-0.3, 0.0))
-    other = follow(path_of(rows, moment=True), CONTACT, 1.0, (1.0, 0.0), np.zeros(1), TIMES)
-    assert other.moment[1:] == pytest.approx(followed.moment[1:], rel=1e-12)  # before that it is the moment that grows
-    assert other.works == pytest.approx(followed.works, rel=1e-8)
-    assert other.displacement[1:] == pytest.approx(followed.displacement[1:], abs=1e-7)
 
 
 def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
@@ -671,15 +634,6 @@ def test_an_edge_that_jumps_where_a_loop_closes_keeps_the_digits_of_the_work():
     more["tilt"] = {"mean": -0.075, "amplitude": 0.0418, "phase_degrees": 180}
     found = solve(make_scene(EllipseLoad(**line, phase_degrees=180, **more)), x=0.0, time=[3.0], fields="dissipation")
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_an_ellipse_at_a_tilt_that_grew_with_the_loads_has_the_work_of_none():
-    """Full stick, both directions of slip, and their ends in the middle of a leg; a tilt that stays moves a parabola, no more."""
-    paper = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1}
-    leaning, upright = (solve(make_scene(EllipseLoad(**paper, phase_degrees=90, **turn)), x=0.0) for turn in ({"tilt": 0.1}, {}))
-    assert leaning.dissipation == pytest.approx(upright.dissipation, rel=1e-8)
-    assert leaning.permanent_stick_edges == pytest.approx(-0.1 + upright.permanent_stick_half_width * np.array([-1, 1]), abs=1e-7)
 
 
 def test_what_is_left_is_estimated_from_the_trend():

@@ -103,14 +103,6 @@ P0 = 2 * 90.62286500739786 / math.pi  # a = 1 in the library's Hertz scenes
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
-def test_full_stick_integrates_nothing():
-    answer = solve(load_scene("full-stick"))
-    assert answer.dissipation == np.max(answer.dissipation_density) == 0
-    assert answer.work.counts["slip_quadratures"] == answer.work.counts["quadrature_nodes"] == 0
-    assert answer.work.skipped["quadratures"][1] == "full stick: nothing slips"
-    assert answer.steady_from == 0
-
-
 # ------------------------------------------------------------------------------------------------ laws, and faults planted in them
 def broken_laws(scene, answer):
     """The laws that an answer breaks, by name; no knowledge of how the engine works."""
@@ -342,6 +334,12 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
     assert solution.time[0] == pytest.approx(scene.load.path().cycle_start + 2 * np.pi)
     everything = solve(scene)
     assert set(FIELDS).isdisjoint(everything.work.skipped)
+    counts = everything.work.counts  # effort as a number, not a time: two cycles of six, five pieces alive at most
+    assert (counts["cycles_solved"], counts["spans"], counts["points_evaluated"]) == (2, 15, 100)
+    assert counts["pieces_alive"] <= 5
+    stuck = solve(load_scene("full-stick"))
+    assert stuck.dissipation == np.max(stuck.dissipation_density) == stuck.work.counts["slip_quadratures"] == 0
+    assert stuck.work.skipped["quadratures"][1] == "full stick: nothing slips"
     assert solution.dissipation == everything.dissipation
     for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):  # W alone needs none of them
         monkeypatch.setattr(HertzContact, kernel, None)
@@ -363,15 +361,6 @@ def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
         transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=only)
         assert math.isnan(transient.loop_work)
         assert "not steady" in transient.record.notes[0]
-
-
-def test_paper_scene_effort_is_bounded():
-    """Effort as a number, not a time: two cycles solved of six, five pieces alive at most."""
-    counts = solve(load_scene("hertz-paper")).work.counts
-    assert counts["cycles_solved"] == 2
-    assert counts["spans"] == 15
-    assert counts["pieces_alive"] <= 5
-    assert counts["points_evaluated"] == 100
 
 
 def record(repeats, *last):

@@ -33,6 +33,7 @@ def final_curve(points):
     return follow(straight_legs(points), [], FRICTION).states[0]
 
 
+@settings(max_examples=40)
 @given(CORNERS, st.integers(0, 11), st.floats(0.01, 0.99), st.floats(0.02, 0.9), st.floats(-0.9, 0.9))
 def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, part, low, use):
     """By brute force; Lipschitz, at the load; a step may be split; mirrored; what lies above the load is forgotten."""

@@ -52,7 +52,7 @@ def cosh_less_one(x):
 # Name to profile and the half-widths that are tried: next to its corners, far from them, and small.
 CASES = {
     "hertz": (Hertz(radius=2.0), (1e-6, 1.3, 40.0)),
-    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.3, 40.0, 1e6)),
+    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.044, 1.3, 40.0, 1e6)),
     "compound, blunter": (
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.0),
         (0.9, 1 + 1e-5, 1.1, 1e4),
@@ -257,9 +257,6 @@ def test_one_shape_in_two_forms(name):
 
 
 # ---------------------------------------------------------------------------------------------- ends of single laws
-def quad(function, begin, end):
-    """30-digit quadrature with the ends graded."""
-    return mp.quad(function, [begin, *(begin + (end - begin) * mp.mpf(10) ** -k for k in range(9, 0, -1)), end])
 
 
 FLAT = contact_on(FlatRounded(radius=1.0, flat_half_length=1.0), 2.0)  # E* b^2/(2 R) = 1
@@ -269,30 +266,6 @@ def tau_of_load(load):
     """sqrt(a^2 - b^2)/b by the engine."""
     d = float(FLAT.advance(load))
     return math.sqrt(d * (2 + d))
-
-
-@pytest.mark.parametrize("tau", [1e-8, 0.299, 0.301, 1e6])
-def test_a_rounded_flat_keeps_its_digits_at_any_depth(tau):
-    """From the middle over the edge of the flat to that of the contact, x by g^2 = 1 - x^2 in units of tau = sqrt(a^2 - b^2)/b."""
-    with mp.workdps(40):
-        load = float((1 + mp.mpf(tau) ** 2) * mp.atan(mp.mpf(tau)) - mp.mpf(tau))
-    assert tau_of_load(load) == pytest.approx(tau, rel=4e-15)
-    share = np.array([1e8, 30.0, 2.0, 1.001, 0.999, 0.3, 1e-3, 1e-6, 0.0, -1e-6, -0.1, -0.9, -0.999999])
-    x = np.sqrt(1 - np.minimum(share * np.abs(share) * tau**2, 1.0))
-    for place, value in zip(x.tolist(), (FLAT.pressure(x, load) * np.pi / 2).tolist(), strict=True):  # E* b/(pi R) = 2/pi
-        if place >= FLAT.half_width(load):
-            continue  # the last digit of a is more than the rounded edge has
-        with mp.workdps(40):
-            square = (1 - mp.mpf(place)) * (1 + mp.mpf(place))
-            t, g = mp.mpf(tau), mp.sqrt(abs(square))  # in v, t = |g| sinh v or |g| cosh v, all of it is smooth
-            if square > 0:
-                exact = quad(lambda v, g=g: mp.atan(g * mp.sinh(v)) * g * mp.sinh(v), mp.mpf(0), mp.asinh(t / g))
-            elif square < 0:
-                exact = quad(lambda v, g=g: mp.atan(g * mp.cosh(v)) * g * mp.cosh(v), mp.mpf(0), mp.acosh(t / g))
-            else:
-                exact = t * mp.atan(t) - mp.log1p(t * t) / 2
-            digits = 1e-14 + 8e-16 / float(abs(1 + square / t**2))  # a last digit of P counts from the edge of contact
-        assert value == pytest.approx(float(exact), rel=digits, abs=0)
 
 
 def area_in_many_digits(flat, load, front):
@@ -351,6 +324,9 @@ def test_many_knots_cost_no_digits():
     assert errors[2] < 1e-5
 
 
+# ------------------------------------------------------------------------------------------------- quantised rows
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_rows_that_bend_up_make_a_curve_that_does(seed):
     """Random convex rows, half of them with stretches on a line, which had a knee bent into them: none is refused."""
@@ -364,9 +340,6 @@ def test_rows_that_bend_up_make_a_curve_that_does(seed):
         contact_on(profile)
         if np.all(bends > 0):
             assert np.min(profile.spline().curvature[1:]) > -1e-9 * np.max(profile.spline().curvature)
-
-
-# ------------------------------------------------------------------------------------------------- quantised rows
 
 
 SHAPES = {
