@@ -680,7 +680,7 @@ def test_what_is_left_is_estimated_from_the_trend():
 
 @pytest.mark.slow
 def test_what_is_left_of_forty_cycles_out_of_phase():
-    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a twentieth of what is left at cycle 4."""
+    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a twentieth of what is left."""
     turn, cell = 2 * PI * np.arange(321) / 320, 2 * 2.2568 / 80
     loads = np.stack([3 + np.cos(turn), 1.1 + np.sin(turn), 0.25 * np.sin(turn), 0 * turn], axis=1)
     grid = dense_grid.Grid(parabola, (-2.2568 - 2 * cell, 2.2568 + 3 * cell), 85, 1.0)
