@@ -1067,8 +1067,8 @@ class Followed:
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
-    Geometric where the last two ratios of changes are below a half and alike. Else they may fall as slowly as k^-4, however fast the
-    first ones were: k/3 times the last.
+    Geometric where the last two ratios of changes are below a half and alike. Else they may fall as slowly as k^-4, however fast
+    the first ones were: k/3 times the last.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005

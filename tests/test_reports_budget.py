@@ -14,15 +14,15 @@ import semi_analytic
 from command_line import halfplane, raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.charts.style import marked
-from reports.cli.solving import exit_code, show_verdict
+from reports.charts.templating import marked
+from reports.cli.solving import exit_code, verdict_shown
 from reports.comparison import Comparison, Report, compare
 from reports.comparison import budget as budgets
 from reports.comparison.budget import Budget, Ladders, Rung, Term, climb, coarser, error_budget, mesh_ratio, with_budget
-from reports.comparison.content import as_json
 from reports.comparison.convergence import Ladder, extrapolate, kind_of, observed_order
-from reports.comparison.words import how_judged, lead, share, verdict
-from reports.page.content import render
+from reports.comparison.words import as_json, how_judged, lead, share, verdict
+from reports.console import show
+from reports.page.writing import render
 from scenes import InputError, load_scene
 
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
@@ -349,7 +349,7 @@ def test_every_door_says_the_same_of_a_verdict(paper, error: float, doubt: float
     assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
     assert (lead(found) == "Undecided.") is (state == "undecided")
     assert ("undecided counts as outside" in verdict(found)) is (state == "undecided")
-    show_verdict(found)
+    show(verdict_shown(found))
     assert exit_code(found.comparison) == (0 if state == "within" else 1)
     shown = capsys.readouterr()
     assert f"│ {state}" in shown.out

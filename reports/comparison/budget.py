@@ -42,7 +42,7 @@ _FIELDS = {
 
 
 # Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is one.
-Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
+_Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
 _LARGEST = 0.25  # of MeshSettings, over the contact half-width
 _LEAST_RATIO = 1.2
@@ -50,46 +50,30 @@ _LEAST_RATIO = 1.2
 
 @dataclass(frozen=True, eq=False)
 class Rung:
-    """One run of a ladder.
+    """One run of a ladder."""
 
-    Attributes
-    ----------
-    label : "2h", "L/2": what is different from the run
-    size : that size over the run's; of the far field 1/L
-    values : metric -> its value without the error of the steps; empty where the run failed
-    failure : why there are none
-    steps, nodes : of the path, of the contact
-    """
-
-    label: str
-    size: float
-    values: Mapping[str, float | None]
-    failure: str = ""
+    label: str  # "2h", "L/2": what is different from the run
+    size: float  # that size over the run's; of the far field 1/L
+    values: Mapping[str, float | None]  # metric -> its value without the error of the steps; empty where the run failed
+    failure: str = ""  # why there are none
+    # steps, nodes: of the path, of the contact
     steps: int = 0
     nodes: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Ladders:
-    """Every rung by the term that it measures.
+    """Every rung by the term that it measures."""
 
-    Attributes
-    ----------
-    mesh : at h and coarser; far_field : at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
-    penalty : (with the layer, without) on the run's own mesh and on the next coarser one; empty where the law is met exactly
-    step : with the increments of the run and with halved ones, on the coarse mesh, where theory has no answer on the polygon of the
-        increments, so that no value is without their error; None where it has
-    coarse : label of the mesh on which all but the mesh ladder stand
-    not_measured : term -> why
-    seconds : CPU time of all rungs but the run's own
-    """
-
-    mesh: tuple[Rung, ...]
-    far_field: tuple[Rung, ...]
+    mesh: tuple[Rung, ...]  # at h and coarser
+    far_field: tuple[Rung, ...]  # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
+    # (with the layer, without) on the run's own mesh and on the next coarser one; empty where the law is met exactly
     penalty: tuple[tuple[Rung, Rung], ...]
-    coarse: str
-    not_measured: Mapping[str, str]
-    seconds: float
+    coarse: str  # label of the mesh on which all but the mesh ladder stand
+    not_measured: Mapping[str, str]  # term -> why
+    seconds: float  # CPU time of all rungs but the run's own
+    # with the increments of the run and with halved ones, on the coarse mesh, where theory has no answer on the polygon of the
+    # increments, so that no value is without their error; None where it has
     step: tuple[Rung, ...] | None = None
 
 
@@ -142,7 +126,7 @@ def coarser(mesh: MeshSettings, settings: SolverSettings, factor: float) -> tupl
     return replace(mesh, element_size=middle, edge_element_size=edges), settings
 
 
-def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: Stage, coarsenings: int = 3) -> Ladders:
+def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: _Stage, coarsenings: int = 3) -> Ladders:
     """Solve every rung of a run that was cut by `mesh` and iterated by `settings`.
 
     With three coarser meshes, their size ratio r, the rungs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they
@@ -206,23 +190,15 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
 
 @dataclass(frozen=True)
 class Term:
-    """One source of error in one metric.
+    """One source of error in one metric."""
 
-    Attributes
-    ----------
-    name : "mesh", "step", ...
-    value : its share of the metric, signed; None where nothing stands out of the scatter, or nothing was measured
-    uncertainty : of that share; None where nothing was measured
-    how : by what it was measured, or why not
-    bound : the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
-    order, kind : of the ladder, where it has one
-    """
-
-    name: str
-    value: float | None
-    uncertainty: float | None
-    how: str
+    name: str  # "mesh", "step", ...
+    value: float | None  # its share of the metric, signed; None where nothing stands out of the scatter, or nothing was measured
+    uncertainty: float | None  # of that share; None where nothing was measured
+    how: str  # by what it was measured, or why not
+    # the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
     bound: bool = False
+    # order, kind: of the ladder, where it has one
     order: float | None = None
     kind: str = ""
 
@@ -234,18 +210,11 @@ class Term:
 
 @dataclass(frozen=True)
 class Budget:
-    """The error of one metric and where it comes from.
+    """The error of one metric and where it comes from."""
 
-    Attributes
-    ----------
-    metric : the whole error, with its tolerance
-    terms : every source but the idealisation
-    half_planes : whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
-    """
-
-    metric: Metric
-    terms: tuple[Term, ...]
-    half_planes: bool
+    metric: Metric  # the whole error, with its tolerance
+    terms: tuple[Term, ...]  # every source but the idealisation
+    half_planes: bool  # whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
 
     @property
     def total(self) -> float:

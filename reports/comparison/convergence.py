@@ -18,29 +18,21 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 Array = NDArray[np.float64]
-Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
+_Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
 
-SAFE, DOUBTFUL = 1.25, 3.0
+_SAFE, _DOUBTFUL = 1.25, 3.0
 # Orders outside are looked for only to be told apart: beyond 16 a ratio of 2 leaves no digits between the two finest rungs.
 _ORDERS = (0.01, 16.0)
 
 
 @dataclass(frozen=True)
 class Ladder:
-    """Values of one quantity on rungs of different size, everything else fixed.
+    """Values of one quantity on rungs of different size, everything else fixed."""
 
-    Attributes
-    ----------
-    sizes : h > 0 of each rung, finest first, strictly growing
-    values : phi of each rung, finite
-    formal_order : largest order that theory admits; plausible ones lie between a quarter of it and a twentieth above
-    rounding : differences up to this are none
-    """
-
-    sizes: tuple[float, ...]
-    values: tuple[float, ...]
-    formal_order: float = 2.0
-    rounding: float = 0.0
+    sizes: tuple[float, ...]  # h > 0 of each rung, finest first, strictly growing
+    values: tuple[float, ...]  # phi of each rung, finite
+    formal_order: float = 2.0  # largest order that theory admits; plausible ones lie between a quarter of it and a twentieth above
+    rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
         if len(self.sizes) != len(self.values) or not self.sizes:
@@ -67,22 +59,14 @@ def plausible(order: float | None, formal: float) -> bool:
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """What a ladder says.
+    """What a ladder says."""
 
-    Attributes
-    ----------
-    order : observed p; None where there is none
-    kind : how the values go as h falls
-    value : phi_0; None for a single rung
-    uncertainty : |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single rung
-    rule : in words
-    """
-
-    order: float | None
-    kind: Kind
-    value: float | None
+    order: float | None  # observed p; None where there is none
+    kind: _Kind  # how the values go as h falls
+    value: float | None  # phi_0; None for a single rung
+    # |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single rung
     uncertainty: float | None
-    rule: str
+    rule: str  # in words
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
@@ -106,7 +90,7 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     return float(brentq(excess, low, high, xtol=1e-14))
 
 
-def kind_of(ladder: Ladder) -> Kind:
+def kind_of(ladder: Ladder) -> _Kind:
     """How the values go as h falls, all rungs considered.
 
     Same sense throughout: monotone where a curve with p > 0 fits best, diverging otherwise. Changing sense: oscillating where
@@ -142,14 +126,14 @@ def extrapolate(ladder: Ladder) -> Extrapolation:
         return Extrapolation(None, kind, finest, ladder.rounding, "all rungs agree to rounding")
     if count == 2:
         step = _step(ladder, ladder.formal_order)
-        return Extrapolation(None, kind, finest + step, DOUBTFUL * abs(step), "formal order taken for granted, safety factor 3")
+        return Extrapolation(None, kind, finest + step, _DOUBTFUL * abs(step), "formal order taken for granted, safety factor 3")
     orders = [observed_order(ladder.sizes[i : i + 3], ladder.values[i : i + 3]) for i in range(count - 2)]
     found = [order for order in orders if order is not None and ladder.plausible(order)]
     if len(found) == len(orders) and max(found) - min(found) <= ladder.formal_order / 4:
-        least = SAFE * abs(_step(ladder, min(found)))
+        least = _SAFE * abs(_step(ladder, min(found)))
         return Extrapolation(found[0], kind, finest + _step(ladder, found[0]), least, "Roache, safety factor 1.25")
     if count == 3:
-        return Extrapolation(orders[0], kind, finest, DOUBTFUL * ladder.spread, "the finest, three times the spread")
+        return Extrapolation(orders[0], kind, finest, _DOUBTFUL * ladder.spread, "the finest, three times the spread")
     return _least_squares(ladder, kind)
 
 
@@ -169,15 +153,15 @@ class _Fit:
     order: float | None = None
 
 
-def _least_squares(ladder: Ladder, kind: Kind) -> Extrapolation:
+def _least_squares(ladder: Ladder, kind: _Kind) -> Extrapolation:
     """Eca and Hoekstra (2014), section 3, with the floors of `extrapolate`."""
     fit, words, order = _chosen(ladder)
     typical = ladder.spread / (len(ladder.values) - 1)
     away, step = abs(ladder.values[0] - fit.finest), abs(fit.limit - fit.finest)
-    safety = SAFE if ladder.plausible(order) else DOUBTFUL
+    safety = _SAFE if ladder.plausible(order) else _DOUBTFUL
     uncertainty = safety * step + fit.deviation + away
     if fit.deviation >= typical:
-        uncertainty = DOUBTFUL * fit.deviation / typical * (step + fit.deviation + away)
+        uncertainty = _DOUBTFUL * fit.deviation / typical * (step + fit.deviation + away)
     if kind == "monotone":
         near = max(ladder.values[:3]) - min(ladder.values[:3])
         return Extrapolation(order, kind, fit.limit, max(uncertainty, near), f"least squares, {words}")
