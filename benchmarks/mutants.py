@@ -144,7 +144,8 @@ def draw(found: dict[tuple[str, int], list[Mutant]], count: int, seed: int, tree
         rows = found[file, line]
         operator = generator.choice(sorted({row["operator"] for row in rows}))
         row = generator.choice([row for row in rows if row["operator"] == operator])
-        drawn.append(row | {"line": line, "before": cut(texts[file], row["span"])[1]})
+        source = texts[file].splitlines()[line - 1].strip()
+        drawn.append(row | {"line": line, "source": source, "before": cut(texts[file], row["span"])[1]})
     return drawn
 
 
@@ -231,21 +232,24 @@ def passes_unchanged(test: str, tree: Path) -> bool:
     return run_tests([test], tree, 1)[0] == 0
 
 
-def equivalents() -> dict[tuple[str, str, str], str]:
-    """Written reasons by (file, before, after)."""
+PLACE = ("file", "source", "before", "after")
+
+
+def equivalents() -> dict[tuple[str, ...], str]:
+    """Written reasons by (file, source of the line, before, after)."""
     entries = tomllib.loads(Path(__file__).with_name("mutants_equivalent.toml").read_text(encoding="utf-8")).get("mutant", [])
-    return {(entry["file"], entry["before"], entry["after"]): entry["reason"] for entry in entries if entry["reason"].strip()}
+    return {tuple(entry[key] for key in PLACE): entry["reason"] for entry in entries if entry["reason"].strip()}
 
 
 def report(rows: list[Mutant]) -> str:
     """Counts, equivalent mutants with their reasons, and a table of survivors."""
     reasons = equivalents()
     survivors = [row for row in rows if row["verdict"] == "survived"]
-    excused = [row for row in survivors if (row["file"], row["before"], row["after"]) in reasons]
+    excused = [row for row in survivors if tuple(row[key] for key in PLACE) in reasons]
     stopped, counted, killed = sum(r["verdict"] == "timeout" for r in rows), len(rows) - len(excused), len(rows) - len(survivors)
     share = f"{killed} of {counted} killed ({100 * killed / max(1, counted):.0f} %), {stopped} of them stopped at the limit of time"
     lines = [f"{len(rows)} drawn, {len(excused)} equivalent, {share}"]
-    lines += [f"equivalent: {row['file']}:{row['line']}: {reasons[row['file'], row['before'], row['after']]}" for row in excused]
+    lines += [f"equivalent: {row['file']}:{row['line']}: {reasons[tuple(row[key] for key in PLACE)]}" for row in excused]
     lines += ["", "| survivor | operator | before | after | survived |", "|---|---|---|---|---|"]
     for row in (row for row in survivors if row not in excused):
         before, after = (" ".join(row[key].split()).replace("|", "\\|") for key in ("before", "after"))
@@ -287,7 +291,7 @@ def main() -> None:
         for count, row in enumerate(mutants):
             before = done.get(key(row), {"verdict": "survived", "stages": []})
             left = [stage for stage in options.stages if stage not in before["stages"]]
-            if (row["file"], row["before"], row["after"]) in excused:
+            if tuple(row[key] for key in PLACE) in excused:
                 done[key(row)] = row | before
             elif before["verdict"] == "survived" and left:
                 result = judge(row, left, every, scratch, options.processes)

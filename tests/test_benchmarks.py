@@ -341,11 +341,12 @@ def test_a_verdict_is_what_the_tests_say_and_the_original_comes_back(
 
 
 def test_equivalent_mutants_leave_the_count_only_with_a_reason(mutants: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    row = {"file": "a.py", "line": 1, "operator": "sign", "before": "a", "after": "(b)", "stages": ["contract"]}
+    row = {"file": "a.py", "line": 1, "source": "c + a", "operator": "sign", "before": "a", "after": "(b)", "stages": ["contract"]}
     rows = [row | {"verdict": "killed"}, row | {"verdict": "survived"}, row | {"verdict": "timeout", "before": "c"}]
     assert "2 of 3 killed (67 %), 1 of them stopped" in mutants.report(rows)
-    monkeypatch.setattr(mutants, "equivalents", lambda: {("a.py", "a", "(b)"): "rounds the same"})
+    monkeypatch.setattr(mutants, "equivalents", lambda: {("a.py", "c + a", "a", "(b)"): "rounds the same"})
     assert "1 equivalent, 2 of 2 killed" in mutants.report(rows)
+    assert "0 equivalent, 2 of 3 killed" in mutants.report([one | {"source": "another line"} for one in rows])
 
 
 # ------------------------------------------------------------- the page of numbers says what docs/numbers.json holds, in few rows

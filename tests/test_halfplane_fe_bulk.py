@@ -15,6 +15,7 @@ import pytest
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
+from halfplane_fe.contact import ContactProblem
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
 from halfplane_fe.path import enclosed, loads_of, turning_points
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
@@ -260,6 +261,22 @@ def test_energy_balances_to_rounding_and_every_law_is_kept(name: str) -> None:
     assert answer.dissipation > 0
     assert any("jumps by Q/H" in note for note in answer.record.notes) == ("rollers" in name or "two" in name)
     assert any("its fixed base holds back a part" in note for note in answer.record.notes) == ("fixed" in name or "pad" in name)
+
+
+def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pressure and shear in turn, the tilt by the moment of the pressure: the fallback where Newton's iteration finds no set."""
+    question = scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], moment=[-0.3, -0.3], bulk_stress_lower=[0, 0.2]))
+    newton, active_set = solved(question), ContactProblem._active_set
+
+    def none(self: ContactProblem, states: np.ndarray, *rest: Any) -> Any:
+        return (None, 1, 0) if self.tangential else active_set(self, states, *rest)
+
+    monkeypatch.setattr(ContactProblem, "_active_set", none)
+    halves = halfplane_fe.solve(question, FEW, REGULAR)
+    assert halves.work.counts["alternating solves"] > 0
+    for name in ("tilt", "contact_edges", "tangential_displacement"):
+        np.testing.assert_allclose(getattr(halves, name), getattr(newton, name), rtol=0, atol=1e-9, err_msg=name)
+    assert np.abs(newton.tilt).max() > 0.05
 
 
 def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_chord() -> None:

@@ -172,7 +172,8 @@ def test_parameters_of_every_kind_broadcast(kind):
     for k in range(3):
         member = lambda value: float(np.broadcast_to(value, 3)[k])  # noqa: E731, B023
         numbers = {name: [*map(member, value)] if name == "rises" else member(value) for name, value in keys.items()}
-        alone, alone_peak = (call(profile={"kind": kind} | numbers, **question([row])) for call in (dissipation, peak_dissipation))
+        own = load_scene("hertz-paper").vary(profile={"kind": kind} | numbers).profile  # whose contact is in the scene's own units
+        alone, alone_peak = (call(profile=own, **question([row])) for call in (dissipation, peak_dissipation))
         assert work.value[k] == pytest.approx(alone.value[0], rel=1e-12, abs=0)
         assert peak.value[k] == pytest.approx(alone_peak.value[0], rel=1e-9, abs=0)
         assert peak.place[k] == pytest.approx(alone_peak.place[0], rel=1e-6)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy import integrate, special
+from scipy import integrate, optimize, special
 
 from scenes import (
     SLIP_FORWARD,
@@ -525,6 +526,39 @@ def cycles(follower, state, number):
     return works, steps
 
 
+# P, Q, eps, alpha at first and at last, where all of a growing contact sticks.
+ALL_STICKS = {
+    "Q": ((1, 0, 0, 0), (3, 1, 0, 0)),
+    "bulk and tilt": ((1, 0, 0, 0), (3, 0.8, 0.15, 0.1)),
+    "turned": ((1, 0, 0.2, 0.3), (3, -0.8, 0.05, 0.1)),
+    "tilt against bulk": ((2, 0, 0, 0), (3, 0.2, -0.1, -0.1)),
+}
+
+
+@pytest.mark.parametrize(("begin", "end"), ALL_STICKS.values(), ids=ALL_STICKS)
+def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(begin, end):
+    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched: the edges freeze s' by `outer_slope_rate`."""
+    follower = Follower(CONTACT, 1.0, straight(begin, end), 0.25)
+    steps, state = follower.run(pressed(follower), 1.0)
+    assert state.slips == (0, 0)
+    first, rate, last = np.array(begin), np.subtract(end, begin), steps[-1].stick.part(-1)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+
+    def inside(time, x):
+        """c^2 - (x - m)^2 for c^2 = 2 A R P/pi and m = -alpha R."""
+        p, _, _, alpha = first[:, None] + rate[:, None] * time
+        return 4 * p / PI - (x + alpha) ** 2
+
+    for x in np.mean(state.edges) + np.diff(state.edges) / 2 * np.array([[-0.97], [-0.8], [-0.3], [0.2], [0.7], [0.95]]):
+        touched = 0.0 if inside(0.0, x) > 0 else optimize.brentq(lambda time, x=x: inside(time, x).item(), 0, 1, xtol=1e-15)
+        share = (1 + nodes) / 2
+        time = touched + (1 - touched) * share**2
+        driven = rate[1] / PI - rate[2] * (x + first[3] + rate[3] * time) / 2
+        expected = np.sum(weights * share * (1 - touched) * driven / np.sqrt(inside(time, x)))
+        found = last.fields(x, 2 * ORDER)[1].item()
+        assert found == pytest.approx(expected, abs=2e-8)
+
+
 # Signs and sizes of P, Q, eps, alpha; A and R; order; W of the loop over that of row 6. x -> -x: Q and alpha change sign, eps
 # does not. Lengths by 7, stresses by 3: loads by 21, eps by 1, A by 1/3.
 ROW_6 = {
@@ -644,6 +678,19 @@ def test_what_is_left_is_estimated_from_the_trend():
             assert true / 2 < remainder_of([1 + law(k) for k in range(1, count + 1)]) + 1e-15 < 4 * true + 1e-14
 
 
+@pytest.mark.slow
+def test_what_is_left_of_forty_cycles_out_of_phase():
+    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a twentieth of what is left."""
+    turn, cell = 2 * PI * np.arange(321) / 320, 2 * 2.2568 / 80
+    loads = np.stack([3 + np.cos(turn), 1.1 + np.sin(turn), 0.25 * np.sin(turn), 0 * turn], axis=1)
+    grid = dense_grid.Grid(parabola, (-2.2568 - 2 * cell, 2.2568 + 3 * cell), 85, 1.0)
+    grid.follow(loads[0] * np.linspace(0, 1, 81)[1:, None] ** 2)
+    works = [float(np.sum(grid.follow(loads[1:]).work)) for _ in range(40)]
+    for count in range(4, 25):
+        left = abs(works[count - 1] - works[-1])
+        assert left < remainder_of(works[:count]) < 4 * left
+
+
 # ------------------------------------------------------------------------------------- where stick breaks: the answer of grids
 # Row of the table: bulk stress or tilt out of phase, W and its error, permanent stick over a_0.
 BROKEN = {
@@ -679,6 +726,19 @@ def on_grids(scene, x, **options):
     loads = PathLoads(path, strain_of(scene.material), 1.0)
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
+
+
+def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
+    scene = fretting(0.6)
+    path = scene.load.path()
+    loads = PathLoads(path, strain_of(scene.material), 1.0)
+    for leg in path.cycle:
+        time = np.linspace(leg.start, leg.end, 5)[1:-1]
+        eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
+        np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
+        for name in ("values", "rates"):
+            here, later = (getattr(loads, name)(time + turns * path.period) for turns in (0, 7))
+            np.testing.assert_allclose(later, here, rtol=0, atol=1e-13, err_msg=name)
 
 
 @pytest.mark.slow
@@ -725,3 +785,6 @@ def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch)
     with pytest.raises(InputError, match=r"the contact area does not converge at P = .* of cycle 0; finite elements may") as caught:
         on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
+    p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
+    end = scene.load.path().initial_loading[0].last  # on the straight line to it
+    assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)

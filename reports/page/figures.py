@@ -434,7 +434,9 @@ def _load_path(shown: Shown) -> Plate:
     keys = [*(Key(looks[name], name) for name in reversed(loads)), *([Key("cone", "|Q| = f P")] if friction else [])]
     panels = [panel]
     for name, words, lines in _beside_the_forces(shown):
-        panels.append(_over_cycle(shown, name, words, lines))
+        up = Axis(*limits(*(values for _, _, values in lines), zero=True, margin=0.12), words, count=3)
+        over: list[Mark] = [_ZERO, *(Curve(shown.time, values, css, text) for css, text, values in lines)]
+        panels.append(Panel(name, shown.over_time(), up, over, f"{words} over time", height=190.0, time="x"))
         keys += [Key(css, text) for css, text, _ in lines]
     part = [name for name in time for _ in time[name]]
     table: Table = {"time": np.concatenate([*time.values()]), "part": part, "P": normal, "Q": tangential}
@@ -452,13 +454,6 @@ def _beside_the_forces(shown: Shown) -> Iterator[tuple[str, str, list[tuple[str,
         yield "tilt", "tilt α  [rad]", [("line-2 fine", "tilt of the upper body", cycle.tilt)]
     if cycle.moment is not None and np.any(cycle.moment) and shown.scene.load.moment_given:
         yield "moment", f"moment M  [{force}]", [("line-3 fine", "moment", cycle.moment)]
-
-
-def _over_cycle(shown: Shown, name: str, words: str, lines: Sequence[tuple[str, str, Array]]) -> Panel:
-    """Series through the last cycle in a small panel."""
-    marks: list[Mark] = [_ZERO, *(Curve(shown.time, values, css, text) for css, text, values in lines)]
-    up = Axis(*limits(*(values for _, _, values in lines), zero=True, margin=0.12), words, count=3)
-    return Panel(name, shown.over_time(), up, marks, f"{words} over time", height=190.0, time="x")
 
 
 def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
