@@ -10,7 +10,7 @@ import pytest
 
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
-from halfplane_fe.contact import untouched
+from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
     contact_edges,
     contact_uncertainty,
@@ -319,7 +319,7 @@ CREEP = {
 @pytest.mark.parametrize(("loads", "slip", "seen"), CREEP.values(), ids=CREEP.keys())
 def test_what_only_creeps_sticks(loads, slip, seen):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
-    rest, slip = untouched(np.zeros(2), 0.0), np.array(slip)
+    rest, slip = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8)), np.array(slip)
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
     before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
     after = replace(before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1]))
