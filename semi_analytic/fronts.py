@@ -734,47 +734,34 @@ class Follower:
 
     # ------------------------------------------------------------------------------------------------ from step to step
     def touch(self, begin: float, end: float) -> tuple[Step, State]:
-        """The first step, from the first touch at `begin`: on a straight line of all loads as long as all sticks.
+        """The first step, from the first touch at `begin`: on a straight line of all loads, as long as all sticks.
 
-        With the root u of the time that has passed the contact is as good as a straight line in time, and
+        With the root u of the share of time the edges are start +- C u - D u^2, and what they freeze at x is
 
-            ds'/dt = side [(A/pi) Q' - eps' (x - m)]/sqrt((x - m)^2 - c^2)    outside the contact that sticks
-
-        is what the edges freeze, integrated up to where they are at x.
+            s' = int side [(A/pi) Q' - eps' (x - m)]/sqrt((x - m)^2 - c^2) dt    up to the u at which they are there
         """
-        contact, A, ((P, Q, eps, alpha),) = self.contact, self.contact.compliance, self.loads.rates(np.array([(begin + end) / 2])).T
+        A, R, middle = self.contact.compliance, self.contact.radius, np.array([(begin + end) / 2])
+        (P, Q, eps, alpha), tilt = self.loads.rates(middle)[:, 0], self.loads.values(middle)[3, 0]
+        start = -R * (tilt - alpha * (middle[0] - begin))
         # Where slip begins at an edge: |Q' -+ (pi c/A) eps'| = f (P' -+ (pi c/A) alpha').
+        ways = np.array([(side, d) for _, side in _SIDES for d in (-1, 1)]).T
         with np.errstate(divide="ignore", invalid="ignore"):
-            halves = [
-                side * A / np.pi * (self.friction * P - d * Q) / (self.friction * alpha - d * eps)
-                for side in (-1, 1)
-                for d in (-1, 1)
-            ]
-        reach = min([half for half in halves if half > 0], default=math.inf)
-        latest = begin + np.pi * reach**2 / (2 * A * contact.radius) / P
-        end = min(end, latest * (1 - 1e-12))
-
-        def edges(u: Array | float) -> Array:
-            return contact.edges(*self.loads.values(begin + (end - begin) * np.square(np.maximum(u, 1e-9)))[[0, 3]])
-
-        (a1,), (a2,) = edges(np.ones(1))
-        start, x = float(np.mean(edges(np.zeros(1)))), _places(float(a1), float(a2), 2 * self.order)
-        sides = np.where(x > start, 1, -1)
-        passed = [0.0] * len(x)
-        for k, (place, side) in enumerate(zip(x.tolist(), sides.tolist(), strict=True)):
-            ahead = lambda u, place=place, side=side: side * float(edges(np.array([u]))[(side + 1) // 2, 0] - place)  # noqa: E731
-            passed[k] = 1.0 if ahead(1.0) <= 0 else 0.0 if ahead(0.0) >= 0 else float(brentq(ahead, 0, 1, xtol=1e-15))
+            halves = ways[0] * A / np.pi * (self.friction * P - ways[1] * Q) / (self.friction * alpha - ways[1] * eps)
+        reach = np.min(halves, where=halves > 0, initial=np.inf)
+        end = min(end, begin + np.pi * reach**2 / (2 * A * R * P) * (1 + 1e-12))
+        C, D = math.sqrt(2 * A * R * P * (end - begin) / np.pi), R * alpha * (end - begin)
+        a1, a2 = start - C - D, start + C - D
+        x = _places(a1, a2, 2 * self.order)[:, None]
+        y, side = x - start, np.where(x > start, 1.0, -1.0)
+        reached = np.maximum(2 * np.abs(y) / (C + np.sqrt(np.maximum(C * C - 4 * D * y, 0.0))), 1e-100)
         # u = u_x (1 - v^2): nothing is singular at either end in v.
-        v, reached = (1 + _NODES) / 2, np.array(passed)[:, None]
+        v = (1 + _NODES) / 2
         u = reached * (1 - v * v)
-        low, high = edges(u.ravel()).reshape(2, *u.shape)
-        _, Q, eps, _ = self.loads.rates((begin + (end - begin) * u**2).ravel()).reshape(4, *u.shape)
-        w = np.sqrt(np.maximum((x[:, None] - low) * (x[:, None] - high), np.finfo(float).tiny))
-        rate = sides[:, None] * (A / np.pi * Q - eps * (x[:, None] - (low + high) / 2)) / w
-        slope = np.sum(_WEIGHTS * 2 * (end - begin) * u * reached * v * rate, axis=1)
-        frozen = Frozen(x[[0, -1]], _fit(slope)[:, None])
+        near, far = C - side * D * (reached + u), np.abs(y) + C * u + side * D * u**2
+        rate = side * (A / np.pi * Q - eps * (y + D * u**2)) / np.sqrt(reached * near * far)
+        frozen = Frozen(np.array([a1, a2]), _fit(np.sum(_WEIGHTS * 2 * (end - begin) * u * reached * rate, axis=1))[:, None])
         time = _times(begin + 1e-6 * (end - begin), end, self.order)
-        stick = self._stick(State(end, (float(a1), float(a2)), (0, 0), frozen), (0, 0), time)
+        stick = self._stick(State(end, (a1, a2), (0, 0), frozen), (0, 0), time)
         return self._finished(Step(time, replace(stick, edges=stick.contact_edges)))
 
     def _finished(self, step: Step) -> tuple[Step, State]:
@@ -1140,7 +1127,9 @@ def follow(
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
     follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest)
-    touch, state = follower.touch(first.start, first.end)
+    straight = all(part is None or part.is_straight for part in (first, first.bulk, first.turning))
+    # Of a curved leg but the begin: what bulk and tilt change by then is below 1e-6 of the end.
+    touch, state = follower.touch(first.start, first.end if straight else first.start + 1e-4 * (first.end - first.start))
     steps, state = follower.run(state, path.cycle_start)
     steps = [touch, *steps]
     last, works = steps, [math.fsum(step.work for step in steps)] if period is None else []

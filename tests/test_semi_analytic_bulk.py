@@ -532,6 +532,8 @@ ALL_STICKS = {
     "bulk and tilt": ((1, 0, 0, 0), (3, 0.8, 0.15, 0.1)),
     "turned": ((1, 0, 0.2, 0.3), (3, -0.8, 0.05, 0.1)),
     "tilt against bulk": ((2, 0, 0, 0), (3, 0.2, -0.1, -0.1)),
+    "bulk from first touch": ((0, 0, 0, 0), (3, 0.1, -0.25, 0)),
+    "all from first touch": ((0, 0, 0, 0), (3, -0.8, 0.2, 0.3)),
 }
 
 
@@ -539,9 +541,10 @@ ALL_STICKS = {
 def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(begin, end):
     """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched: the edges freeze s' by `outer_slope_rate`."""
     follower = Follower(CONTACT, 1.0, straight(begin, end), 0.25)
-    steps, state = follower.run(pressed(follower), 1.0)
+    step, state = follower.touch(0.0, 1.0) if not begin[0] else (None, pressed(follower))
+    steps, state = follower.run(state, 1.0)
     assert state.slips == (0, 0)
-    first, rate, last = np.array(begin), np.subtract(end, begin), steps[-1].stick.part(-1)
+    first, rate, last = np.array(begin), np.subtract(end, begin), (step or steps[-1]).stick.part(-1)
     nodes, weights = np.polynomial.legendre.leggauss(40)
 
     def inside(time, x):
@@ -613,7 +616,7 @@ def path_of(rows, *, moment=False):
 
 
 # A tilt that stays, and a bulk strain in phase with Q at constant P.
-STAYS, TIMES = ((3.0, 0.0), (0.0, 1.8), (0.0, 0.3), (0.1, 0.0)), np.concatenate([[-0.5], np.arange(1, 41) * 2 * PI / 20])
+STAYS, TIMES = ((3.0, 0.0), (0.0, 1.8), (0.0, 0.3), (0.1, 0.0)), np.concatenate([[-0.5, 0.0], np.arange(1, 41) * 2 * PI / 20])
 CELLS = 240
 
 
