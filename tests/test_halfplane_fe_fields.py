@@ -325,6 +325,8 @@ def test_what_only_creeps_sticks(loads, slip, seen):
     after = replace(before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1]))
     states = [rest, before, after]
     assert visible_states(states, [], 0.5)[2].tolist() == list(seen)
+    first = rest.changed(state=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
+    assert visible_states([first, before, after], [], 0.5)[0].tolist() == [SurfaceState.OPEN, STICK]
 
 
 def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
