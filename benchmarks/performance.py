@@ -32,7 +32,6 @@ import numpy as np
 import peers
 from claims import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
-from reports.charts.scale import limits
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -40,7 +39,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.marks import Axis, Curve, Dot, Mark
+from reports.charts.marks import Axis, Curve, Dot, Mark, limits
 from reports.charts.plate import Key, Plate
 from reports.charts.plate import Panel as ChartPanel
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene

@@ -103,6 +103,7 @@ class Pieces:
     def _powers(self) -> Powers:
         return Powers(self.coefficients)
 
+    @cached_property
     def derivative(self) -> Pieces:
         """dF/dx piece by piece; loses about DEGREE^2 roundings."""
         slope = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))

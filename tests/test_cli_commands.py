@@ -648,7 +648,7 @@ def test_a_folder_is_a_mesh_study_whose_sizes_come_from_the_points(tmp_path: Pat
         table["pressure"] *= 1 + 0.3 * (2.6 / (points - 1)) ** 2
         written(table, tmp_path / "meshes" / f"run{points}.csv")
     done = halfplane(tmp_path, "score", "meshes", "--scene", "hertz-paper", "--quiet")
-    assert (done.returncode, "Mesh study" in done.stdout) == (1, True), done.stderr
+    assert (done.returncode, "Mesh study" in done.stdout) == (0, True), done.stderr
     assert "own mesh study" in (tmp_path / "out/score-meshes/report.html").read_text(encoding="utf-8")
     found = json.loads((tmp_path / "out/score-meshes/comparison.json").read_text(encoding="utf-8"))["study"]
     assert [one["element_size"] for one in found["levels"]] == pytest.approx([0.025, 0.05, 0.1])

@@ -98,21 +98,26 @@ def again(report: Path, out: Path) -> None:
 
 
 def dying_after(moves: int, out: Path) -> None:
-    """From now on this process is killed when it moves another file there."""
-    count, real = itertools.count(), os.replace
+    """From now on this process is killed when it moves another file there or away."""
+    count = itertools.count()
 
-    def replace(source: Path, target: Path) -> None:
-        if Path(target).is_relative_to(out) and next(count) == moves:
+    def dying(real: Callable[..., None], *paths: Path) -> None:
+        if any(Path(path).is_relative_to(out) for path in paths) and next(count) == moves:
             os.kill(os.getpid(), signal.SIGKILL)
-        real(source, target)
+        real(*paths)
 
-    os.replace = replace  # type: ignore[assignment]
+    for name in ("replace", "rename"):
+        setattr(os, name, partial(dying, getattr(os, name)))
 
 
-@pytest.mark.parametrize(("done", "before"), [(0, False), (1, False), (7, False), (15, False), (1, True), (3, True)])
+@pytest.mark.parametrize(("done", "before"), [(0, False), (1, False), (7, False), (-1, False), (3, True), (5, True), (25, True)])
 def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, before: bool, old: Path, tmp_path: Path) -> None:
-    """SIGKILL while finished files go to their names, into a new folder or over an earlier report; page and manifest come last."""
-    out = tmp_path / "out"
+    """SIGKILL while finished files go to their names, into a new folder or over an earlier report, whose page goes first.
+
+    The manifest comes first and last; the page comes after all other files: -1 is the moment before it does.
+    """
+    out, files = tmp_path / "out", listed(old / "x")
+    done = len(files) - 1 if done == -1 else done
     if before:
         again(old / "x", out)
     assert forked(tmp_path, act=lambda: (dying_after(done, out), again(old / "x", out))).returncode == -signal.SIGKILL
@@ -122,7 +127,7 @@ def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, befor
     assert [name for name in os.listdir(tmp_path) if name.startswith(".")] != []
     again(old / "x", out)
     assert os.listdir(tmp_path) == ["out"]
-    assert listed(out) == listed(old / "x")
+    assert listed(out) == files
 
 
 def test_half_a_file_is_seen(tmp_path: Path) -> None:

@@ -15,7 +15,6 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reports.scoring.flaws import Model, NotSettledError
 
 from command_line import raising
 from meshes import foreign, read_frames, write_pvd
@@ -25,6 +24,7 @@ from reports.scoring import calculix_files
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
+from reports.scoring.flaws import Model, NotSettledError
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.solution import oddities
 from reports.scoring.surface import free_face, inside_out, tension, unbalanced

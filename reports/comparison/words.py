@@ -600,11 +600,11 @@ def _judgement(budget: Budget) -> str:
 
 
 def cost(budget: ErrorBudget) -> str:
-    """What the rungs were and what they took, in a sentence."""
-    ladders = budget.ladders
-    pairs = [rung for pair in ladders.penalty for rung in pair]
-    rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
-    return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
+    """What the runs were and what they took, in a sentence."""
+    refinements = budget.refinements
+    pairs = [run for pair in refinements.penalty for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
 
 
 def _honest_of(report: Report, metric: Metric) -> str:
@@ -618,16 +618,6 @@ def honesty(report: Report) -> bool | None:
     """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
     found = [_honest_of(report, metric) for metric in report.comparison.headlines]
     return None if set(found) == {"not assessed"} else "no" not in found
-
-
-def _budget_content(budget: ErrorBudget) -> dict[str, Any]:
-    """For comparison.json."""
-    return {
-        "cost": budget.cost,
-        "words": cost(budget),
-        "honest": budget.honest,
-        "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
-    }
 
 
 def _metric(budget: Budget) -> dict[str, Any]:
@@ -684,8 +674,9 @@ def strict(value: Any) -> Any:
 
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
-    comparison = report.comparison
-    scales = comparison.scales
+    comparison, budget, scales = report.comparison, report.budget, report.comparison.scales
+    # The solutions that hold every instant of the scene: beside a foreign result both have its few only.
+    whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
     return {
         "format": FORMAT,
         **said(report),
@@ -700,8 +691,14 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             "A f^2 P_ref^2": scales.dissipation,
         },
         "metrics": {metric.key: _metric_content(metric, report) for metric in comparison.metrics},
-        "budget": _budget_content(report.budget) if report.budget else None,
-        "expected": expected_content(expected_numbers(comparison.scene, _own(comparison))),
+        "budget": budget
+        and {
+            "cost": budget.cost,
+            "words": cost(budget),
+            "honest": budget.honest,
+            "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
+        },
+        "expected": expected_content(expected_numbers(comparison.scene, whole)),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
@@ -716,11 +713,6 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "command": command,
         "scene": comparison.scene.model_dump(mode="json"),
     }
-
-
-def _own(comparison: Comparison) -> tuple[ContactSolution, ...]:
-    """The solutions that hold every instant of the scene: beside a foreign result both have its few only."""
-    return () if derived(comparison.result) else (comparison.reference, comparison.result)
 
 
 # What the JSON of a metric has of it, and of its row of the table, by the names there.

@@ -34,7 +34,7 @@ from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, worded
 from reports.charts.templating import STATE_NAMES, Table
 from reports.comparison import Comparison, Report
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
-from reports.comparison.convergence import Ladder, extrapolate
+from reports.comparison.convergence import Refinement, extrapolate
 from reports.comparison.laws import LIMIT, Certificate
 from reports.comparison.metrics import Cycle, Event, are_half_planes, bulk_strain, bulk_work, events, loop_work, missing, name_of
 from reports.comparison.words import bodies_in_words, bulk_and_tilt, value_of
@@ -123,7 +123,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
         _distances(report.study) if report.study is not None else None,
     ]
     if report.budget is not None:
-        drawings += [_bars(report.budget), _ladders(report.budget)]
+        drawings += [_bars(report.budget), _mesh_refinement(report.budget)]
     if meshes := getattr(result, "bodies", ()):
         from reports.field_output.pictures import mesh
 
@@ -434,7 +434,9 @@ def _load_path(shown: Shown) -> Plate:
     keys = [*(Key(looks[name], name) for name in reversed(loads)), *([Key("cone", "|Q| = f P")] if friction else [])]
     panels = [panel]
     for name, words, lines in _beside_the_forces(shown):
-        panels.append(_over_cycle(shown, name, words, lines))
+        up = Axis(*limits(*(values for _, _, values in lines), zero=True, margin=0.12), words, count=3)
+        over: list[Mark] = [_ZERO, *(Curve(shown.time, values, css, text) for css, text, values in lines)]
+        panels.append(Panel(name, shown.over_time(), up, over, f"{words} over time", height=190.0, time="x"))
         keys += [Key(css, text) for css, text, _ in lines]
     part = [name for name in time for _ in time[name]]
     table: Table = {"time": np.concatenate([*time.values()]), "part": part, "P": normal, "Q": tangential}
@@ -452,13 +454,6 @@ def _beside_the_forces(shown: Shown) -> Iterator[tuple[str, str, list[tuple[str,
         yield "tilt", "tilt α  [rad]", [("line-2 fine", "tilt of the upper body", cycle.tilt)]
     if cycle.moment is not None and np.any(cycle.moment) and shown.scene.load.moment_given:
         yield "moment", f"moment M  [{force}]", [("line-3 fine", "moment", cycle.moment)]
-
-
-def _over_cycle(shown: Shown, name: str, words: str, lines: Sequence[tuple[str, str, Array]]) -> Panel:
-    """Series through the last cycle in a small panel."""
-    marks: list[Mark] = [_ZERO, *(Curve(shown.time, values, css, text) for css, text, values in lines)]
-    up = Axis(*limits(*(values for _, _, values in lines), zero=True, margin=0.12), words, count=3)
-    return Panel(name, shown.over_time(), up, marks, f"{words} over time", height=190.0, time="x")
 
 
 def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
@@ -679,18 +674,18 @@ def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterato
             yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
 
 
-def _ladders(budget: ErrorBudget) -> Plate | None:
+def _mesh_refinement(budget: ErrorBudget) -> Plate | None:
     """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where no metric converges."""
-    rungs, curves = [rung for rung in budget.ladders.mesh if not rung.failure], {}
+    runs, curves = [run for run in budget.refinements.mesh if not run.failure], {}
     for one in budget.budgets:
-        values = [(rung.size, rung.values.get(one.metric.key)) for rung in rungs]
+        values = [(run.size, run.values.get(one.metric.key)) for run in runs]
         points = [(size, float(value)) for size, value in values if value is not None and math.isfinite(value)]
         if one.metric.definition.headline and len(points) >= 3:
-            found = extrapolate(Ladder(tuple(size for size, _ in points), tuple(value for _, value in points), 2.0, ROUNDING))
+            found = extrapolate(Refinement(tuple(size for size, _ in points), tuple(value for _, value in points), 2.0, ROUNDING))
             if found.kind == "monotone" and found.value is not None:
                 curves[one.metric.label] = [(size, abs(value - found.value)) for size, value in points if value != found.value]
     words = "element size, over that of the run", "distance from the value at size zero"
-    return _convergence("ladders", words, curves, [rung.size for rung in rungs])
+    return _convergence("mesh_refinement", words, curves, [run.size for run in runs])
 
 
 def _distances(study: Study) -> Plate | None:

@@ -298,7 +298,7 @@ def _cycle_data(shown: Shown) -> dict[str, Any]:
         "of": [len(found.time), len(found.x)],
         "rows": rows.tolist(),
         "x": [float(f"{v:.7g}") for v in shown.x[points]],
-        "series": {name: [_short(v) for v in values[rows]] for name, values in series.items()},
+        "series": {name: [float(f"{v:.7g}") if np.isfinite(v) else None for v in values[rows]] for name, values in series.items()},
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
         "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in shown.chosen],
@@ -309,10 +309,6 @@ def _cycle_data(shown: Shown) -> dict[str, Any]:
         "length": units.units(comparison.scene)[1],
         "engines": [name for _, _, name in shown.sides],
     }
-
-
-def _short(value: float) -> float | None:
-    return float(f"{value:.7g}") if np.isfinite(value) else None
 
 
 def _carried(data: dict[str, Any]) -> str:
