@@ -179,6 +179,20 @@ def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_le
     assert certificates(contact, [pressed, lifted])["tension"] == 0
 
 
+@pytest.mark.parametrize("layer", [1e-1, 1e-3])
+def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
+    """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by it."""
+    contact = problem(layer=layer)
+    states = walk(contact)
+    for before, after in itertools.pairwise(states):
+        assert max(certificates(contact, [before, after]).values()) < 1e-9
+    last, sides = states[-1], contact.interface
+    bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
+    np.testing.assert_allclose(bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12)
+    bodies_slip = last.shift - sides.tangential @ last.shear
+    np.testing.assert_allclose(bodies_slip, last.slip + layer * last.shear, atol=1e-12)
+
+
 def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
     monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))  # no second way out
     contact = problem(max_iterations=1)
