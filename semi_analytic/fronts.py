@@ -173,6 +173,11 @@ class Frozen:
         self.ends, self.series, self.low, self.length, self._known = ends, series, ends[:-1], np.diff(ends), (at, slip)
 
     @cached_property
+    def _whole(self) -> Array:
+        """Of all pieces by Gauss' rule."""
+        return self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi, _PLAIN)
+
+    @cached_property
     def _rise(self) -> Array:
         """Series of s."""
         nodes, (at, slip) = _nodes(len(self.series) + 15), self._known
@@ -247,13 +252,13 @@ class Frozen:
         k, p = np.nonzero(np.minimum(b2[:, None], self.ends[1:]) > np.maximum(b1[:, None], self.low))
         low, high = np.maximum(b1[k], self.low[p]), np.minimum(b2[k], self.ends[p + 1])
         far, found = np.minimum(low - b1[k], b2[k] - high) > high - low, []
-        for some, shares in ((np.flatnonzero(far), _PLAIN), (np.flatnonzero(~far), _GRADED)):
+        for some, plain in ((np.flatnonzero(far), True), (np.flatnonzero(~far), False)):
             if len(some):
                 row, piece = k[some], p[some]
                 # Of a piece that is not cut the ends are those of theta, to the last digit.
                 begin = np.where(b1[row] > self.low[piece], self._theta(piece, low[some]), 0.0)
                 end = np.where(b2[row] < self.ends[piece + 1], self._theta(piece, high[some]), np.pi)
-                weight, slope, up, down = self._rule(piece, begin, end, shares)
+                weight, slope, up, down = self._whole[:, piece] if plain else self._rule(piece, begin, end, _GRADED)
                 left, right = (low[some] - b1[row])[:, None], (b2[row] - high[some])[:, None]
                 rows = np.repeat(row[:, None], weight.shape[1], axis=1)
                 found.append([rows, low[some, None] + up, weight, slope, up + left, down + right])
