@@ -124,7 +124,7 @@ mutants: $(STAMP) ## random mutants of both engines through the tests, survivors
 publish: $(STAMP) ## both engines on the whole library, into reports/published: pages, figures, frozen values (PAGES=1: pages alone)
 	@echo "==> publish"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/publishing.py $(if $(PAGES),--pages)
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
 
 maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)

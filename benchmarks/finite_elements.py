@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import must_fail
 import numpy as np
-from claim import Row, cold, seconds
+from claims import Row, cold, seconds
 
 import halfplane_fe
 import semi_analytic

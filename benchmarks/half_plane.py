@@ -13,7 +13,7 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-from claim import ROOT, Row, seconds, stored
+from claims import ROOT, Row, seconds, stored
 from regress_truth import DIGITS, TABLE, Case, ellipse_dissipation, mindlin
 
 import semi_analytic

@@ -1,14 +1,15 @@
 """Random mutants of both engines: which share of small wrong changes do the tests see?
 
-    python benchmarks/mutants.py --drawn 60 --seed 19                    # all tests; the same call again resumes
-    python benchmarks/mutants.py --drawn 20 --stages contract engine     # a quick figure: what these two alone see
+    python benchmarks/mutants.py --drawn 60 --seed 19                         # all tests; the same call again resumes
+    python benchmarks/mutants.py --drawn 60 --stages likely contract engine   # a quick figure: what these alone see
 
 A place is drawn uniformly over the executable lines of both engines that an operator fits, then one of the operators that fit
 there: constant x 1.01, sign, comparison, dropped term, neighbouring index. Each mutant is put into a scratch copy of the tree and
-the stages of tests run in turn until one fails: the frozen values of the engine changed, its tests and doctests (those first that
-speak of the module most), the rest. What failed must pass on the unchanged tree. A stage that takes an hour is stopped and counts
-as killed; the table states how many. A survivor that is no wrong program leaves the count only by a written reason in
-mutants_equivalent.toml. Results: one line of JSON a mutant, in a file named by the seed and the engines' sources.
+the stages of tests run in turn until one fails: tests that killed this mutant, or another of its file, in any run before; the
+frozen values of the engine changed; its tests and doctests (those first that speak of the module most); the rest. What failed must
+pass on the unchanged tree. A stage that takes an hour is stopped and counts as killed; the table states how many. A survivor that
+is no wrong program leaves the count only by a written reason in mutants_equivalent.toml, and is not run. Results: one line of JSON
+a mutant, in a file named by the seed and the engines' sources; of files of other sources only the names of tests count.
 """
 
 from __future__ import annotations
@@ -26,17 +27,21 @@ import subprocess
 import sys
 import time
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-ENGINES, STAGES = ("semi_analytic", "halfplane_fe"), ("contract", "engine", "rest")
+ENGINES, STAGES = ("semi_analytic", "halfplane_fe"), ("likely", "contract", "engine", "rest")
+MOST_LIKELY = 12  # tests, so that a stage of a few seconds comes first
 LEFT = shutil.ignore_patterns(".git", ".venv", ".cache", ".peers", "out", "_build", "__pycache__")
 OPPOSITES = ((ast.Lt, ast.GtE), (ast.Gt, ast.LtE), (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn))
 NEGATED = {one: other for pair in OPPOSITES for one, other in (pair, pair[::-1])}
 # Annotations and the like change no result; texts, patterns and messages are not arithmetic.
 NOT_ARITHMETIC = {"annotation", "returns", "decorator_list", "type_params", "ops", "op", "ctx"}
+USAGE = 4  # exit code of pytest where a name is not found
 LIMIT = 3600.0  # seconds of a stage: a slow machine is no killer
 Mutant = dict[str, Any]
 
@@ -139,7 +144,8 @@ def draw(found: dict[tuple[str, int], list[Mutant]], count: int, seed: int, tree
         rows = found[file, line]
         operator = generator.choice(sorted({row["operator"] for row in rows}))
         row = generator.choice([row for row in rows if row["operator"] == operator])
-        drawn.append(row | {"line": line, "before": cut(texts[file], row["span"])[1]})
+        source = texts[file].splitlines()[line - 1].strip()
+        drawn.append(row | {"line": line, "source": source, "before": cut(texts[file], row["span"])[1]})
     return drawn
 
 
@@ -178,39 +184,72 @@ def run_tests(paths: list[str], tree: Path, processes: int) -> tuple[int | None,
     return process.returncode, failed[1] if failed else output.strip().splitlines()[-1]
 
 
-def judge(row: Mutant, stages: list[str], tree: Path, processes: int) -> Mutant:
+def likely(row: Mutant, before: list[Mutant], tree: Path) -> list[str]:
+    """Tests that killed this mutant in another run, then those of other mutants of its file, the most frequent first."""
+
+    def own(other: Mutant) -> bool:
+        return all(other[key] == row[key] for key in ("operator", "before", "after"))
+
+    killers = [(other["by"], own(other)) for other in before if other["file"] == row["file"] and "::" in other.get("by", "")]
+    counts = Counter(by for by, _ in killers)
+    ranked = sorted(counts, key=lambda by: ((by, True) not in killers, -counts[by], by))
+    return [by for by in ranked if stands(by, tree)][:MOST_LIKELY]
+
+
+def stands(test: str, tree: Path) -> bool:
+    """Whether the tree has a test function of that name."""
+    path, _, rest = test.partition("::")
+    file = tree / path
+    return file.exists() and f"def {rest.split('::')[-1].split('[')[0]}(" in file.read_text(encoding="utf-8")
+
+
+def judge(row: Mutant, stages: list[str], before: list[Mutant], tree: Path, processes: int) -> Mutant:
     """Run the stages with the mutant until one fails; the test that failed must pass on the unchanged tree."""
     path, started = tree / row["file"], time.monotonic()
     original, verdict = path.read_text(encoding="utf-8"), {"verdict": "survived", "stages": stages}
     for stage in stages:
+        paths = likely(row, before, tree) if stage == "likely" else paths_of(stage, row["file"], tree)
+        if not paths:
+            continue
         path.write_text(mutated(original, row), encoding="utf-8")
         try:
-            code, test = run_tests(paths_of(stage, row["file"], tree), tree, processes)
+            code, test = run_tests(paths, tree, 1 if stage == "likely" else processes)
         finally:
             path.write_text(original, encoding="utf-8")
+        if code == USAGE and stage == "likely":  # a case of that name is gone
+            continue
         if code != 0:
-            if code is not None and "::" in test and run_tests([test], tree, 1)[0] != 0:
+            if code is not None and "::" in test and not passes_unchanged(test, tree):
                 raise SystemExit(f"the unchanged tree fails {test}")
             verdict |= {"verdict": "timeout" if code is None else "killed", "stage": stage, "by": test}
             break
     return row | verdict | {"seconds": round(time.monotonic() - started, 1)}
 
 
-def equivalents() -> dict[tuple[str, str, str], str]:
-    """Written reasons by (file, before, after)."""
+@cache
+def passes_unchanged(test: str, tree: Path) -> bool:
+    """Asked once of each test: the tree has no mutant in it now."""
+    return run_tests([test], tree, 1)[0] == 0
+
+
+PLACE = ("file", "source", "before", "after")
+
+
+def equivalents() -> dict[tuple[str, ...], str]:
+    """Written reasons by (file, source of the line, before, after)."""
     entries = tomllib.loads(Path(__file__).with_name("mutants_equivalent.toml").read_text(encoding="utf-8")).get("mutant", [])
-    return {(entry["file"], entry["before"], entry["after"]): entry["reason"] for entry in entries if entry["reason"].strip()}
+    return {tuple(entry[key] for key in PLACE): entry["reason"] for entry in entries if entry["reason"].strip()}
 
 
 def report(rows: list[Mutant]) -> str:
     """Counts, equivalent mutants with their reasons, and a table of survivors."""
     reasons = equivalents()
     survivors = [row for row in rows if row["verdict"] == "survived"]
-    excused = [row for row in survivors if (row["file"], row["before"], row["after"]) in reasons]
+    excused = [row for row in survivors if tuple(row[key] for key in PLACE) in reasons]
     stopped, counted, killed = sum(r["verdict"] == "timeout" for r in rows), len(rows) - len(excused), len(rows) - len(survivors)
     share = f"{killed} of {counted} killed ({100 * killed / max(1, counted):.0f} %), {stopped} of them stopped at the limit of time"
     lines = [f"{len(rows)} drawn, {len(excused)} equivalent, {share}"]
-    lines += [f"equivalent: {row['file']}:{row['line']}: {reasons[row['file'], row['before'], row['after']]}" for row in excused]
+    lines += [f"equivalent: {row['file']}:{row['line']}: {reasons[tuple(row[key] for key in PLACE)]}" for row in excused]
     lines += ["", "| survivor | operator | before | after | survived |", "|---|---|---|---|---|"]
     for row in (row for row in survivors if row not in excused):
         before, after = (" ".join(row[key].split()).replace("|", "\\|") for key in ("before", "after"))
@@ -245,14 +284,19 @@ def main() -> None:
     results, scratch = options.out / f"{options.seed}-{digest}.jsonl", options.out / f"tree-{os.getpid()}"
     rows = map(json.loads, results.read_text(encoding="utf-8").splitlines() if results.exists() else [])
     done = {key(row): row for row in rows}
+    every = [json.loads(line) for file in options.out.glob("*.jsonl") for line in file.read_text(encoding="utf-8").splitlines()]
+    excused = equivalents()
     shutil.copytree(ROOT, scratch, ignore=LEFT)
     try:
         for count, row in enumerate(mutants):
             before = done.get(key(row), {"verdict": "survived", "stages": []})
             left = [stage for stage in options.stages if stage not in before["stages"]]
-            if before["verdict"] == "survived" and left:
-                result = judge(row, left, scratch, options.processes)
+            if tuple(row[key] for key in PLACE) in excused:
+                done[key(row)] = row | before
+            elif before["verdict"] == "survived" and left:
+                result = judge(row, left, every, scratch, options.processes)
                 done[key(row)] = result | {"stages": [*before["stages"], *left]}
+                every.append(done[key(row)])
                 with results.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(done[key(row)], ensure_ascii=False) + "\n")
             mutants[count] = one = done[key(row)]

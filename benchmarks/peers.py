@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from claim import ROOT, markdown, stored, with_children
+from claims import ROOT, markdown, stored, with_children
 from finite_elements import FEW_STEPS, cattaneo_mindlin
 
 import halfplane_fe

@@ -28,12 +28,10 @@ from typing import Any, NamedTuple
 import finite_elements as fe
 import half_plane
 import jobs
-import matplotlib as mpl
 import numpy as np
 import peers
-from claim import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
+from claims import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
-from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -41,13 +39,13 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.publication import STYLE
+from reports.charts.marks import Axis, Curve, Dot, Mark, limits
+from reports.charts.plate import Key, Plate
+from reports.charts.plate import Panel as ChartPanel
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
-COLOURS = ("#111111", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8a8a8a")
-MARKS = "*os^PDvX"
 Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]  # title, labels of x and y, points of each series
 Found = dict[str, Any]
 
@@ -419,32 +417,23 @@ POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
 
 
 def draw(name: str, panels: Sequence[Panel]) -> None:
-    """Panels of points over log-log axes, one legend below all."""
-    columns = min(len(panels), 4) if len(panels) != 5 else 5
-    rows = -(-len(panels) // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(max(9.6, 2.6 * columns), 3.2 * rows + 0.9))
-        axes = figure.subplots(rows, columns, squeeze=False)
-        labels: dict[str, Any] = {}
-        for one, (title, x, y, lines) in zip(axes.flat, panels, strict=False):
-            for label, points in lines.items():
-                number = list(labels).index(label) if label in labels else len(labels)
-                style = "none" if label in POINTS_ONLY or len(points) < 2 else "-"
-                look = {"ls": style, "marker": MARKS[number % 8], "color": COLOURS[number % 8], "ms": 5 if number else 9, "lw": 1.2}
-                handle = one.loglog([p[0] for p in points], [p[1] for p in points], **look)
-                labels.setdefault(label, handle[0])
-            one.set(xlabel=x, ylabel=y, title=title)
-            low, high = one.get_xlim()
-            if high < 100 * low:  # few powers of ten: plain numbers
-                ticks = [base * 10.0**k for k in range(-4, 4) for base in (1, 2, 5) if low <= base * 10.0**k <= high]
-                one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-                one.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
-        for one in axes.flat[len(panels) :]:
-            one.axis("off")
-        columns = 2 if len(panels) == 2 else 4
-        figure.legend(labels.values(), labels.keys(), loc="lower center", ncols=columns, frameon=False, fontsize=8)
-        figure.tight_layout(rect=(0, 0.8 / (3.2 * rows + 0.9), 1, 1))
-        figure.savefig(FOLDER / f"{name}.svg", metadata={"Date": None})
+    """Panels of points over logarithmic axes, one legend for all."""
+    drawn, keys = [], dict[str, Key]()
+    for number, (title, x, y, lines) in enumerate(panels):
+        marks: list[Mark] = []
+        for label, points in lines.items():
+            look = list(keys).index(label) if label in keys else len(keys)
+            keys.setdefault(label, Key(f"c{look}", label))
+            marks += [Dot(across, up, f"p{look}", 3.0 if look else 5.0, label) for across, up in points]
+            if label not in POINTS_ONLY:
+                marks.append(Curve(*np.transpose(points), f"c{look} fine", label))
+        ends = [limits(np.log([point[k] for points in lines.values() for point in points])) for k in (0, 1)]
+        axes = [Axis(*np.exp(end).tolist(), words, log=True) for end, words in zip(ends, (x, y), strict=True)]
+        drawn.append(ChartPanel(f"{name}-{number}", *axes, marks, title, 400.0, 320.0, title))
+    plate = Plate(
+        name, "", "", "Measured values over logarithmic axes", tuple(drawn), {}, tuple(keys.values()), min(len(panels), 3)
+    )
+    (FOLDER / f"{name}.svg").write_text(plate.svg(), encoding="utf-8")
 
 
 def measured(name: str) -> dict[str, Any]:

@@ -23,10 +23,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import claim
+import claims
 import mpmath as mp
 import numpy as np
-from claim import write_json
+from claims import write_json
 from regress_truth import DIGITS, FIELDS, density_truth, field_truth, truth
 
 import semi_analytic
@@ -196,7 +196,7 @@ def main() -> int:
     if unknown := {*asked.accept, *(asked.references or ())} - set(NAMES):
         print(f"regress: no such scene: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
-    stored = claim.stored(FILE)
+    stored = claims.stored(FILE)
     if asked.references is not None:
         references(asked.references or list(NAMES), stored)
     mp.mp.dps = DIGITS + 10

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import must_fail
 import numpy as np
-from claim import ROOT, Row
+from claims import ROOT, Row
 from covered import beside_theory
 
 import halfplane_fe

@@ -25,7 +25,7 @@ from unittest import mock
 import mpmath
 import numpy as np
 import regress_truth
-from claim import ROOT, markdown, measure
+from claims import ROOT, markdown, measure
 from half_plane import PROFILES, batch, like, table_of_ellipses
 
 import halfplane_fe

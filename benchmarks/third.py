@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import chosen, commit, measure, stored, write_json
+from claims import chosen, commit, measure, stored, write_json
 
 from reports.console import Stages
 from reports.scoring.calculix_files import read_frd

@@ -26,6 +26,8 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+from reports import cli
+
 FOLDER = Path(__file__).parent
 FIGURES = FOLDER / "figures"
 OPTIONS = r"(?P<options>(?::\w+:[^\n]*\n)*)"
@@ -74,14 +76,25 @@ def console(body: str, folder: Path) -> str:
             continue
         program, *words = shlex.split(command[2:], comments=True)
         expected = re.search(r"# ends with (\d)$", command)
-        whole = [sys.executable, *(["-m", "reports"] if program == "halfplane" else []), *words]
-        environment = os.environ | {"COLUMNS": "120", "NO_COLOR": "1"}
-        done = subprocess.run(whole, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False)
-        if done.returncode != (int(expected[1]) if expected else 0):
-            raise StaleError(f"{command[2:]} ended with {done.returncode}: {done.stdout}{done.stderr}")
-        said = "".join(f"{line.rstrip()}\n" for line in done.stdout.splitlines())
+        code, out, errors = ended(program, words, folder)
+        if code != (int(expected[1]) if expected else 0):
+            raise StaleError(f"{command[2:]} ended with {code}: {out}{errors}")
+        said = "".join(f"{line.rstrip()}\n" for line in out.splitlines())
         lines.append(f"{command}\n{said if shown.strip() else shown}")
     return "".join(lines)
+
+
+def ended(program: str, words: list[str], folder: Path) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command; `halfplane` in this process, which has imported it."""
+    own = {"COLUMNS": "120", "NO_COLOR": "1"}
+    if program != "halfplane":
+        whole, environment = [sys.executable, *words], os.environ | own
+        done = subprocess.run(whole, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False)
+        return done.returncode, done.stdout, done.stderr
+    out, errors = io.StringIO(), io.StringIO()
+    with mock.patch.dict(os.environ, own), contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+        code = cli.main(words)
+    return code, out.getvalue(), errors.getvalue()
 
 
 @contextlib.contextmanager

@@ -82,6 +82,15 @@ class MeshSettings:
         """For a figure to rely on: twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/finite_elements.py)."""
         return cls(edge_element_size=1 / 640, growth=0.12)
 
+    @classmethod
+    def preset(cls, name: str) -> MeshSettings:
+        """The settings of that name: "default", "coarse" or "fine".
+
+        >>> MeshSettings.preset("coarse") == MeshSettings.coarse()
+        True
+        """
+        return {"default": cls(), "coarse": cls.coarse(), "fine": cls.fine()}[name]
+
 
 @dataclass(frozen=True)
 class SurfaceGrading:

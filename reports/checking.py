@@ -47,23 +47,16 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 @dataclass(frozen=True)
 class PathCheck:
-    """How near a load path comes to gross sliding.
+    """How near a load path comes to gross sliding."""
 
-    Attributes
-    ----------
-    ratio : largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    time, normal_load, tangential_load, part : where that is, `part` being "initial loading", "cycle", or "path" if none repeats
-    reason : "" for an admissible path, else "gross sliding" or "separation"
-    first_time : when the path first leaves the admissible region; None if it never does
-    """
-
-    ratio: float
+    ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
+    # time, normal_load, tangential_load, part: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
     time: float
     normal_load: float
     tangential_load: float
     part: str
-    reason: str
-    first_time: float | None
+    reason: str  # "" for an admissible path, else "gross sliding" or "separation"
+    first_time: float | None  # when the path first leaves the admissible region; None if it never does
 
 
 def check_path(scene: Scene) -> PathCheck:
@@ -254,24 +247,14 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
 
 @dataclass(frozen=True)
 class LargestContact:
-    """The contact at the largest normal load of the path, by half-plane theory.
+    """The contact at the largest normal load of the path, by half-plane theory."""
 
-    Attributes
-    ----------
-    normal_load : P [force per thickness]
-    half_width : a [length]
-    peak_pressure : p0 [stress]; infinite at the tip of a sharp wedge
-    strain : p0/E*; the mean pressure over E* where p0 is infinite
-    edge_slope : h'(a), which is a/R for Hertz
-    ratios : a over the radii of the profile, its half-length over a, sizes of the bodies over a
-    """
-
-    normal_load: float
-    half_width: float
-    peak_pressure: float
-    strain: float
-    edge_slope: float
-    ratios: dict[str, float]
+    normal_load: float  # P [force per thickness]
+    half_width: float  # a [length]
+    peak_pressure: float  # p0 [stress]; infinite at the tip of a sharp wedge
+    strain: float  # p0/E*; the mean pressure over E* where p0 is infinite
+    edge_slope: float  # h'(a), which is a/R for Hertz
+    ratios: dict[str, float]  # a over the radii of the profile, its half-length over a, sizes of the bodies over a
 
 
 def largest_contact(scene: Scene, source: str) -> LargestContact:
@@ -316,20 +299,15 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
 
 @dataclass(frozen=True)
 class BulkAndTilt:
-    """What bulk stress and tilt do to a contact, from the loads alone.
+    """What bulk stress and tilt do to a contact, from the loads alone."""
 
-    Attributes
-    ----------
-    strain : largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
-    eccentricity : e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
-    share_of_moderate : that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate.
-        Infinite where Q stands still, None where eps does
-    centre : middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
-    """
-
-    strain: float
+    strain: float  # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
+    # e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
     eccentricity: float | None
+    # that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate. Infinite where Q
+    # stands still, None where eps does
     share_of_moderate: float | None
+    # middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
     centre: float | None
 
 
@@ -367,16 +345,13 @@ def bulk_in_words(found: BulkAndTilt) -> str:
     if found.strain:
         said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
     if (share := found.share_of_moderate) is not None:
-        measure = ""
         if found.eccentricity is not None:
-            measure = f"the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}, and "
-        rule = (
-            "moderate, for where it goes with Q both ends of the contact slip one way"
-            if share <= 1 + 1e-9
-            else "large: the ends of the contact slip opposite ways at times"
-        )
+            said.append(f"By its amplitude in the cycle the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}.")
         limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
-        said.append(f"By its amplitude in the cycle {measure}it {limit}: {rule}.")
+        said.append(f"Its amplitude in the cycle {limit}.")
+        moderate = "moderate: where it goes with Q both ends of the contact slip one way"
+        large = "large: the ends of the contact slip opposite ways at times"
+        said.append(f"That is {moderate if share <= 1 + 1e-9 else large}.")
     if found.centre:
         said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
     return " ".join(said)
@@ -398,15 +373,21 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
 
 
 def in_words(scene: Scene, found: LargestContact) -> str:
-    """The same as a sentence."""
+    """The same in sentences."""
     _, length, stress = units(scene)
-    shares = {**found.ratios, "p0/E*": found.strain} if np.isfinite(found.peak_pressure) else found.ratios
-    listed = ", ".join(f"{name} = {value:.4g}" for name, value in shares.items())
-    peak = f"{found.peak_pressure:.4g} {stress}" if np.isfinite(found.peak_pressure) else "infinite at the tip"
-    return (
-        f"At the largest load, P = {number(found.normal_load)} {load_unit(scene)}, half-plane theory gives the half-width "
-        f"a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}: {listed}."
-    )
+    finite = np.isfinite(found.peak_pressure)
+    peak = f"{found.peak_pressure:.4g} {stress}" if finite else "infinite at the tip"
+    said = [
+        f"The largest load is P = {number(found.normal_load)} {load_unit(scene)}.",
+        f"There half-plane theory gives the half-width a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}.",
+    ]
+    ratios = found.ratios | ({"p0/E*": found.strain} if finite else {})
+    of_bodies = [name.startswith(("lower", "upper")) for name in ratios]
+    for words, wanted in (("Ratios", False), ("Bodies", True)):
+        listed = [f"{name} = {ratios[name]:.4g}" for name, body in zip(ratios, of_bodies, strict=True) if body is wanted]
+        if listed:
+            said.append(f"{words}: {', '.join(listed)}.")
+    return " ".join(said)
 
 
 def remarks(scene: Scene, found: LargestContact) -> list[str]:

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
+from typing import NamedTuple, TypeAlias
 
 from rich.cells import cell_len
 from rich.console import Console
@@ -115,6 +116,30 @@ class Stages:
                 self.console.print(Text(f"  {name}: {', '.join(filter(None, (text, of, words)))}"))
 
         yield report
+
+
+class Sheet(NamedTuple):
+    """A table for the terminal; columns whose numbers are in `right` are set flush right."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Iterable[Sequence[str]]
+    right: Sequence[int] = ()
+
+
+# A line, a line with its style, or a table.
+Part: TypeAlias = str | tuple[str, str] | Sheet
+
+
+def show(parts: Iterable[Part]) -> None:
+    """Lines and tables on stdout."""
+    for part in parts:
+        if isinstance(part, Sheet):
+            show_table(*part)
+        elif isinstance(part, str):
+            say(part)
+        else:
+            say(*part)
 
 
 def show_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:

@@ -34,23 +34,19 @@ _LISTED, _INSTANTS, _SHOWN = 1000, 400, 10
 # ------------------------------------------------------------------------------------------------- reduction and noise
 @dataclass(frozen=True)
 class RecordCheck:
-    """What reduction and noise make of W, by half-plane theory; None for what was not asked or could not be computed.
+    """What reduction and noise make of W, by half-plane theory; None for what was not asked or could not be computed."""
 
-    Attributes
-    ----------
-    rows, kept : of the record, and those that the path goes through
-    dissipation, unreduced, all_rows, half_threshold : W of the path, of it without reduction, of all rows, with half the threshold
-    noise : (sigma of P, sigma of Q), 0 where none is seen
-    average, averaged : how many rows a mean may stand for before it blurs the loads; W of all rows in such means
-    """
-
+    # rows, kept: of the record, and those that the path goes through
     rows: int
     kept: int
+    # dissipation, unreduced, all_rows, half_threshold: W of the path, of it without reduction, of all rows, with half the
+    # threshold
     dissipation: float | None
     unreduced: float | None
     all_rows: float | None
     half_threshold: float | None
-    noise: tuple[float, float]
+    noise: tuple[float, float]  # (sigma of P, sigma of Q), 0 where none is seen
+    # average, averaged: how many rows a mean may stand for before it blurs the loads; W of all rows in such means
     average: int
     averaged: float | None
 
@@ -296,12 +292,6 @@ def _back(time: Array, force: Array, first: int, last: int) -> float:
             return float(time[row - 1] + share * (time[row] - time[row - 1]))
         begin, many = begin + many, 2 * many
     return float(time[-1])
-
-
-def content(solution: ContactSolution) -> dict[str, Any] | None:
-    """The cycles for JSON; None where there is no record."""
-    found = load_cycles(solution)
-    return None if found is None else found.content()
 
 
 def record_content(scene: Scene) -> dict[str, Any] | None:

@@ -39,22 +39,16 @@ class Spread:
 
 @dataclass(frozen=True)
 class FitUncertainty:
-    """What the noise of the rows leaves open.
+    """What the noise of the rows leaves open."""
 
-    Attributes
-    ----------
-    dissipation : W of the last whole cycle; None where it was not resampled
-    half_width, peak_pressure : at the largest load
-    resamples, failed : how many other measurements were fitted, and how many of those did not bend up or were too narrow
-    seed : of the random numbers
-    """
-
-    dissipation: Spread | None
+    dissipation: Spread | None  # W of the last whole cycle; None where it was not resampled
+    # half_width, peak_pressure: at the largest load
     half_width: Spread
     peak_pressure: Spread
+    # resamples, failed: how many other measurements were fitted, and how many of those did not bend up or were too narrow
     resamples: int
     failed: int
-    seed: int
+    seed: int  # of the random numbers
 
 
 def fit_of(scene: Scene) -> Fitted | None:
@@ -140,16 +134,16 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
             shape = f"an even polynomial of {np.count_nonzero(rises)} terms"
         case _:
             shape = "a smoothing spline"
-    centre = f"{'fitted' if fitted.centre_fitted else 'given'} middle x = {number(fitted.centre)} {length}"
+    centre = f"Its middle, {'fitted' if fitted.centre_fitted else 'given'}, is x = {number(fitted.centre)} {length}"
     more = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
     stated = "stated" if fitted.noise_stated else "taken from these residuals"
     said = [
-        f"The profile is {shape}, fitted to {len(fitted.rows) - fitted.left_out} rows of {fitted.source}{more}: {centre}, "
-        f"residuals {fitted.residual:.3g} {length} (root mean square), noise {fitted.noise:.3g} {length} ({stated})."
+        f"The profile is {shape}, fitted to {len(fitted.rows) - fitted.left_out} rows of {fitted.source}{more}. {centre}. "
+        f"Residuals are {fitted.residual:.3g} {length} (root mean square), the noise is {fitted.noise:.3g} {length} ({stated})."
     ]
     excess = (fitted.residual / fitted.noise) ** 2 * (len(fitted.rows) - fitted.left_out) / fitted.freedom
     if fitted.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fitted.freedom):
-        more = "this kind of profile does not describe the rows, or the noise is larger; its uncertainty does not cover that"
+        more = "this kind of profile does not describe the rows, or the noise is larger. The uncertainty does not cover that"
         less = "the noise is smaller than stated, or the rows were smoothed before"
         said.append(
             f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains: {more if excess > 1 else less}."
@@ -202,8 +196,8 @@ def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
     work = f"W = {share(found.dissipation)}, " if found.dissipation else ""
     failed = f", {found.failed} of them unfit" if found.failed else ""
     return (
-        f"The noise of the rows leaves open, in 95 % ({found.resamples} other measurements with this noise{failed}): {work}"
-        f"a = {share(found.half_width)} {length}, p0 = {share(found.peak_pressure)} {stress}."
+        f"The noise of the rows leaves open (95 %): {work}a = {share(found.half_width)} {length}, "
+        f"p0 = {share(found.peak_pressure)} {stress}. That is by {found.resamples} other measurements with this noise{failed}."
     )
 
 

@@ -510,9 +510,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             which += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
         elif self.reduce == "tolerance":
             which += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
-        return (
-            f"the loads follow {which}, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}{again}"
-        )
+        limits = f"P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}"
+        return f"the loads follow {which}. {limits}{again}"
 
 
 class CallableLoad(BulkAndTilt[PythonFunction]):

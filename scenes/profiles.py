@@ -366,7 +366,7 @@ class CallableProfile(Gap):
                 if core is not None and end == edges[-1]:
                     self._slope = fit(lambda x: x * core(x**2), edges[-2:])
                 else:
-                    self._slope = fit(over, edges[edges >= end]).derivative()
+                    self._slope = fit(over, edges[edges >= end]).derivative
                 self._core = core
             else:
                 self._slope = fit(over, edges)
@@ -436,7 +436,7 @@ class CallableProfile(Gap):
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
-        above = self._slope.derivative()(np.clip(at, first, self.extent)) * at
+        above = self._slope.derivative(np.clip(at, first, self.extent)) * at
         inner = np.minimum(at, first)
         if self._core is not None:
             below = inner * (self._core(inner**2) + 2 * inner**2 * self._core.deriv()(inner**2))

@@ -191,6 +191,23 @@ class Scene(Frozen):
     expected: tuple[Expected, ...] = Field((), description="known numbers, checked by `halfplane run`")
     cycles: int = Field(6, ge=1, description="largest number of revolutions; the engines stop once the cycle repeats")
 
+    def vary(self, /, **changes: Any) -> Self:
+        """A checked copy with other values, as that of any table of keys; `tolerances={}` states none.
+
+        Tolerances stated for half-planes are left out once a body is none, unless `changes` gives some.
+
+        >>> from scenes import Block, load_scene
+        >>> scene = load_scene("hertz-normal")
+        >>> block = scene.vary(bodies={"lower": Block(width=20, height=8)})
+        >>> [one.tolerances.dissipation for one in (scene, block, scene.vary(tolerances={}))]
+        [1e-09, None, None]
+        """
+        if changes.get("tolerances") == {}:
+            changes["tolerances"] = Tolerances()
+        found = super().vary(**changes)
+        real = self.bodies.half_planes and not found.bodies.half_planes
+        return super(Scene, found).vary(tolerances=Tolerances()) if real and "tolerances" not in changes else found
+
     @field_validator("units")
     @classmethod
     def _units_are_one_set(cls, units: str) -> str:

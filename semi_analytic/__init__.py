@@ -21,13 +21,11 @@ The history of P and Q::
 
 From a request to an answer::
 
-    request.py              options: points, instants and fields
     fields.py               shear traction q (Cattaneo-Mindlin), slip s, relative tangential displacement U by superposition
     friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: all of it together
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
-    errors.py               error estimates
     damping.py              hysteresis: secant stiffness, damping ratio, tangential compliance
 
 Arrays of ellipses in one call::
@@ -42,8 +40,7 @@ from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
-from semi_analytic.request import FIELDS
-from semi_analytic.solution import solve
+from semi_analytic.solution import FIELDS, solve
 from semi_analytic.subsurface import edge_tension, stress
 
 __all__ = [

@@ -83,8 +83,9 @@ def _graded(count: int = 10) -> tuple[Array, Array]:
 
 
 _HALF, _HALF_WEIGHT = _graded()
-_SHARE, _REST = np.concatenate([_HALF, 1 - _HALF]), np.concatenate([1 - _HALF, _HALF])
-_SHARE_WEIGHT = np.concatenate([_HALF_WEIGHT, _HALF_WEIGHT])
+# Shares of an interval from its begin and from its end, and weights: graded towards both, and Gauss' rule.
+_GRADED = np.concatenate([_HALF, 1 - _HALF]), np.concatenate([1 - _HALF, _HALF]), np.concatenate([_HALF_WEIGHT, _HALF_WEIGHT])
+_PLAIN = (1 + _NODES) / 2, (1 - _NODES) / 2, _WEIGHTS / 2
 
 
 class Loads(NamedTuple):
@@ -147,7 +148,7 @@ def _root_beyond(zeta: Array, c: Array) -> Array:
 
 # ---------------------------------------------------------------------------------------------------- the frozen slope
 class Quadrature(NamedTuple):
-    """Nodes on parts of stick intervals: rows (k,) of the intervals, then (k, m): x, weight, s', x - b1, b2 - x."""
+    """Nodes on stick intervals, (k,) each: row of the interval, ascending; x, weight, s', x - b1, b2 - x."""
 
     row: NDArray[np.intp]
     x: Array
@@ -155,6 +156,10 @@ class Quadrature(NamedTuple):
     slope: Array
     up: Array
     down: Array
+
+    def summed(self, values: Array) -> Array:
+        """Sums over the nodes of each interval, of values (k, ...)."""
+        return np.asarray(np.add.reduceat(values, np.flatnonzero(np.diff(self.row, prepend=-1)), axis=0))
 
 
 class Frozen:
@@ -169,7 +174,8 @@ class Frozen:
 
     @cached_property
     def _whole(self) -> Array:
-        return self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi)
+        """Of all pieces by Gauss' rule."""
+        return self._rule(np.arange(len(self.low)), 0 * self.low, 0 * self.low + np.pi, _PLAIN)
 
     @cached_property
     def _rise(self) -> Array:
@@ -228,35 +234,44 @@ class Frozen:
         parts = (far[:-1], new.ends) if side > 0 else (new.ends, far[1:])
         return Frozen(np.concatenate(parts), np.concatenate([kept, new.series][::side], axis=1), edge, known)
 
-    def _rule(self, number: NDArray[np.intp], begin: Array, end: Array) -> Array:
+    def _rule(self, number: NDArray[np.intp], begin: Array, end: Array, shares: tuple[Array, Array, Array]) -> Array:
         """Weight, s' and distances from both ends at nodes of parts of pieces, theta from `begin` to `end` (k,): (4, k, m)."""
-        begin, span = begin[:, None], (end - begin)[:, None]
-        theta = np.concatenate([begin + span * _HALF, end[:, None] - span * _HALF], axis=1)
-        length, numbers, at = self.length[number][:, None], np.repeat(number[:, None], len(_SHARE), axis=1), 2 * theta / np.pi - 1
-        up = length * np.sin((theta + begin) / 2) * np.sin(span * _SHARE / 2)
-        down = length * np.sin((theta + end[:, None]) / 2) * np.sin(span * _REST / 2)
-        weight = span * _SHARE_WEIGHT * length / 2 * np.sin(theta)
+        (share, rest, weights), begin, span = shares, begin[:, None], (end - begin)[:, None]
+        theta = np.where(share < 0.5, begin + span * share, end[:, None] - span * rest)
+        length, numbers, at = self.length[number][:, None], np.repeat(number[:, None], len(share), axis=1), 2 * theta / np.pi - 1
+        up = length * np.sin((theta + begin) / 2) * np.sin(span * share / 2)
+        down = length * np.sin((theta + end[:, None]) / 2) * np.sin(span * rest / 2)
+        weight = span * weights * length / 2 * np.sin(theta)
         return np.stack([weight, clenshaw(self.series, numbers, at), up, down])
 
     def quadrature(self, b1: Array, b2: Array) -> Quadrature:
-        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel."""
+        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel.
+
+        Of a piece as far from both edges as it is long Gauss' nodes in theta, of others the graded ones.
+        """
         k, p = np.nonzero(np.minimum(b2[:, None], self.ends[1:]) > np.maximum(b1[:, None], self.low))
-        cut1, cut2 = b1[k] > self.low[p], b2[k] < self.ends[p + 1]
-        some, found = np.flatnonzero(cut1 | cut2), self._whole[:, p]
-        q, left, right = p[some], np.where(cut1, b1[k], self.low[p])[some], np.where(cut2, b2[k], self.ends[p + 1])[some]
-        found[:, some] = self._rule(q, self._theta(q, left), self._theta(q, right))
-        weight, slope, up, down = found
-        x = np.maximum(b1[k], self.low[p])[:, None] + up
-        up += np.maximum(self.low[p] - b1[k], 0.0)[:, None]
-        down += np.maximum(b2[k] - self.ends[p + 1], 0.0)[:, None]
-        return Quadrature(k, x, weight, slope, up, down)
+        low, high = np.maximum(b1[k], self.low[p]), np.minimum(b2[k], self.ends[p + 1])
+        far, found = np.minimum(low - b1[k], b2[k] - high) > high - low, []
+        for some, plain in ((np.flatnonzero(far), True), (np.flatnonzero(~far), False)):
+            if len(some):
+                row, piece = k[some], p[some]
+                # Of a piece that is not cut the ends are those of theta, to the last digit.
+                begin = np.where(b1[row] > self.low[piece], self._theta(piece, low[some]), 0.0)
+                end = np.where(b2[row] < self.ends[piece + 1], self._theta(piece, high[some]), np.pi)
+                weight, slope, up, down = self._whole[:, piece] if plain else self._rule(piece, begin, end, _GRADED)
+                left, right = (low[some] - b1[row])[:, None], (b2[row] - high[some])[:, None]
+                rows = np.repeat(row[:, None], weight.shape[1], axis=1)
+                found.append([rows, low[some, None] + up, weight, slope, up + left, down + right])
+        row, *parts = (np.concatenate([each.ravel() for each in part]) for part in zip(*found, strict=True))
+        order = np.argsort(row, kind="stable")
+        return Quadrature(row[order], *(part[order] for part in parts))
 
     def moments(self, b1: Array, b2: Array, *, slip: bool = False) -> Array:
         """int s'/w, int zeta s'/w and, where asked for, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (2 or 4, n)."""
         each = self.quadrature(b1, b2)
         w, zeta = each.weight / np.sqrt(each.up * each.down), (each.up - each.down) / 2
         wanted = [each.slope, zeta * each.slope] + ([zeta**2 * each.slope, self.slip(each.x)] if slip else [])
-        return np.array([np.bincount(each.row, np.sum(w * values, axis=1), len(b1)) for values in wanted])
+        return np.array([np.bincount(each.row, w * values, len(b1)) for values in wanted])
 
 
 # ---------------------------------------------------------------------------------------------------------- the contact
@@ -423,12 +438,14 @@ class Stick:
 
     def _means(self, x: Array, datum: Array, d: int) -> Array:
         """int [F(y) - F_0]/[w(y) (y - x)] dy over stick, at x and with F_0 = `datum` (n, m)."""
-        total, each = np.zeros(x.shape), self.frozen.quadrature(*self.edges)
-        inverse = each.x[:, None, :] - x[each.row][:, :, None]
+        each = self.frozen.quadrature(*self.edges)
+        rows = each.row
+        inverse = each.x[:, None] - x[rows]
         np.divide(1.0, inverse, out=inverse, where=inverse != 0)
-        inverse *= self._drive(each.x, each.slope, d, each.row)[:, None, :] - datum[each.row][:, :, None]
-        np.add.at(total, each.row, np.einsum("kn,kmn->km", each.weight / np.sqrt(each.up * each.down), inverse))
-        return total
+        inverse *= (self._drive(each.x[:, None], each.slope[:, None], d, rows) - datum[rows]) * (
+            each.weight / np.sqrt(each.up * each.down)
+        )[:, None]
+        return each.summed(inverse)
 
     def _far_zone(self, side: int, x: Array) -> Array:
         """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
@@ -716,6 +733,50 @@ class Follower:
         return None
 
     # ------------------------------------------------------------------------------------------------ from step to step
+    def touch(self, begin: float, end: float) -> tuple[Step, State]:
+        """The first step, from the first touch at `begin`: on a straight line of all loads as long as all sticks.
+
+        With the root u of the time that has passed the contact is as good as a straight line in time, and
+
+            ds'/dt = side [(A/pi) Q' - eps' (x - m)]/sqrt((x - m)^2 - c^2)    outside the contact that sticks
+
+        is what the edges freeze, integrated up to where they are at x.
+        """
+        contact, A, ((P, Q, eps, alpha),) = self.contact, self.contact.compliance, self.loads.rates(np.array([(begin + end) / 2])).T
+        # Where slip begins at an edge: |Q' -+ (pi c/A) eps'| = f (P' -+ (pi c/A) alpha').
+        with np.errstate(divide="ignore", invalid="ignore"):
+            halves = [
+                side * A / np.pi * (self.friction * P - d * Q) / (self.friction * alpha - d * eps)
+                for side in (-1, 1)
+                for d in (-1, 1)
+            ]
+        reach = min([half for half in halves if half > 0], default=math.inf)
+        latest = begin + np.pi * reach**2 / (2 * A * contact.radius) / P
+        end = min(end, latest * (1 - 1e-12))
+
+        def edges(u: Array | float) -> Array:
+            return contact.edges(*self.loads.values(begin + (end - begin) * np.square(np.maximum(u, 1e-9)))[[0, 3]])
+
+        (a1,), (a2,) = edges(np.ones(1))
+        start, x = float(np.mean(edges(np.zeros(1)))), _places(float(a1), float(a2), 2 * self.order)
+        sides = np.where(x > start, 1, -1)
+        passed = [0.0] * len(x)
+        for k, (place, side) in enumerate(zip(x.tolist(), sides.tolist(), strict=True)):
+            ahead = lambda u, place=place, side=side: side * float(edges(np.array([u]))[(side + 1) // 2, 0] - place)  # noqa: E731
+            passed[k] = 1.0 if ahead(1.0) <= 0 else 0.0 if ahead(0.0) >= 0 else float(brentq(ahead, 0, 1, xtol=1e-15))
+        # u = u_x (1 - v^2): nothing is singular at either end in v.
+        v, reached = (1 + _NODES) / 2, np.array(passed)[:, None]
+        u = reached * (1 - v * v)
+        low, high = edges(u.ravel()).reshape(2, *u.shape)
+        _, Q, eps, _ = self.loads.rates((begin + (end - begin) * u**2).ravel()).reshape(4, *u.shape)
+        w = np.sqrt(np.maximum((x[:, None] - low) * (x[:, None] - high), np.finfo(float).tiny))
+        rate = sides[:, None] * (A / np.pi * Q - eps * (x[:, None] - (low + high) / 2)) / w
+        slope = np.sum(_WEIGHTS * 2 * (end - begin) * u * reached * v * rate, axis=1)
+        frozen = Frozen(x[[0, -1]], _fit(slope)[:, None])
+        time = _times(begin + 1e-6 * (end - begin), end, self.order)
+        stick = self._stick(State(end, (float(a1), float(a2)), (0, 0), frozen), (0, 0), time)
+        return self._finished(Step(time, replace(stick, edges=stick.contact_edges)))
+
     def _finished(self, step: Step) -> tuple[Step, State]:
         """The step with its work and its breaches of the laws, and the state at its end."""
         self.counts["steps"] += 1
@@ -783,6 +844,17 @@ class Follower:
             slips[i] = 1 if shear > d * (1 - reserve / (self.friction * pressure)) * limit else -1
         return state, (slips[0], slips[1])
 
+    def _turn(self, state: State, slips: tuple[int, int], stop: float) -> float:
+        """When the loads turn round for one of the edges, held where they are: `stop` if they do not soon."""
+        time = np.linspace(state.time, min(stop, state.time + self.longest / 16), 33)
+        now = self._stick(state, slips, time)
+        most = np.max([now.edge_load(side) for _, side in _SIDES], axis=0)
+        turned = np.flatnonzero((most[1:] >= 0) & (most[:-1] < 0))
+        if not len(turned):
+            return stop
+        k = int(turned[0])
+        return float(time[k] + (time[k + 1] - time[k]) * most[k] / (most[k] - most[k + 1]))
+
     def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
         """A short step with edges held, up to a turning point or over a jump."""
         time = _times(state.time, end, self.order)
@@ -844,12 +916,13 @@ class Follower:
                     trial = min(self.longest, 2 * trial)
                     break
                 trial, held = min(trial, until - state.time) / 2, None
-                now = self._stick(state, slips, np.array([state.time, stop]))
                 with np.errstate(all="ignore"):
+                    turn = self._turn(state, slips, stop)
+                    now = self._stick(state, slips, np.array([state.time, turn]))
                     left = float(np.max(np.ptp(now.excess(), axis=1)))
                     if 0 not in slips and left < _CLOSING * self.contact.compliance * self.friction * now.loads[0, 0]:
                         self.counts["bridged"] += 1
-                        held = self._held(state, slips, stop)
+                        held = self._held(state, slips, turn)
                     elif 0 not in slips and trial <= 2 * _SHORTEST * self.longest and not searched:
                         held, searched = self._jump(state, slips, stop), True
                 if held is not None:
@@ -994,10 +1067,11 @@ class Followed:
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
-    Geometric where changes fall to less than half from cycle to cycle. Where they fall more slowly, like k^-4: k/3 times the last.
+    Geometric where the last two ratios of changes are below a half and alike. Else they may fall as slowly as k^-4, however fast
+    the first ones were: k/3 times the last.
 
-    >>> round(remainder_of([1.5, 1.05, 1.005]), 12)  # W falls to 1
-    0.005
+    >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
+    0.0005
     >>> works = [1 + k**-3.0 for k in range(1, 41)]  # 1.6e-5 is left
     >>> 1e-5 < remainder_of(works) < 3e-5
     True
@@ -1005,8 +1079,8 @@ def remainder_of(works: Sequence[float]) -> float:
     changes = np.abs(np.diff(works))
     if len(changes) < 2 or changes[-1] == 0:
         return float(changes[-1]) if len(changes) else math.inf
-    ratio = float(changes[-1] / changes[-2]) if changes[-2] > 0 else 1.0
-    if ratio < 0.5:
+    before, ratio = np.append(1.0, changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny))[-2:].tolist()
+    if ratio < 0.5 and abs(ratio - before) < ratio / 4:
         return float(changes[-1]) * ratio / (1 - ratio)
     return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
 
@@ -1065,9 +1139,10 @@ def follow(
     needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
-    state = _touched(loads, contact, first.start + 1e-4 * (first.end - first.start))
     follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest)
+    touch, state = follower.touch(first.start, first.end)
     steps, state = follower.run(state, path.cycle_start)
+    steps = [touch, *steps]
     last, works = steps, [math.fsum(step.work for step in steps)] if period is None else []
     while period is not None and len(works) < most:
         last, state = follower.run(state, path.cycle_start + (len(works) + 1) * period)
@@ -1098,14 +1173,6 @@ def follow(
         counts=dict(follower.counts),
         errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), error),
     )
-
-
-def _touched(loads: PathLoads, contact: Parabola, time: float) -> State:
-    """The state of a contact that has just begun, q = (Q/P) p: what bulk and tilt change of it so far is below 1e-6 of the end."""
-    p, q, eps, alpha = loads.values(np.array([time]))[:, 0].tolist()
-    a1, a2 = contact.edges(np.array(p), np.array(alpha)).tolist()
-    slope = q / p * (_places(a1, a2, ORDER) / contact.radius + alpha) - eps
-    return State(time, (a1, a2), (0, 0), Frozen(np.array([a1, a2]), _fit(slope)[:, None]))
 
 
 def _loop_of(step: Step) -> float:

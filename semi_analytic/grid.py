@@ -21,12 +21,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import solve as solve_symmetric
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError
 from semi_analytic.fronts import Followed, PathLoads, remainder_of
@@ -42,12 +44,15 @@ CELLS, INCREMENTS = 160, 320
 _TURNS = 200
 # Share of the largest f p that rounding may leave of q beyond the limit: cells that stop to slip are there.
 _ROUNDING = 1e-12
+# Share of the slip of an increment that a cell makes before it is touched.
+_TOUCHED = 1 / 3
 # Increments of a leg of the cycle at least; each leg of the initial loading has a quarter of those of a cycle.
 _OF_LEG = 4
 # Share of its work by which a cycle may differ from the one before and repeat it: far below what the grid leaves.
 STEADY = 1e-6
-# Shares of a cell by which grids are moved: no two are mirror images under a symmetric contact.
-_SHIFTS = (0.0, 0.382, 0.764, 0.146)
+# Shares of a cell by which grids are moved, evenly, so that waves of a cell, a half and a third cancel in their mean; no two are
+# mirror images under a symmetric contact.
+_SHIFTS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
 # Instants, out of those asked for, at which coarse grids are held against the others.
 _COMPARED = 40
 # Share of the largest slip of a cycle up to which a cell counts as permanently stuck.
@@ -104,6 +109,11 @@ class Fields(NamedTuple):
         return (float(here[0] - self.step / 2), float(here[-1] + self.step / 2)) if len(here) else (math.nan, math.nan)
 
 
+def _root(compliance: Array) -> Array:
+    """M with M^T M = C^-1: C is positive definite where its cells lie within its datum length."""
+    return np.asarray(solve_triangular(cholesky(compliance, lower=True), np.eye(len(compliance)), lower=True))
+
+
 class Grid:
     """Two half-planes that meet in equal cells, and where they stand: nothing touches at first.
 
@@ -130,6 +140,8 @@ class Grid:
         self._direction, self._touching = np.zeros(cells, dtype=int), np.zeros(cells, dtype=bool)
         self._shear: Array = np.zeros(cells)
         self.slip: Array = np.zeros(cells)
+        self._root = _root(self._compliance)
+        self._known: dict[bytes, tuple[Array, Array, float]] = {}
         self._shift = 0.0
         self._last: dict[str, Any] | None = None
         self._pressed: dict[tuple[float, float], tuple[Array, NDArray[np.bool_], float]] = {}
@@ -141,22 +153,30 @@ class Grid:
             primitive = np.where(ends == 0, 0.0, ends * (np.log(np.abs(ends)) - 1))
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * np.diff(primitive, axis=-1)[..., 0])
 
-    def _balanced(self, here: NDArray[np.bool_], right: Array, total: float) -> tuple[Array, float]:
-        """Tractions t of the cells `here` with this total, C t = right + b, and the rigid movement b."""
-        # C is positive definite: its cells lie within its datum length.
-        factor = cho_factor(self._compliance[np.ix_(here, here)], overwrite_a=True, check_finite=False)
-        own, unit = cho_solve(factor, np.stack([right[here], np.ones(np.count_nonzero(here))], axis=1), check_finite=False).T
-        rigid = (total / self.step - float(np.sum(own))) / float(np.sum(unit))
-        result = np.zeros(len(self.x))
-        result[here] = own + rigid * unit
-        return result, rigid
+    def _stiffness(self, here: NDArray[np.bool_]) -> tuple[Array, Array, float]:
+        """M of the cells `here` with M^T M = C^-1, the row sums of C^-1 and their sum: t = C^-1 (right + b), and b by a total.
+
+        Equal cells have one C wherever they lie: M of cells side by side is a corner of that of all.
+        """
+        cells = np.flatnonzero(here)
+        key = (cells - cells[0]).tobytes()
+        if key not in self._known:
+            count = len(cells)
+            side_by_side = cells[-1] - cells[0] + 1 == count
+            root = self._root[:count, :count] if side_by_side else _root(self._compliance[np.ix_(here, here)])
+            rows = root.T @ np.sum(root, axis=1)
+            self._known[key] = root, rows, float(np.sum(rows))
+        return self._known[key]
 
     def _press(self, load: float, tilt: float, lifted: Array) -> tuple[Array, NDArray[np.bool_], float]:
         """Pressure, the cells that touch and the normal approach: p > 0 where g = 0."""
         height = lifted + tilt * self.x
         touching = self._touching if self._touching.any() else height <= np.sort(height)[5]
         for _ in range(_TURNS):
-            p, approach = self._balanced(touching, -height, load)
+            root, rows, whole = self._stiffness(touching)
+            approach = (load / self.step + float(rows @ height[touching])) / whole
+            p = np.zeros(len(self.x))
+            p[touching] = approach * rows - root.T @ (root @ height[touching])
             wanted = np.where(touching, p > 0, height - approach + self._compliance @ p < 0)
             if np.array_equal(wanted, touching):
                 break
@@ -167,26 +187,52 @@ class Grid:
             raise ArithmeticError("the contact meets the end of the grid")
         return p, touching, approach
 
-    def _drag(self, force: float, moved: Array, limit: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array, Array, float]:
-        """Shear, slip, directions of slip and U: no slip where |q| < f p."""
-        direction = np.zeros(len(self.x), dtype=int)
+    def _drag(self, force: float, moved: Array, limit: Array, earlier: NDArray[np.bool_]) -> tuple[Array, Array, Array, float]:
+        """Shear, slip, directions of slip and U: no slip where |q| < f p, once a cell is touched; `earlier` were so at first.
+
+        Ahead of an edge that comes slip goes on as the root of the distance: a cell that is touched after a share t of the
+        increment has then made 2/3 t of the way that it would have made, 1/3 in the mean over all t.
+        """
+        start, new = self.slip, self._touching & ~earlier
+        if new.any() and earlier.any():
+            with suppress(ArithmeticError):  # more than the earlier ones can carry: the new ones start from where they were
+                start = np.where(new, start + _TOUCHED * (self._dragged(force, moved, limit, ~new, start)[1] - start), start)
+        return self._dragged(force, moved, limit, self._touching, start)
+
+    def _dragged(
+        self, force: float, moved: Array, limit: Array, touching: NDArray[np.bool_], start: Array
+    ) -> tuple[Array, Array, Array, float]:
+        """`_drag` where all of `touching` was in contact, with the slip `start`.
+
+        q = q_0 - [G - (G 1)(G 1)^T/(1 G 1)] v, G = C^-1, with q_0 of full stick and the slip v of the increment, that of few cells.
+        """
+        touching = touching & self._touching
+        root, rows, whole = self._stiffness(touching)
+        free, most = (moved - start)[touching], limit[touching]
+        shift = (force / self.step - float(rows @ free)) / whole
+        stuck = root.T @ (root @ free) + shift * rows
+        direction, allowed = np.zeros(len(most), dtype=int), most + _ROUNDING * limit.max()
         for _ in range(_TURNS):
-            sticks = touching & (direction == 0)
-            fixed = direction * limit
-            if not sticks.any():
+            slides = np.flatnonzero(direction)
+            if len(slides) == len(most):
                 raise ArithmeticError("all cells slip")
-            q, shift = self._balanced(
-                sticks, moved - self.slip - self._compliance @ fixed, force - self.step * float(np.sum(fixed))
-            )
-            q = q + fixed
-            s = shift + moved - self._compliance @ q
-            exceeds = sticks & (np.abs(q) > limit + _ROUNDING * limit.max())
-            goes_on = touching & (direction * (s - self.slip) > 0)
-            wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
+            shear, v = stuck, np.zeros(len(most))
+            if len(slides):
+                some, fixed = root[:, slides], direction[slides] * most[slides]
+                stiff = some.T @ some - np.outer(rows[slides], rows[slides] / whole)
+                v[slides] = solve_symmetric(stiff, stuck[slides] - fixed, assume_a="pos", check_finite=False)
+                shear = stuck - root.T @ (some @ v[slides]) + rows * (float(rows @ v) / whole)
+                shear[slides] = fixed
+            exceeds = (direction == 0) & (np.abs(shear) > allowed)
+            wanted = np.where(exceeds, np.sign(shear), np.where(direction * v > 0, direction, 0)).astype(int)
             if np.array_equal(wanted, direction):
-                return q, s, direction, shift
+                break
             direction = wanted
-        raise ArithmeticError("the slip zones do not converge")
+        else:
+            raise ArithmeticError("the slip zones do not converge")
+        q, directions, shift = np.zeros(len(self.x)), np.zeros(len(self.x), dtype=int), shift + float(rows @ v) / whole
+        q[touching], directions[touching] = shear, direction
+        return q, shift + moved - self._compliance @ q, directions, shift
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
         """One increment to P, Q, eps and alpha: a row of `Fields`."""
@@ -200,12 +246,13 @@ class Grid:
         elif not self.dundurs:
             if (load, tilt) not in self._pressed:
                 self._pressed[load, tilt] = self._press(load, tilt, self._height)
-            p, self._touching, approach = self._pressed[load, tilt]
-            q, s, self._direction, shift = self._drag(force, strained, self.friction * p, self._touching)
+            earlier, (p, self._touching, approach) = self._touching, self._pressed[load, tilt]
+            q, s, self._direction, shift = self._drag(force, strained, self.friction * p, earlier)
         else:  # in turn
+            earlier = self._touching
             for _ in range(_TURNS):
                 p, self._touching, approach = self._press(load, tilt, self._height + self._coupling @ last)
-                q, s, self._direction, shift = self._drag(force, strained + self._coupling @ p, self.friction * p, self._touching)
+                q, s, self._direction, shift = self._drag(force, strained + self._coupling @ p, self.friction * p, earlier)
                 change, last = float(np.max(np.abs(q - last))), q
                 if change <= _ROUNDING * self.friction * p.max():
                     break

@@ -536,7 +536,7 @@ class States:
         lines = [block.lines[k] for k in used.tolist()]
         known = [line or _OPEN for line in lines]
         ends = np.fromiter(chain.from_iterable(map(_ENDS, known)), float, 4 * len(known)).reshape(-1, 4)
-        bottom = np.array([line.bottom for line in known])[which]
+        bottom = np.fromiter(((line[0] or _OPEN)[1] for line in known), float, len(known))[which]
         top, held, length, rise = ends[which].T
         slope = rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]

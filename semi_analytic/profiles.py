@@ -37,7 +37,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from scenes.chebyshev import NODES, Pieces, clenshaw, halved, series, tail
+from scenes.chebyshev import NODES, Pieces, Powers, halved, series, tail
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
@@ -388,8 +388,8 @@ def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inn
 
 # --- measured rows
 
-# Pieces whose knots are summed one by one; share of the first coefficient below which a coefficient is round-off.
-_TOGETHER, _ROUNDING = 32, 1e-15
+# Pieces whose knots are summed one by one.
+_TOGETHER = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -404,29 +404,29 @@ class _Series:
     high: Array
     edges: Array
     loads: Array
-    load: Array
-    rate: Array
+    load: Powers
+    rate: Powers
 
-    def on(self, number: Indices, u: Array, coefficients: Array) -> Array:
+    def on(self, number: Indices, u: Array, values: Powers) -> Array:
         """Value of one of the two at u on pieces of these numbers."""
         low, high = self.low[number], self.high[number]
-        return clenshaw(coefficients, number, np.minimum((2 * u - low - high) / (high - low), 1.0))
+        return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
     def half_width(self, load: Array) -> Array:
         """a(P) behind the second knot, by its series; where that is not resolved, since P hardly grows, by Newton's method too."""
         number = np.clip(np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1)
-        begin_load, low, high, coefficients, rough = self._inverse
+        begin_load, low, high, squares, rough = self._inverse
         w = np.sqrt(np.maximum(load - begin_load[number], 0.0))
         low, high = low[number], high[number]
-        square = np.maximum(clenshaw(coefficients, number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0)
+        square = np.maximum(squares(number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0)
         again = np.flatnonzero(rough[number])
         if len(again):
             square[again] = self._newton(number[again], load[again], square[again])
         return self.begin[number] + square
 
     @cached_property
-    def _inverse(self) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
-        """P(begin), ends of w, coefficients of u^2 and whether they are not resolved, for each piece."""
+    def _inverse(self) -> tuple[Array, Array, Array, Powers, NDArray[np.bool_]]:
+        """P(begin), ends of w, u^2 and whether it is not resolved, for each piece."""
         first = np.flatnonzero(self.low == 0)
         begin_load = self.loads[:-1][first][np.searchsorted(first, np.arange(len(self.low)), side="right") - 1]
         low, high = (np.sqrt(np.maximum(ends - begin_load, 0.0)) for ends in (self.loads[:-1], self.loads[1:]))
@@ -436,7 +436,7 @@ class _Series:
         share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
         start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
         coefficients = series(self._newton(number, load, start))
-        return begin_load, low, high, coefficients.T.copy(), tail(coefficients) > 1e-15 * (self.begin + self.high**2)
+        return begin_load, low, high, Powers(coefficients.T), tail(coefficients) > 1e-15 * (self.begin + self.high**2)
 
     def _newton(self, number: Indices, load: Array, square: Array) -> Array:
         """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit counts from a."""
@@ -476,13 +476,15 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     head = flat_and_rounded(bend[0], 1.0, least) if least > 0 else power_law(bend[0], 2.0, 1.0, 0.5)
     rows = _series_of_rows(knots, bend)
 
-    def series_or_head(a: Array, coefficients: Array, head_function: Callable[[Array], Array]) -> Array:
-        first_part = head_function(a - least)
+    def series_or_head(a: Array, values: Powers, head_function: Callable[[Array], Array]) -> Array:
         if not len(rows.begin):
-            return first_part
-        number = np.maximum(np.searchsorted(rows.edges, a, side="right") - 1, 0)
-        u = np.sqrt(np.maximum(a - rows.begin[number], 0.0))
-        return np.where(a < rows.edges[0], first_part, rows.on(number, u, coefficients))
+            return head_function(a - least)
+        number = np.searchsorted(rows.edges, a, side="right") - 1
+        found = rows.on(np.maximum(number, 0), np.sqrt(np.maximum(a - rows.begin[number], 0.0)), values)
+        first = number < 0
+        if np.any(first):
+            found[first] = head_function(a[first] - least)
+        return found
 
     def load(d: Array) -> Array:
         return series_or_head(d + least, rows.load, head.load)
@@ -571,12 +573,9 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         both[here] = np.moveaxis(chebyshev.chebval(at, smooth), 0, -1)
         both[here] += sums(half[here, :, None], begin[here, None, None], above[here, :, None], far, reached)
     load, rate = both[..., 0], both[..., 1] * half
-    found = [series(values[:, 1:-1]).T for values in (load, rate)]
-    # Beyond the last coefficients that any piece needs there is round-off.
-    size = [np.max(np.abs(each) / np.abs(each[0]), axis=1, initial=0.0) for each in found]
-    degree = int(np.max(np.flatnonzero(np.maximum(*size) > _ROUNDING), initial=0))
+    found = (series(values[:, 1:-1]).T for values in (load, rate))
     loads = np.append(load[:, 0], load[-1:, -1])
-    return _Series(begin, low, high, begin + low * low, loads, *(each[: degree + 1].copy() for each in found))
+    return _Series(begin, low, high, begin + low * low, loads, *(Powers(each) for each in found))
 
 
 def _splits(profile: Tabulated, half: float) -> InputError:

@@ -93,6 +93,11 @@ class ContactLaw:
     bends_anywhere: bool = False
     noise: float = 2 * _EPS
 
+    @cached_property
+    def begins(self) -> Array:
+        """Advances from 0 up behind which P and dP/da are one smooth function each of the root of the distance."""
+        return np.array([0.0, *(b - self.least for b in self.breaks)])
+
     @property
     def octave(self) -> float:
         """Ratio of advances that one series serves: 2, or less where P would fall by more than 2^3."""
@@ -262,7 +267,7 @@ class PunchSuperposition:
         With more than one corner in between the difference itself has more digits, but for corners next to each other.
         """
         square = np.array((high - low) * (high + low + 2 * self.least))
-        many = np.searchsorted(self._begins, high) - np.searchsorted(self._begins, low) > 1
+        many = np.searchsorted(self.law.begins, high) - np.searchsorted(self.law.begins, low) > 1
         close = (low >= 0) & (square < np.where(many, _NEXT, _CLOSE) * np.square(high + self.least))
         if np.any(close):
             rate = self._mean_rate(low[close], high[close])
@@ -272,18 +277,22 @@ class PunchSuperposition:
     def _mean_rate(self, low: Array, high: Array) -> Array:
         """Rise of P over rise of a^2 between two advances as close as may be: in two parts if there is a corner in between."""
         end = np.maximum(high, low * (1 + 4 * _EPS))
-        number = np.searchsorted(self._begins, low, side="right") - 1
-        corner = np.append(self._begins, np.inf)[number + 1]
+        begins, number = self.law.begins, np.searchsorted(self.law.begins, low, side="right") - 1
+        corner = np.append(begins, np.inf)[number + 1]
         above, below = np.zeros(low.shape), np.zeros(low.shape)
         node, share = gauss(6)
-        for first, last, behind in ((low, np.minimum(corner, end), number), (np.minimum(corner, end), end, number + 1)):
-            b = self._begins[np.minimum(behind, len(self._begins) - 1)]
+        across = np.flatnonzero(corner < end)
+        for some, first, last, behind in (
+            (slice(None), low, np.minimum(corner, end), number),
+            (across, corner[across], end[across], number[across] + 1),
+        ):
+            b = begins[behind]
             inner, outer = np.sqrt(np.maximum(first - b, 0.0)), np.sqrt(np.maximum(last - b, 0.0))
-            root = inner[..., None] + (outer - inner)[..., None] * node
-            at = b[..., None] + root * root
-            weight = (outer - inner)[..., None] * share * root
-            above = above + np.sum(weight * self.law.stiffness(at), axis=-1)
-            below = below + np.sum(weight * 2 * (at + self.least), axis=-1)
+            root = inner[:, None] + (outer - inner)[:, None] * node
+            at = b[:, None] + root * root
+            weight = (outer - inner)[:, None] * share * root
+            above[some] += np.sum(weight * self.law.stiffness(at), axis=1)
+            below[some] += np.sum(weight * 2 * (at + self.least), axis=1)
         return above / np.where(below > 0, below, 1.0)
 
     # --- the slip area
@@ -312,9 +321,9 @@ class PunchSuperposition:
         return result
 
     def _area_apart(self, load: Array, slipped: Array) -> Array:
-        upper, lower = self.law.advance(load), self.law.advance(np.maximum(load - slipped, 0.0))
+        upper, lower = both = self.law.advance(np.stack([load, np.maximum(load - slipped, 0.0)]))
         ratio = np.log1p((upper - lower) / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0)))
-        return load * ratio - (self._logarithm(0, upper)[0] - self._logarithm(0, lower)[0])
+        return load * ratio - np.subtract(*self._logarithm(0, both)[0])
 
     def _area_within(self, load: Array, slipped: Array) -> Array:
         """From P_c on, between one corner and the next by Gauss' rule in sqrt(P - P_b): a smooth function of that is a(P) there.
@@ -382,13 +391,8 @@ class PunchSuperposition:
     # --- the integrals
 
     @cached_property
-    def _begins(self) -> Array:
-        """Advances from 0 up behind which P and dP/da are one smooth function each of the root of the distance."""
-        return np.array([0.0, *(b - self.least for b in self.breaks)])
-
-    @cached_property
     def _begin_loads(self) -> Array:
-        return self.law.load(self._begins)
+        return self.law.load(self.law.begins)
 
     @cached_property
     def _primitives(self) -> dict[tuple[Kind, int], list[Primitive]]:
@@ -512,8 +516,7 @@ def _variable(kind: Kind, advance: Array, beyond: Array, low: Array, scale: Arra
 
 def primitive(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
     """The integral of a kind and order (1 has eta in front) at points `x` (k,), ascending, up to the advance `top`."""
-    begins = np.array([0.0, *(b - law.least for b in law.breaks)])
-    beyond = x - law.least
+    begins, beyond = law.begins, x - law.least
     # Octaves, so that a small advance has digits of its own.
     marks = np.append(np.union1d(begins[begins < top], top / law.octave ** np.arange(1, _OCTAVES)), top)
     ranges = _ranges(kind, x, law.least, marks, begins)

@@ -2,6 +2,13 @@
 
 A scene's path is followed by `load_series` where all of it is straight, else by `history`; both leave an `Along`, and the rest does
 not ask which it was.
+
+Errors are estimates from above. A field is a sum of M' times differences of a kernel at the knots of the memory: its error is that
+of the kernel, f times, twice a knot. Integrals over arcs come with their error. The dissipation of a steady cycle is found as
+f int Lam dw and as closed-int Q dU: what the two differ by counts as error. Of long series a sample of slip areas counts. Closed
+forms keep 1e-13 of their own value against forty digits and have no entry but for what arcs lose beyond 1e-12.
+
+# notation: M' slope of the memory curve, |M'| <= f; W dissipation, Lam slip area of the normal problem
 """
 
 from __future__ import annotations
@@ -15,7 +22,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -38,9 +45,9 @@ from scenes import (
     freeze,
     scene_of,
 )
+from scenes.errors import present_name
 from semi_analytic.bulk_and_tilt import OneCurve, one_curve, steady_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
-from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
     Loop,
@@ -55,22 +62,103 @@ from semi_analytic.fronts import Followed, NotOneStickInterval, Parabola, PathLo
 from semi_analytic.grid import INCREMENTS, edges_along, follow_on_grid
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
-from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
+from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, level, pieces, rounding_of_shift, rounding_of_slip, value_on
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
-from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
+_INSTANTS = 7
+_POINTS = 25
+# Of closed forms: a twentieth of what a solution costs.
+_FEW_INSTANTS = 5
+_FEW_POINTS = 9
+_NEAR = 0.01
+_TINY = float(np.finfo(float).tiny)
+_EPS = float(np.finfo(float).eps)
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
 
+# ----------------------------------------------------------------------------------------------------- what is asked for
+Cycles = Literal["all", "steady"]
+
+FIELDS = ("pressure", "shear", "slip", "state", "tangential_displacement", "normal_approach", "dissipation_density", "dissipation")
+"""The fields that can be asked for one by one."""
+POINTWISE = frozenset(("pressure", "shear", "slip", "state"))
+"""Those that have a value at each point and instant."""
+
+_POINTS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is to be evaluated.
+
+    Attributes
+    ----------
+    contact, modulus : normal contact, E*
+    time : (n,) instants as asked for
+    x : (m,) points as asked for
+    distance, fold : (k,) different |x|, (m,) where each x finds its own; different x of an unsymmetric contact
+    fields : what is wanted
+    family : the path with bulk stress and tilt; None without
+    """
+
+    contact: Contact
+    modulus: float
+    time: Array
+    x: Array
+    distance: Array
+    fold: NDArray[np.int64]
+    fields: frozenset[str]
+    family: OneCurve | None = None
+
+
+def checked(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:
+    """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other `cycles` than there are."""
+    if cycles not in ("all", "steady"):
+        raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
+    wanted = frozenset(present_name(name) for name in ([fields] if isinstance(fields, str) else fields))
+    unknown = sorted(wanted - set(FIELDS))
+    if unknown:
+        raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
+    return wanted
+
+
+def vector(values: ArrayLike | None, name: str) -> Array | None:
+    """Finite numbers (n,), one alone too, None where none are given; InputError with their `name` for anything else."""
+    if values is None:
+        return None
+    array = np.atleast_1d(np.array(values, dtype=float))
+    if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)):
+        raise InputError(f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}")
+    return array
+
+
+def folded(x: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Different |x| (k,), ascending, and where each point (m,) finds its own; sides that differ by a last digit are one.
+
+    >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
+    (array([0., 1.]), array([1, 0, 1]))
+    """
+    size, back = np.unique(np.abs(x), return_inverse=True)
+    new = np.diff(size, prepend=-np.inf) > 2 * np.finfo(float).eps * size[-1]
+    return size[new], (np.cumsum(new) - 1)[back]
+
+
+def mirrored_points(edge: float) -> Array:
+    """Points from -edge to edge, mirrored to the last digit."""
+    right = np.linspace(edge / (_POINTS - 1), edge, _POINTS // 2)
+    return np.concatenate([-right[::-1], right])
+
+
+# ------------------------------------------------------------------------------------------------------- the whole answer
 def solve(
     scene: Scene | str | Path,
     x: ArrayLike | None = None,
@@ -168,53 +256,114 @@ def _remembered(
     series = _series_of(request, found.snapshot)
     grids, arcs = _grids_of(request, found.snapshot, series)
     evaluated = clock.perf_counter()
-    arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()} | grids
-    work = float(found.each[-1])
-    loop = _second_route(found, work)
+    work, loop = float(found.each[-1]), math.nan
+    if found.loop is not None:
+        # Where rounding leaves less than two digits of the closed integral it is no second route any more.
+        value, rounding = found.loop
+        loop = (value if rounding < _TOO_ROUGH * work else math.nan) if work else 0.0
     errors = _errors(request, found, series, grids, arcs, work, loop)
-    steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
-    notes = [*neglected_coupling(scene.material)]
+    notes, steady = [], path.steady_from is not None and path.covered[-1] >= path.steady_from
     if "dissipation" in wanted and path.period is not None and not steady:
         notes.append("the last cycle is not steady: no closed integral of Q dU to compare the dissipation with")
     if left_out:
         notes.append(
             f"with pointwise fields the answer is given at {len(asked)} rows, {left_out} were left out; `time` chooses others"
         )
-    notes += _doubts(errors)
-    counts = {"instants": len(asked), "points": len(points), "points_evaluated": len(request.distance)}
-    seconds = {"history": followed - started, "fields": evaluated - worked}
-    seconds["dissipation"] = worked - followed + clock.perf_counter() - evaluated
+    for name, error in errors.items():
+        if error > _DOUBTFUL and "edge" not in name:
+            size = "it" if name in ("dissipation", "loop_work") else "the largest value"
+            notes.append(f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}")
     # A front that is nothing but the last digits of P is none.
     least = found.least if found.least > LAST_DIGITS * path.largest else 0.0
     stick = float(contact.half_width(least))
+    more: dict[str, Any] = {}
     if isinstance(contact, TiltedProfile):
-        arrays["permanent_stick_edges"] = freeze(contact.interval(least) if stick > 0 else np.full(2, math.nan))
-    termination, message = _ending(path)
+        more["permanent_stick_edges"] = contact.interval(least) if stick > 0 else np.full(2, math.nan)
+    ending = "end of path", "the path was followed to its end"
+    if path.period is not None:
+        ending = "end of path", f"no steady cycle among the first {len(path.cycles)}"
+        if path.steady_from is not None:
+            ending = "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
+    skipped = {}
+    copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
+    if path.repeats and path.steady_from is not None and copies > 0:
+        skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
+    if found.stick:
+        skipped["quadratures"] = (found.stick, "full stick: nothing slips")
+    seconds = {"history": followed - started, "fields": evaluated - worked}
+    seconds["dissipation"] = worked - followed + clock.perf_counter() - evaluated
+    return _answer(
+        scene,
+        wanted,
+        *ending,
+        [*neglected_coupling(scene.material), *notes],
+        errors,
+        {"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)} | found.counts,
+        skipped,
+        seconds,
+        series | grids | more,
+        cycles=cycles,
+        straight_steps=straight_steps,
+        certificates=_admissibility(friction, found, grids, wanted),
+        energy={"dissipation": freeze(found.increments)} if len(found.increments) else {},
+        time=asked,
+        x=points,
+        dissipation=work,
+        loop_work=loop,
+        cycle_dissipation=found.each,
+        dissipation_density=found.density[request.fold],
+        permanent_stick_half_width=stick if stick > 0 else math.nan,
+        steady_from=path.steady_from,
+    )
+
+
+def _answer(
+    scene: Scene,
+    wanted: frozenset[str],
+    termination: str,
+    message: str,
+    notes: Sequence[str],
+    errors: Mapping[str, float],
+    counts: Mapping[str, int],
+    skipped: Mapping[str, tuple[int, str]],
+    seconds: Mapping[str, float],
+    fields: Mapping[str, Any],
+    *,
+    cycles: Cycles,
+    straight_steps: bool = False,
+    certificates: Mapping[str, Array] | None = None,
+    energy: Mapping[str, Array] | None = None,
+    time: Array,
+    x: Array,
+    **numbers: Any,
+) -> ContactSolution:
+    """The answer, its arrays read-only; fields that were not asked for are among what was skipped."""
+    arrays: dict[str, Any] = {"time": time, "x": x} | dict(fields) | numbers
+    frozen: dict[str, Any] = {
+        name: freeze(values, values.dtype) if isinstance(values, np.ndarray) and values.flags.writeable else values
+        for name, values in arrays.items()
+    }
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
-        time=freeze(asked),
-        x=freeze(points),
-        dissipation=work,
-        loop_work=loop,
-        cycle_dissipation=freeze(found.each),
-        dissipation_density=freeze(found.density[request.fold]),
-        permanent_stick_half_width=stick if stick > 0 else math.nan,
-        steady_from=path.steady_from,
         record=Record(
             converged=True,
             termination=termination,
             message=message,
-            iterations=freeze(np.zeros(len(asked)), np.int64),
-            certificates=_admissibility(friction, found, grids, wanted),
-            energy={"dissipation": freeze(found.increments)} if len(found.increments) else {},
+            iterations=freeze(np.zeros(len(time)), np.int64),
+            certificates=certificates or {},
+            energy=energy or {},
             notes=tuple(notes),
             errors=errors,
         ),
-        work=Work(counts | {"cycles_solved": len(path.cycles)} | found.counts, _skipped(scene, path, request, found), seconds),
+        work=Work(
+            {"instants": len(time), "points": len(x), **counts},
+            {name: (len(time), "not asked for") for name in FIELDS if name not in wanted} | dict(skipped),
+            seconds,
+        ),
         settings={"cycles": cycles, "fields": sorted(wanted), "straight_steps": straight_steps},
         versions=dict(_versions()),
-        **arrays,
+        **frozen,
     )
 
 
@@ -281,12 +430,8 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     series: dict[str, Any] = {
         "tangential_displacement": found.displacement[rows] + 2 / (math.pi * modulus) * shear_load * math.log(datum),
         "normal_approach": leaning.approach(middle, half, load, tilt),
-    }
-    grids = {name: getattr(found, name)[rows] for name in ("pressure", "shear", "slip")}
-    series |= {name: np.full_like(values, np.nan) for name, values in (series | grids).items() if name not in wanted} | {
-        name: values for name, values in grids.items() if name in wanted
-    }
-    arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()}
+    } | {name: getattr(found, name)[rows] for name in ("pressure", "shear", "slip")}
+    series = {name: values if name in wanted else np.full_like(values, np.nan) for name, values in series.items()}
     work, steady = float(found.works[-1]), found.steady_from is not None
     if period is not None and not steady:
         notes.append(
@@ -295,50 +440,42 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         )
     apart = abs(found.loop / work - 1) if steady and work > 0 else 0.0
     errors = found.errors | {"dissipation": found.errors["dissipation"] + apart}
-    skipped = {name: (len(time), "not asked for") for name in FIELDS if name not in wanted}
     stays = found.permanent_stick_edges if period is not None else np.full(2, math.nan)  # unloaded, nothing sticks
-    answer = ContactSolution(
-        engine="semi_analytic",
-        scene=scene,
-        time=freeze(time),
-        normal_load=freeze(load),
-        tangential_load=freeze(shear_load),
-        x=freeze(points),
-        state=freeze(found.state[rows] if "state" in wanted else np.full_like(found.state[rows], OPEN), np.int8),
-        contact_edges=freeze(contact_edges),
-        stick_edges=freeze(stick_edges),
-        contact_half_width=freeze(half),
-        stick_half_width=freeze(np.diff(stick_edges)[:, 0] / 2),
+    ending = "end of path", "the path was followed to its end"
+    if found.steady_from is not None:
+        ending = "steady", f"cycle {found.steady_from + 1} repeats the one before to {found.steady_to:.0e} of its work"
+    answer = _answer(
+        scene,
+        wanted,
+        *ending,
+        notes,
+        {name: error for name, error in errors.items() if name in wanted},
+        {"cycles_solved": len(found.works), **found.counts},
+        {},
+        {"history": clock.perf_counter() - started},
+        series,
+        cycles=cycles,
+        time=time,
+        x=points,
+        normal_load=load,
+        tangential_load=shear_load,
+        state=found.state[rows] if "state" in wanted else np.full_like(found.state[rows], OPEN),
+        contact_edges=contact_edges,
+        stick_edges=stick_edges,
+        contact_half_width=half,
+        stick_half_width=np.diff(stick_edges)[:, 0] / 2,
         dissipation=work if "dissipation" in wanted else math.nan,
         loop_work=found.loop if steady and "dissipation" in wanted else math.nan,
-        cycle_dissipation=freeze(found.works if "dissipation" in wanted else np.full_like(found.works, np.nan)),
-        dissipation_density=freeze(found.density if "dissipation_density" in wanted else np.full_like(found.density, np.nan)),
+        cycle_dissipation=found.works if "dissipation" in wanted else np.full_like(found.works, np.nan),
+        dissipation_density=found.density if "dissipation_density" in wanted else np.full_like(found.density, np.nan),
         permanent_stick_half_width=float(stays[1] - stays[0]) / 2,
-        permanent_stick_edges=freeze(stays),
+        permanent_stick_edges=stays,
         steady_from=found.steady_from,
-        bulk_stress_lower=freeze(lower),
-        bulk_stress_upper=freeze(upper),
-        tilt=freeze(tilt),
-        moment=freeze(found.moment[rows]),
-        shear_moment=freeze(found.shear_moment[rows]),
-        record=Record(
-            converged=True,
-            termination="steady" if steady else "end of path",
-            message=f"cycle {(found.steady_from or 0) + 1} repeats the one before to {found.steady_to:.0e} of its work"
-            if steady
-            else "the path was followed to its end",
-            iterations=freeze(np.zeros(len(time)), np.int64),
-            notes=tuple(notes),
-            errors={name: error for name, error in errors.items() if name in wanted},
-        ),
-        work=Work(
-            {"instants": len(time), "points": len(points), "cycles_solved": len(found.works), **found.counts},
-            skipped,
-            {"history": clock.perf_counter() - started},
-        ),
-        settings={"cycles": cycles, "fields": sorted(wanted), "straight_steps": False},
-        versions=dict(_versions()),
-        **arrays,
+        bulk_stress_lower=lower,
+        bulk_stress_upper=upper,
+        tilt=tilt,
+        moment=found.moment[rows],
+        shear_moment=found.shear_moment[rows],
     )
     if exact is None:
         return answer
@@ -651,12 +788,99 @@ def _points_of(contact: Contact, largest: float) -> Array:
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself
-def _second_route(found: Along, work: float) -> float:
-    """Closed integral of Q dU of a cycle that dissipates `work`; NaN where less than two digits of it are left."""
-    if found.loop is None:
-        return math.nan
-    value, rounding = found.loop
-    return (value if rounding < _TOO_ROUGH * work else math.nan) if work else 0.0
+def field_errors(
+    asked: Request,
+    snapshot: Snapshot,
+    lines: dict[str, Array],
+    grids: dict[str, NDArray[np.float64]],
+    arc_errors: Mapping[str, float],
+) -> dict[str, float]:
+    """Largest errors of pressure, shear and slip over the largest value of p, f p and s, from a sample of instants and points.
+
+    Tractions start like roots at the edges of contact and stick, so that a last digit of an edge counts for much more next to it:
+    "... at the edge" is for the points that are asked for, however near; without these words for points 1 % of a away.
+    `arc_errors` are those of the integrals over arcs. Profiles in closed form state what their arcs lose beyond 1e-12.
+
+    Raises
+    ------
+    NotFoundError
+        For an error that is not a number.
+    """
+    contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
+    if asked.fields.isdisjoint(("pressure", *arcs)):
+        return {}
+    instants, points = (_INSTANTS, _POINTS) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
+    chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, instants).astype(int))
+    loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
+    x = asked.distance[np.unique(np.linspace(0, len(asked.distance) - 1, points).astype(int))]
+    p = contact.pressure(x, loads)
+    # It is infinite at the tip of a sharp wedge.
+    top = max(float(np.max(p, where=np.isfinite(p), initial=0.0)), _TINY)
+    if "shear" in asked.fields and friction > 0:
+        arcs["shear"] = _largest(arc_errors["shear"]) / (friction * top)
+    if "slip" in asked.fields:
+        size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
+        arcs["slip"] = _largest(arc_errors["slip"]) / size
+    if contact.closed_form or isinstance(contact, TiltedProfile):
+        return {name: value for name, value in arcs.items() if value > PROMISED}
+    knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
+    found: dict[str, float] = {}
+    if not asked.fields.isdisjoint(("pressure", "shear")) and top > _TINY:
+        found |= _of_tractions(contact, asked.distance, x, loads, top, lines, knots, arcs["shear"])
+    if "slip" in asked.fields:
+        found["slip"] = arcs["slip"] + knots * friction * _largest(contact.quadrature_error("slip_integral", x, loads)) / size
+    return {name: value for name, value in found.items() if name.removesuffix(" at the edge") in asked.fields}
+
+
+def _of_tractions(
+    contact: SymmetricContact, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
+) -> dict[str, float]:
+    """Errors of pressure and shear over `top` and f times it, away from the edges and at those next to `points`."""
+    away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
+    kernel = _largest(np.where(away, contact.quadrature_error("pressure", x, loads), 0.0)) / top
+    found: dict[str, float] = {}
+    for words, near in (("", _NEAR), (" at the edge", 0.0)):
+        halves = (lines["contact_half_width"], lines["stick_half_width"])
+        edges, fronts = (_at_edges(contact, points, half, near) / top for half in halves)
+        found[f"pressure{words}"] = kernel + edges
+        found[f"shear{words}"] = arcs + knots * kernel + edges + 2 * fronts
+    return found
+
+
+def _largest(values: ArrayLike) -> float:
+    largest = float(np.max(np.asarray(values, dtype=float), initial=0.0))
+    if not math.isfinite(largest):
+        raise NotFoundError("an error that is to be estimated is not a number: what it is of cannot be trusted")
+    return largest
+
+
+def _at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) -> float:
+    """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d of the nearest point."""
+    inside = half[np.isfinite(half) & (half > 0)]
+    if not len(inside):
+        return 0.0
+    after = np.clip(np.searchsorted(x, inside), 1, max(len(x) - 1, 1))
+    near = np.minimum(np.abs(x[after - 1] - inside), np.abs(x[np.minimum(after, len(x) - 1)] - inside))
+    near = np.maximum(near, least * inside)
+    rate = contact.stiffness(inside)
+    doubt = 40 * _EPS * inside + contact.noise * contact.load(inside) / np.where(rate > 0, rate, np.inf)
+    return _largest(rate / np.pi * np.sqrt(2 / inside) * (np.sqrt(near + doubt) - np.sqrt(near)))
+
+
+def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, first: float, second: float) -> float:
+    """Error of the dissipation `first` over itself, `second` being that of the closed integral; NaN where it has none."""
+    if contact.closed_form or not first > 0:
+        return 0.0
+    left = 0.0
+    for span in spans:
+        if span.direction and span.active is not None:
+            times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
+            load, slipped = span.leg.loads(times)[0], span.slipped(times)
+            growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
+            error = contact.quadrature_error("dissipation_kernel", load, slipped)
+            left += span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
+    apart = abs(second - first) / first if math.isfinite(second) else 0.0
+    return apart + 2 / (math.pi * modulus) * left / first
 
 
 def _errors(
@@ -687,13 +911,6 @@ def _errors(
     return {name: error for name, error in errors.items() if error and name in names}
 
 
-def _doubts(errors: Mapping[str, float]) -> Iterator[str]:
-    for name, error in errors.items():
-        if error > _DOUBTFUL and "edge" not in name:
-            size = "it" if name in ("dissipation", "loop_work") else "the largest value"
-            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}"
-
-
 def neglected_coupling(material: Materials) -> Iterator[str]:
     """A sentence where the materials couple normal and shear tractions, which half-plane theory here leaves out."""
     beta = coupling_constant(material)
@@ -712,26 +929,6 @@ def _admissibility(friction: float, found: Along, grids: Mapping[str, NDArray[An
         largest = np.max(grids["pressure"], where=np.isfinite(grids["pressure"]), initial=0.0)
         checks["cone"] = freeze(beyond / max(friction * float(largest), tiny))
     return checks
-
-
-def _ending(path: LoadSeries | History) -> tuple[str, str]:
-    """(termination, message) of the record."""
-    if path.period is None:
-        return "end of path", "the path was followed to its end"
-    if path.steady_from is None:
-        return "end of path", f"no steady cycle among the first {len(path.cycles)}"
-    return "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
-
-
-def _skipped(scene: Scene, path: LoadSeries | History, request: Request, found: Along) -> dict[str, tuple[int, str]]:
-    """What was skipped, with count and reason: fields not asked for, copies of a steady cycle, quadratures of full stick."""
-    skipped = {name: (len(request.time), "not asked for") for name in FIELDS if name not in request.fields}
-    copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
-    if path.repeats and path.steady_from is not None and copies > 0:
-        skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
-    if found.stick:
-        skipped["quadratures"] = (found.stick, "full stick: nothing slips")
-    return skipped
 
 
 @cache

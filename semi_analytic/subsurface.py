@@ -30,8 +30,7 @@ from scenes import ContactSolution, InputError, Scene, scene_of
 from semi_analytic.memory import Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
-from semi_analytic.request import vector
-from semi_analytic.solution import memory_at
+from semi_analytic.solution import memory_at, vector
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -6,8 +6,12 @@ import contextlib
 import io
 import os
 import resource
+import signal
 import subprocess
 import sys
+import tempfile
+import traceback
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,43 +49,85 @@ def halfplane(folder: Path, *words: str, **own: str) -> Done:
     return Done(code, out.getvalue(), errors.getvalue())
 
 
-def start(
+def forked(
     folder: Path,
     *words: str | bytes,
-    program: tuple[str, ...] = ("-m", "reports"),
-    stdout: int = subprocess.PIPE,
-    stderr: int = subprocess.PIPE,
+    act: Callable[[], object] = main,
+    stdout: int | None = None,
+    stderr: int | None = None,
     closed: bool = False,
     file_size: int = resource.RLIM_INFINITY,
     memory: int = resource.RLIM_INFINITY,
-    session: bool = False,
     **own: str,
+) -> Done:
+    """A command in a copy of this process that has the streams, signals, variables and limits of a new one, and imports nothing.
+
+    Streams given or closed, the others kept; its files limited, in bytes, and what it takes in memory beyond what is there. With
+    `act` that is done instead. The exit code is minus the signal that ended it.
+    """
+
+    def as_a_process() -> None:
+        os.chdir(folder)
+        os.environ.update(environment(**own))
+        for stream, handle in enumerate((os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())):
+            os.dup2(handle, stream)
+            name, sign = ("stdin", "stdout", "stderr")[stream], own.get("PYTHONIOENCODING", "utf-8")
+            setattr(sys, name, None if closed else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False))
+            if closed:
+                os.close(stream)
+        for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL)
+        signal.alarm(600)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+        if memory != resource.RLIM_INFINITY:
+            there = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (there + memory, there + memory))
+        sys.argv = ["halfplane", *map(os.fsdecode, words)]
+        code = act()
+        sys.stdout.flush()
+        sys.exit(code if isinstance(code, int) else 0)
+
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors:
+        ended = os.waitstatus_to_exitcode(os.waitpid(child(as_a_process), 0)[1])
+        texts = []
+        for stream in (out, errors):
+            stream.seek(0)
+            texts.append(stream.read().decode())
+    return Done(ended, *texts)
+
+
+def child(act: Callable[[], object]) -> int:
+    """The number of a copy of this process that does `act` and ends with its exit code, 1 where something was raised."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside the threads of pytest's own workers
+        number = os.fork()
+    if number:
+        return number
+    code: object = 1
+    try:
+        act()
+        code = 0
+    except SystemExit as end:
+        code = end.code or 0
+    except BaseException:  # noqa: BLE001 (nothing may run on in the copy)
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stderr.flush()
+        os._exit(code if isinstance(code, int) else 1)
+
+
+def start(
+    folder: Path, *words: str, program: tuple[str, ...] = ("-m", "reports"), session: bool = False, **how: Any
 ) -> subprocess.Popen[str]:
-    """A command as a process: streams of its own or closed, its files and its address space limited, in bytes; `own` variables.
+    """A command as a process, its streams kept unless `how` says where they go, with variables that are named in capitals.
 
     With `session` in a session of its own, so that its workers can be killed with it.
     """
-
-    def prepare() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-        for handle in range(3) if closed else ():
-            os.close(handle)
-
-    streams = {"stdin": subprocess.DEVNULL, "stdout": stdout, "stderr": stderr, "text": True}
-    how = {"cwd": folder, "env": environment(**own), "preexec_fn": prepare, "start_new_session": session}
-    return subprocess.Popen([sys.executable, *program, *words], **streams, **how)
-
-
-def process(folder: Path, *words: str | bytes, **how: Any) -> Done:
-    """What became of a command as a process, started as `start` does."""
-    with start(folder, *words, **how) as running:
-        try:
-            out, errors = running.communicate(timeout=300)
-        except subprocess.TimeoutExpired:
-            running.kill()
-            raise
-    return Done(running.returncode, out, errors)
+    own = {name: how.pop(name) for name in list(how) if name.isupper()}
+    streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | how
+    command = [sys.executable, *program, *words]
+    return subprocess.Popen(command, cwd=folder, env=environment(**own), start_new_session=session, **streams)
 
 
 def everything(folder: Path) -> set[str]:

@@ -1,10 +1,8 @@
-"""What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend without a screen, a full disk."""
+"""What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend without a screen."""
 
 import os
-import shutil
 import signal
-import subprocess
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 from pathlib import Path
 from typing import TypeVar
 
@@ -77,25 +75,3 @@ def _refuse_skip(report: Report) -> Report:
     report.outcome = "failed"
     report.longrepr = f"skipped in CI, where only slow tests may be, and only unasked: {reason}"
     return report
-
-
-@pytest.fixture
-def disk_size() -> str:
-    """Size of the small disk; modules that need another override it."""
-    return "200k"
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path, disk_size: str) -> Iterator[Path]:
-    """A file system of that size. Needs root, so its tests are slow ones: in CI nothing else may be skipped."""
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    mount = shutil.which("mount")
-    if (
-        mount is None
-        or os.geteuid()
-        or subprocess.run([mount, "-t", "tmpfs", "-o", f"size={disk_size}", "none", disk], check=False).returncode
-    ):
-        pytest.skip("a small tmpfs needs root and the right to mount")
-    yield disk
-    subprocess.run(["umount", disk], check=True)

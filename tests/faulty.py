@@ -20,9 +20,8 @@ import sys
 import tempfile
 import threading
 import time
-import traceback
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -45,19 +44,6 @@ JOBS = {
 }
 
 
-def in_a_child(act: Callable[[], object]) -> int:
-    """Exit code of a process that does `act`, minus the signal that killed it; 1 where something was raised."""
-    child = os.fork()
-    if not child:
-        try:
-            act()
-            os._exit(0)
-        finally:
-            traceback.print_exc()
-            os._exit(1)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-
-
 def started(folder: Path, job: str) -> subprocess.Popen[str]:
     """A job in a session of its own, so that its workers can be killed with it."""
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
@@ -67,7 +53,7 @@ def started(folder: Path, job: str) -> subprocess.Popen[str]:
 
 def finished(folder: Path, job: str) -> int:
     with started(folder, job) as process:
-        _, errors = process.communicate(timeout=300)
+        _, errors = process.communicate(timeout=3600)
     assert "Traceback" not in errors, errors
     return process.returncode
 

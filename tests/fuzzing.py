@@ -18,8 +18,8 @@ import numpy as np
 import halfplane_fe.store
 from meshes import SurfaceGrading, half_disc
 from reports.checking import require_admissible
-from reports.cli import findings
-from reports.comparison.content import solution_content, strict
+from reports.comparison import findings
+from reports.comparison.words import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.profile_fit import fit_in_words
 from reports.scoring.against import own_solution

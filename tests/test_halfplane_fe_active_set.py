@@ -169,16 +169,6 @@ def test_every_law_holds_along_any_path(pair, path):
         assert other.shift == pytest.approx(-one.shift, abs=1e-10)
 
 
-def test_some_node_sticks_short_of_sliding():
-    contact = problem()
-    pressed, _ = contact.equilibrium(contact.at_rest(), 1.0, (1.0, 0.0))
-    for share in (0.9, 0.99, 0.999999):
-        state, _ = contact.equilibrium(pressed, 2.0, (1.0, share * FRICTION))
-        assert np.any(state.state == STICK)
-        assert np.all(slip_sign(state.state) >= 0)
-        assert max(certificates(contact, [pressed, state]).values()) < 1e-9
-
-
 def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
     springs, none = np.eye(2), np.zeros(2)
     flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
@@ -187,20 +177,6 @@ def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_le
     lifted, _ = contact.equilibrium(pressed, 2.0, (4e-3 - 1e-11, 0.0))
     assert pressed.closed.all()
     assert certificates(contact, [pressed, lifted])["tension"] == 0
-
-
-@pytest.mark.parametrize("layer", [1e-1, 1e-3])
-def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
-    """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by it."""
-    contact = problem(layer=layer)
-    states = walk(contact)
-    for before, after in itertools.pairwise(states):
-        assert max(certificates(contact, [before, after]).values()) < 1e-9
-    last, sides = states[-1], contact.interface
-    bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
-    np.testing.assert_allclose(bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12)
-    bodies_slip = last.shift - sides.tangential @ last.shear
-    np.testing.assert_allclose(bodies_slip, last.slip + layer * last.shear, atol=1e-12)
 
 
 def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):

@@ -18,7 +18,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
-from reports.cli.solving import summary_rows
+from reports.comparison.words import summary_rows
 from scenes import Block, Bodies, ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from semi_analytic.profiles import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
@@ -87,6 +87,7 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert "its dissipation differs" not in drift_note(alone)
 
 
+@pytest.mark.slow
 def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out, scene_file = tmp_path / "out", tmp_path / "blocks-on-rollers.json"
     scene_file.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")

@@ -86,6 +86,18 @@ def test_imports_go_round_in_no_circle(package: str) -> None:
     }
 
 
+@pytest.mark.parametrize("name", ["charts", "cli", "comparison", "page"])
+def test_what_the_rest_of_reports_takes_of_a_folder_is_on_its_map(name: str) -> None:
+    """Its docstring, or its `__all__`, names what it offers; all else may change with the folder alone."""
+    module = import_module(f"reports.{name}")
+    offered = {*re.findall(r"`(\w+)`", module.__doc__ or ""), *getattr(module, "__all__", ())}
+    others = [path for path in (ROOT / "reports").rglob("*.py") if path.parent.name != name]
+    nodes = [node for path in others for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
+    froms = [node for node in nodes if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(f"reports.{name}.")]
+    modules = {path.stem for path in (ROOT / "reports" / name).glob("*.py")}
+    assert {one.name for node in froms for one in node.names} - modules <= offered
+
+
 def test_charts_import_nothing_of_reports_but_charts_and_units() -> None:
     for path in (ROOT / "reports" / "charts").glob("*.py"):
         nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))

@@ -23,6 +23,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this ma
 
 DESKTOP: dict[str, Any] = {"viewport": {"width": 1280, "height": 900}}
 PHONE: dict[str, Any] = {"viewport": {"width": 390, "height": 844}, "device_scale_factor": 2, "is_mobile": True, "has_touch": True}
+LONG = 600_000  # ms that a busy machine may take
 SIZES = {"desktop": DESKTOP, "dark": DESKTOP | {"color_scheme": "dark"}, "phone": PHONE}
 
 
@@ -63,6 +64,7 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
 
     def open_page(name: str | Path, **options: Any) -> Any:
         context = browser.new_context(**(DESKTOP | options))
+        context.set_default_timeout(LONG)
         page = context.new_page()
         page.on("console", lambda message: heard.append(message.text))
         page.on("pageerror", lambda error: heard.append(str(error)))
@@ -115,7 +117,7 @@ def fits(page: Any, wide: str = ".none", cut: bool = True) -> None:
     """Nothing is wider than its column or cut off, from a small phone to a large screen, but for what matches `wide`."""
     for width in (360, 390, 768, 1024, 1440):
         page.set_viewport_size({"width": width, "height": 900})
-        page.wait_for_timeout(100)
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
         assert page.evaluate(WIDER, wide) == [], width
         assert not cut or page.evaluate(CUT_OFF) == [], width
 
@@ -170,7 +172,7 @@ def test_keys_step_jump_and_play(visit: Callable[..., Any]) -> None:
     assert slider.get_attribute("aria-valuetext")
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-pressed") == "true"
-    for _ in range(100):  # the page's own policy forbids wait_for_function, which evaluates text
+    for _ in range(2400):  # the page's own policy forbids wait_for_function, which evaluates text
         if int(slider.input_value()):
             break
         page.wait_for_timeout(50)
@@ -230,6 +232,7 @@ def test_nothing_is_wider_than_its_column(visit: Callable[..., Any], name: str) 
 @pytest.mark.parametrize("name", ["index", "report", "verification", "theory", "metrics", "score", "published/blocks"])
 def test_no_page_of_the_manual_is_wider_than_its_column(browser: Any, name: str) -> None:
     page = browser.new_page()
+    page.set_default_timeout(LONG)
     page.goto((MANUAL / f"{name}.html").as_uri())
     fits(page, "pre, .formula, .wide, .toc-drawer, .sidebar-drawer")
     page.close()
@@ -347,6 +350,7 @@ def test_words_from_outside_do_nothing(visit: Callable[..., Any]) -> None:
 def test_no_other_script_may_run(browser: Any, folders: dict[str, Path]) -> None:
     """The page's own policy refuses a script that is not its own, and any request, even where words were not escaped."""
     page = browser.new_page()
+    page.set_default_timeout(LONG)
     page.goto(f"file://{folders['nasty']}/report.html")
     page.evaluate("const s = document.createElement('script'); s.textContent = 'window.pwned = 3'; document.body.append(s)")
     assert page.evaluate("window.pwned") is None

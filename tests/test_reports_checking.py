@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import tracemalloc
 from pathlib import Path
@@ -255,7 +256,7 @@ NONE: dict[str, Any] = {"bulk_stress_upper": None, "tilt": None, "line_of_action
 @pytest.mark.parametrize(
     ("keys", "eccentricity", "moderate", "centre", "words"),
     [
-        ({"bulk_stress_lower": (0.0, 0.4, -0.4)}, 0.2 / A3, 0.2 / LIMIT, 0.0, "moderate, for where it goes with Q both ends"),
+        ({"bulk_stress_lower": (0.0, 0.4, -0.4)}, 0.2 / A3, 0.2 / LIMIT, 0.0, "moderate: where it goes with Q both ends"),
         ({"bulk_stress_upper": (0.0, 2.0, -2.0)}, 1.0 / A3, 1.0 / LIMIT, 0.0, "large: the ends of the contact slip opposite ways"),
         ({"bulk_stress_lower": 0.4, "tilt": 0.1}, 0.0, None, -0.1 / A3, "Tilt moves the middle of the contact by −0.0512 a"),
         ({"line_of_action": {"x": 0.3}}, None, None, 0.3 / A3, "Tilt moves the middle of the contact by 0.153 a"),
@@ -295,6 +296,13 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
     assert "the peak pressure p0 = infinite at the tip" in halfplane(tmp_path, "check", "wedge.json").stdout
     answer = json.loads(halfplane(tmp_path, "check", "wedge.json", "--json").stdout)["result"]
     assert answer["largest_contact"]["peak_pressure"] is None
+
+
+@pytest.mark.parametrize("name", ["blocks", "cylinder-roller", "dovetail-in-phase", "flight", "large-pad", "row-of-contacts"])
+def test_check_speaks_in_sentences_of_at_most_25_words(name: str, tmp_path: Path) -> None:
+    said = re.split(r"(?<=[.?!])\s", halfplane(tmp_path, "check", name).stdout)
+    assert len(said) > 8
+    assert not [sentence for sentence in said if len(sentence.split()) > 25]
 
 
 REMARKED = {
@@ -624,7 +632,7 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     path.write_text(json.dumps(keys), encoding="utf-8")
     done = json.loads(halfplane(tmp_path, "check", str(path), "--json").stdout)["result"]
     (read,) = [note for note in done["notes"] if "as it was read" in note]
-    assert "columns separated by: semicolon; decimal sign: comma; time: 'Time [s]', s (in its heading)" in read
+    assert "Columns separated by: semicolon. Decimal sign: comma. Time: 'Time [s]', s (in its heading)." in read
     assert any("The path goes through" in words for words in done["remarks"])
     done = json.loads(halfplane(tmp_path, "exact", str(path), "--json", "--quiet", "--out", str(tmp_path / "exact")).stdout)[
         "result"

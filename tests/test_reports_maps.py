@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from itertools import pairwise
 from math import asin, pi, sqrt
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import quad
 
 import halfplane_fe
-import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports.maps import Law, fit_law, pages
@@ -23,13 +20,9 @@ from reports.maps.corrections import (
     Curvatures,
     corrected_dissipation,
     correction,
-    curvature_sum,
     dissipation,
     ellipse_path,
-    kernel,
     pad_correction,
-    potential,
-    response,
     share_of,
     work_constant,
 )
@@ -100,10 +93,9 @@ def test_a_bound_counts_the_uncertainty() -> None:
 
 
 # ----------------------------------------------------------------------------------------------------------------- theory
-@pytest.mark.parametrize("name", ["hertz-paper", "phase-45", "near-sliding"])
-def test_without_bodies_it_is_half_plane_theory(name: str) -> None:
-    """Measured 1e-4, 2e-4 and 6e-5: chords of the loop, cells of the memory."""
-    scene = load_scene(name)
+def test_without_bodies_it_is_half_plane_theory() -> None:
+    """Measured 2e-4: chords of the loop, cells of the memory."""
+    scene = load_scene("phase-45")
     load, material = scene.load, scene.material
     assert isinstance(load, EllipseLoad)
     p0 = load.mean_normal_load
@@ -112,25 +104,6 @@ def test_without_bodies_it_is_half_plane_theory(name: str) -> None:
     compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (material.lower, material.upper))
     exact = semi_analytic.solve(scene, fields=("dissipation",)).dissipation * np.pi / (2 * compliance * p0**2)
     assert dissipation(p, q, scene.friction.coefficient, NOTHING, cycle) == pytest.approx(exact, rel=1e-3)
-
-
-def test_layers_agree_with_the_known_solution() -> None:
-    """p0 on a layer, half-width from Fourier integrals: N/4 for one body, for the other is rigid and its share of E* is all."""
-    height, layer = 12.0, layer_truth.Layer(1.0, 0.3, 12.0, 100.0)
-    load = layer_truth.load_on(layer, 1.0)
-    half_plane = np.sqrt(4 * load * 100.0 / (np.pi / (1 - 0.3**2)))
-    peak = float(layer_truth.pressure(layer, 1.0, np.array([0.0]))[0]) / (2 * load / (np.pi * half_plane)) - 1
-    constant = -curvature_sum("fixed") / 4
-    assert peak * height**2 == pytest.approx(constant, rel=0.02)  # measured 0.3 %
-    assert (1 / half_plane - 1) * height**2 == pytest.approx(-constant, rel=0.05)
-
-
-@pytest.mark.parametrize("tangential", [False, True])
-def test_deep_layers_are_half_planes_and_wide_blocks_are_layers(tangential: bool) -> None:
-    for base in ("fixed", "rollers"):
-        assert response(base, tangential, 0.3)(np.array([20.0])) == pytest.approx(1.0, abs=1e-12)
-    wide = curvature_sum("rollers", tangential=tangential, aspect=60.0)
-    assert wide == pytest.approx(curvature_sum("rollers", tangential=tangential), rel=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -147,29 +120,6 @@ def test_the_rule_of_a_contour_has_converged_and_a_cylinder_has_no_first_order()
             assert work_constant(flat, ratio) == pytest.approx(work_constant(flat, ratio, 48), rel=1e-6)  # measured 1e-7
     assert abs(work_constant(0.0, 0.6)) < 1e-12
     assert abs(work_constant(1e-3, 0.6)) < 5e-3  # and none comes at once
-
-
-def test_kernel_is_that_of_the_profile() -> None:
-    """Differences of K, by Cauchy quadrature of h/((t - x)(t - xi)) over a wide face: beyond it, one number more."""
-    flat, reach = 0.5, 1000.0
-
-    def height(t: float) -> float:
-        return max(abs(t) - flat, 0.0) ** 2 / 2
-
-    def transform(x: float) -> float:
-        near = quad(height, x - 0.1, x + 0.1, weight="cauchy", wvar=x)[0]
-        marks = sorted({-reach, *(place for place in (-flat, flat) if abs(place - x) > 0.1), x - 0.1, x + 0.1, reach})
-        pieces = [pair for pair in pairwise(marks) if pair != (x - 0.1, x + 0.1)]
-        return float(near + sum(quad(lambda t: height(t) / (t - x), a, b, limit=400, epsabs=1e-9)[0] for a, b in pieces))
-
-    x, xi, step = np.array([-0.8, 0.3, 0.7]), np.array([0.2, -0.65]), 1e-6
-    direct = np.array([[(transform(a) - transform(b)) / (a - b) for b in xi] for a in x])
-    found = kernel(x, xi, flat)
-    assert found - found[0, 0] == pytest.approx(direct - direct[0, 0], abs=2e-3)  # what is beyond the reach: x/reach
-    assert np.ptp(found) > 0.1
-    x = np.array([0.1, 0.5, 0.9])
-    slope = (potential(x + step, flat) - potential(x - step, flat)) / (2 * step)
-    assert np.diag(kernel(x, x, flat)) == pytest.approx(slope, rel=1e-4)
 
 
 # ------------------------------------------------------------------------------------------------------------ corrections

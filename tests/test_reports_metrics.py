@@ -12,19 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-import halfplane_fe
 import semi_analytic
-from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from problems import FEW_STEPS, fe_run
+from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
 from reports.comparison import Comparison, Report
-from reports.comparison.content import as_json
-from reports.comparison.cycles import events, last_cycle, sample
-from reports.comparison.metrics import METRICS, markdown
-from reports.comparison.words import unit_of
+from reports.comparison.metrics import METRICS, events, last_cycle, markdown, sample
+from reports.comparison.words import as_json, unit_of
 from reports.page.figures import draw
-from scenes import ContactSolution, InputError, Materials, Record, Scene, SurfaceState, freeze, load_scene
+from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
 
@@ -368,18 +364,13 @@ def test_of_differences_alike_but_for_rounding_the_first_counts(more: float) -> 
     assert (largest.value, largest.place) == pytest.approx((0.07, X[40]))
 
 
-def test_too_little_stick_and_too_much_of_it_count_alike() -> None:
-    """Over what sticks in either."""
+def test_sets_and_loops_count_both_ways() -> None:
+    """Too little stick as too much of it, over what sticks in either; a stick edge that is never there fails; a loop is no work."""
     half = changed(state=np.where(X > 0, 0, TRUTH.state).astype(np.int8))
     there, back = (compare(*pair).metric("stick_set").value for pair in ((TRUTH, half), (half, TRUTH)))
-    assert there == pytest.approx(back, rel=1e-12)
-    assert there == pytest.approx(0.5, abs=0.02)
-
-
-def test_a_stick_edge_that_is_never_there_fails_and_a_loop_is_no_dissipation() -> None:
+    assert there == pytest.approx(back, rel=1e-12) == pytest.approx(0.5, abs=0.02)
     assert compare(TRUTH, changed(stick_edges=np.full_like(TRUTH.stick_edges, NAN))).metric("stick_edge").accurate is False
-    shift = TRUTH.tangential_displacement
-    found = compare(TRUTH, changed(tangential_displacement=1.02 * shift + 5 * STROKE))
+    found = compare(TRUTH, changed(tangential_displacement=1.02 * TRUTH.tangential_displacement + 5 * STROKE))
     assert abs(found.metric("hysteresis_distance").value or 0.0) == pytest.approx(wider_loop(), rel=1e-9)
     assert compare(TWO_STICKS, LONG_STICK).metric("full_stick_end").accurate is None
 
@@ -551,9 +542,7 @@ def test_light_instants_are_shown_and_not_judged() -> None:
     assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in found.notes)
 
 
-@pytest.mark.parametrize(
-    "name", ["hertz-paper", "flat-rounded-paper", "full-stick", "hertz-normal", "cylinder-roller-frictionless"]
-)
+@pytest.mark.parametrize("name", ["hertz-paper", "full-stick", "cylinder-roller-frictionless"])
 def test_half_plane_theory_against_itself(name: str) -> None:
     """Every metric is exactly 0 or says in words why it does not apply."""
     exact = semi_analytic.solve(load_scene(name))
@@ -582,44 +571,6 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
     planted = {key for _, amounts, also, _ in FAULTS.values() for key in (*amounts, *also.split())}
     # See test_step_error_stands_apart, test_tension_at_the_trailing_edge.
     assert set(METRICS) - planted == {"dissipation_step", "edge_tension"}
-
-
-# E* = R = 1 and f = 1: P = 3, Q between +-1.8, and the bulk strain between +-0.3 in phase; or the upper body tilted by 0.2.
-BULK_SCENE = {
-    "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
-    "profile": {"kind": "hertz", "radius": 1.0},
-    "friction": 1.0,
-    "load": {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]},
-}
-
-
-@pytest.mark.parametrize(
-    ("stated", "wrong", "caught"),
-    [
-        # The mirror image of Q turned: loop, bulk term and W are alike, and the stick zone is on the other side.
-        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": (0, -0.6, 0.6)}, {"stick_eccentricity": -0.6}),
-        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": 0.0},
-         {"stick_eccentricity": -0.3, "bulk_work": None, "hysteresis_with_bulk": None, "dissipation": -0.3458294}),
-        ({"tilt": 0.2}, {"tilt": -0.2}, {"contact_centre": 0.4, "stick_eccentricity": 0.4, "moment": 0.4, "tilt": None}),
-        ({"line_of_action": {"x": 0.1}}, {"line_of_action": {"x": -0.1}}, {"contact_centre": -0.2, "moment": -0.2, "tilt": None}),
-    ],
-    ids=["bulk turned", "bulk left out", "tilt turned", "load beside its line"],
-)  # fmt: skip
-def test_an_engine_with_another_bulk_stress_or_tilt_is_caught(
-    stated: dict[str, Any], wrong: dict[str, Any], caught: dict[str, float | None]
-) -> None:
-    scene, other = (Scene.model_validate(BULK_SCENE).vary(load=keys) for keys in (stated, wrong))
-    x = np.linspace(-2.6, 2.6, 201)
-    right = semi_analytic.solve(scene, x=x)
-    found = compare(right, with_fields(semi_analytic.solve(other, x=x, time=right.time), scene=scene))
-    assert not compare(right, right).metric("dissipation").value
-    for key, lengths in caught.items():
-        value = found.metric(key).value
-        assert abs(value) > 0.01, key
-        if lengths is not None:
-            # W is relative already; the moment of a parabola's pressure is P times the way of its centre.
-            unit = 1.0 if key == "dissipation" else 1 / found.scales.half_width
-            assert value == pytest.approx(lengths * unit, rel=1e-6, abs=1e-9), key
 
 
 def test_tension_at_the_trailing_edge() -> None:
@@ -671,15 +622,15 @@ FINE = cattaneo_mindlin(steps_per_leg=40, points=321)
 
 
 def test_stated_interpolation_error_is_honest() -> None:
-    """The truth is known here: of 320 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
+    """The truth is known here: of 107 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
     like = last_cycle(ROUGH)
     smaller = 0
-    for points in range(100, 420):
+    for points in range(100, 420, 3):
         found = sample(last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form")
         if found.interpolation:
             error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
             smaller += error > found.interpolation["pressure"]
-    assert smaller <= 3
+    assert smaller <= 1
 
 
 def test_interpolation_in_time_and_space_is_said() -> None:
@@ -691,13 +642,16 @@ def test_interpolation_in_time_and_space_is_said() -> None:
     assert any("was interpolated" in note for note in found.notes)
 
 
-@pytest.mark.parametrize("later", [0.0, 3.0])
-def test_instants_are_matched_by_phase_not_by_revolution(later: float) -> None:
-    """The same cycle, at once or one revolution later: nothing to interpolate, nothing to tell apart."""
-    found = compare(ROUGH, with_fields(ROUGH, time=ROUGH.time + later))
+def test_instants_are_matched_by_phase_not_by_revolution() -> None:
+    """The same cycle one revolution later: nothing to interpolate, nothing to tell apart. Less than a cycle is refused."""
+    found = compare(ROUGH, with_fields(ROUGH, time=ROUGH.time + 3.0))
     assert not found.expected.interpolation
     assert not any("interpolated" in note for note in found.notes)
     assert all(not metric.value for metric in found.metrics)
+    names = ("pressure", "shear", "slip", "state", "contact_edges", "stick_edges", "normal_load", "tangential_load")
+    names += ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach", "time")
+    with pytest.raises(InputError, match="holds no whole cycle"):
+        compare(ROUGH, with_fields(ROUGH, **{name: getattr(ROUGH, name)[:1] for name in names}))
 
 
 @pytest.mark.parametrize("least", [0.4, 0.0])
@@ -712,29 +666,15 @@ def test_a_reference_that_ends_inside_the_contact_is_refused(least: float) -> No
         compare(short, ROUGH)
 
 
-def test_less_than_a_cycle_is_refused() -> None:
-    names = ("pressure", "shear", "slip", "state", "contact_edges", "stick_edges", "normal_load", "tangential_load")
-    names += ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach", "time")
-    half = with_fields(ROUGH, **{name: getattr(ROUGH, name)[:1] for name in names})
-    with pytest.raises(InputError, match="holds no whole cycle"):
-        compare(ROUGH, half)
-
-
-def test_events_of_a_cycle_under_constant_pressure() -> None:
-    """P stands still: only Q has extremes; the rest of the six are the middles of the widest gaps."""
+def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over_increments() -> None:
+    """P stands still: only Q has extremes; the rest of the six are the middles of the widest gaps, wherever an engine landed."""
     cycle = last_cycle(ROUGH)
     found = events(cycle, ROUGH.scene.friction.coefficient)
     labels = {event.label: cycle.time[event.index] for event in found}
-    assert len(found) == 6
-    assert labels["Q largest"] == 2.0
-    assert labels["Q least"] == 3.0
+    assert (len(found), labels["Q largest"], labels["Q least"]) == (6, 2.0, 3.0)
     assert not any(label.startswith("P ") for label in labels)
     assert [event.index for event in found] == sorted({event.index for event in found})
-
-
-def test_events_between_others_are_spread_over_time_not_over_increments() -> None:
-    """Nine tenths of the instants in the first hundredth of the cycle, where an engine would land on many touches."""
-    cycle = last_cycle(ROUGH)
+    # Nine tenths of the instants in the first hundredth of the cycle.
     time = np.concatenate([np.linspace(0, 0.01, 9 * len(cycle.time) * 2), np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:]])
     flat = np.ones(len(time))
     crowded = dataclasses.replace(cycle, time=time, normal_load=flat, tangential_load=0 * flat)
@@ -760,85 +700,43 @@ def test_events_of_the_papers_ellipse() -> None:
     assert cycle.fraction[[event.index for event in found]] == pytest.approx([0, 0.25, 0.5, 0.625, 0.75, 0.875])
 
 
-# ------------------------------------------------------------------------------- real answers of both engines, on a coarse mesh
-MESH = MeshSettings(element_size=1 / 10, edge_element_size=1 / 30)
-ROUGH_MESH = MeshSettings(element_size=0.25, edge_element_size=0.1)
-
-
-def both(name: str, mesh: MeshSettings) -> Comparison:
-    scene = load_scene(name)
-    result = halfplane_fe.solve(scene, mesh=mesh, settings=SolverSettings(steps_per_cycle=60))
-    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
-    return compare(reference, result, polygon_reference=polygon)
-
-
-@pytest.fixture(scope="module")
-def paper() -> Comparison:
-    return both("hertz-paper", MESH)
-
-
-def test_edges_places_and_instants_are_known_to_what_is_stated_and_the_dissipations_fit(paper: Comparison) -> None:
-    """Frozen values of ten comparisons stand in test_contract.py; limits of each metric in test_halfplane_fe_accuracy.py."""
-    assert paper.admissible
-    assert all(abs(paper.metric(key).value) < 1e-9 for key in ("resultant_normal", "resultant_tangential", "energy_balance"))
-    # Edges are known to the uncertainty of the mesh, places to the spacing of points, instants to the step between them.
-    edges = ("contact_edge_left", "stick_edge_left", "stick_edge_right", "shear_peak_place", "full_stick_start", "full_stick_end")
-    for metric in map(paper.metric, edges):
-        assert abs(metric.value) <= 1.000001 * metric.uncertainty, metric.key
-    left, right = (paper.metric(f"contact_edge_{side}").value for side in ("left", "right"))
-    assert abs(left - right) < 1e-9
-    # The three dissipations: W_fe/W_polygon * W_polygon/W_smooth.
-    total, other, step = (paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step"))
-    assert (1 + step) * (1 + other) == pytest.approx(1 + total, rel=1e-13)
-
-
-def test_reference_on_its_own_grid_is_interpolated_and_says_so(paper: Comparison) -> None:
-    own = compare(semi_analytic.solve(paper.scene), paper.result)
-    assert any("was interpolated" in note for note in own.notes)
-    assert own.metric("dissipation").value == pytest.approx(paper.metric("dissipation").value, abs=1e-9)
-    stated = own.expected.interpolation["pressure"]
-    difference = np.max(np.abs(own.expected.pressure - paper.expected.pressure)) / paper.expected.pressure.max()
-    assert 0 < difference <= stated
-
-
+# ------------------------------------------------------------------------------------------------------------ real answers
 def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(tmp_path: Path) -> None:
     """No loop, no work, no cycle; and instants too light to be judged, which is said."""
-    found = both("full-stick", ROUGH_MESH)
-    metric = found.metric("dissipation")
-    assert metric.absolute
-    assert abs(metric.value or 0.0) < 1e-12
-    assert not found.metric("stick_edge").note
-    drawn = {drawing.name for drawing in draw(Report(found))}
-    assert {"tractions", "hysteresis"} <= drawn
-    assert "dissipation_density" not in drawn
-    pressed = both("hertz-normal", ROUGH_MESH)
+    still, pressed = (compare(one, one) for one in map(semi_analytic.solve, ("full-stick", "hertz-normal")))
+    assert (still.metric("dissipation").absolute, still.metric("dissipation").value) == (True, 0)
+    assert not still.metric("stick_edge").note
+    drawn, fewer = ({drawing.name for drawing in draw(Report(one))} for one in (still, pressed))
+    assert {"tractions", "hysteresis"} <= drawn - {"dissipation_density"} == drawn
+    assert not {"hysteresis", "dissipation_density"} & fewer
     page = write(pressed, tmp_path / "out").read_text(encoding="utf-8")
-    assert not {"hysteresis", "dissipation_density"} & {drawing.name for drawing in draw(Report(pressed))}
     assert "Nothing slips under load" in page
     assert "less than 0.1 P<sub>ref</sub>" in page
 
 
-def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(paper: Comparison, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    page = write(paper, out, command="halfplane run hertz-paper")
+def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(tmp_path: Path) -> None:
+    """Values of ten comparisons are frozen in test_contract.py; limits of each metric stand in test_halfplane_fe_accuracy.py."""
+    fe, out = fe_run(load_scene("hertz-paper"), COARSE, FEW_STEPS), tmp_path / "out"
+    exact, polygon = (semi_analytic.solve(fe.scene, x=fe.x, time=fe.time, straight_steps=straight) for straight in (False, True))
+    paper = compare(exact, fe, polygon_reference=polygon)
+    total, other, step = (paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step"))
+    assert (1 + step) * (1 + other) == pytest.approx(1 + total, rel=1e-13)
+    page = write(paper, out, command="halfplane run hertz-paper", vtu_instants=paper.found.time[[0, 5]])
     assert {"mesh.csv", "energy.csv", "certificates_result.csv"} <= {path.name for path in (out / "figures").iterdir()}
-    assert not (out / "fields").exists()
+    names = {path.name for path in (out / "fields").iterdir()}
+    assert names == {"fields.pvd", *(f"{part}_{number:03d}.vtu" for part in ("lower", "upper", "contact") for number in (0, 1))}
     assert page.stat().st_size < 8e6
     assert f"All metrics ({len(paper.metrics)})" in page.read_text(encoding="utf-8")
     stored = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert stored["result"]["skipped"]["condensations"]["count"] == 1
     assert stored["result"]["versions"]["numpy"] == np.__version__
     reference, result = (ContactSolution.load(out / f"{name}.nc") for name in ("reference", "result"))
-    again = compare(reference, result, polygon_reference=paper.polygon_reference)
+    again = compare(reference, result, polygon_reference=polygon)
     # The file holds no nodal weights, so the resultants of what was stored go by another rule, which they say.
     by_weights = {"resultant_normal", "resultant_tangential"}
     for one, fresh in zip(again.metrics, paper.metrics, strict=True):
         assert one.value == fresh.value or fresh.key in by_weights, fresh.key
     assert all("states no weights" in again.metric(key).note for key in by_weights)
-    write(paper, out, vtu_instants=paper.found.time[[0, 5]])
-    names = {path.name for path in (out / "fields").iterdir()}
-    assert names == {"fields.pvd", *(f"{part}_{number:03d}.vtu" for part in ("lower", "upper", "contact") for number in (0, 1))}
     with pytest.raises(InputError, match="semi_analytic has no bodies"):
-        write(compare(paper.reference, paper.reference), tmp_path / "none", vtu_instants=[paper.found.time[0]])
+        write(compare(exact, exact), tmp_path / "none", vtu_instants=[exact.time[0]])
     assert not (tmp_path / "none").exists()

@@ -10,18 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import publishing
 import pytest
 from hatchling.builders.wheel import WheelBuilder
-
-from command_line import halfplane, sentence
-from reports import Report, compare, publishing
-from reports.cli import findings as baseline
-from reports.cli.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
-from reports.cli.solving import write_solution
-from reports.comparison.content import as_json
-from reports.maps.laws import PUBLISHED
-from reports.page.figures import published
-from reports.publishing import (
+from publishing import (
     External,
     error_of,
     externals,
@@ -33,6 +25,15 @@ from reports.publishing import (
     published_by_others,
     stored_content,
 )
+
+from command_line import halfplane, sentence
+from reports import Report, compare
+from reports.cli.solving import write_solution
+from reports.comparison import findings as baseline
+from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
+from reports.comparison.words import as_json
+from reports.maps.laws import PUBLISHED
+from reports.page.figures import published
 from scenes import InputError, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 

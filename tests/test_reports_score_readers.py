@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from command_line import raising
 from meshes import foreign, read_frames, write_pvd
 from meshes.files import PvdEntry
 from reports.comparison.words import verdict
@@ -21,6 +24,7 @@ from reports.scoring import calculix_files
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
+from reports.scoring.flaws import Model, NotSettledError
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.solution import oddities
 from reports.scoring.surface import free_face, inside_out, tension, unbalanced
@@ -42,13 +46,26 @@ from score_results import (
     written,
 )
 
+Make = Callable[[Path], Path]
 
-def refused(path: Path, words: str, **mapping: Any) -> None:
-    """One sentence that names the file."""
-    with pytest.raises(InputError, match=words) as caught:
-        result(path, **mapping)
-    assert "\n" not in str(caught.value)
-    assert str(caught.value).startswith(str(path))
+
+def file(content: Any, name: str = "result.vtu") -> Make:
+    """Writes what is a text, a table, a mesh or makes one of these."""
+
+    def make(folder: Path) -> Path:
+        made, path = content() if callable(content) else content, folder / name
+        if isinstance(made, str):
+            path.write_text(made, encoding="utf-8")
+        else:
+            made.write(path) if isinstance(made, meshio.Mesh) else written(made, path)
+        return path
+
+    return make
+
+
+def same(found: Any, names: tuple[str, ...], rtol: float = 0.0) -> None:
+    for name in names:
+        np.testing.assert_allclose(getattr(found, name), getattr(exact(), name), rtol=rtol, atol=rtol, err_msg=name)
 
 
 # ---------------------------------------------------------------------------------------------------------------- tables
@@ -66,8 +83,7 @@ LAYOUTS = {
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_rows_gives_the_same_fields(layout: str, tmp_path: Path) -> None:
     found = result(written(LAYOUTS[layout], tmp_path / "result.csv"))
-    for name in ("x", "pressure", "shear", "slip", "normal_load", *(["time"] if "time" in LAYOUTS[layout] else [])):
-        np.testing.assert_array_equal(getattr(found, name), getattr(exact(), name), err_msg=name)
+    same(found, ("x", "pressure", "shear", "slip", "normal_load", *(["time"] if "time" in LAYOUTS[layout] else [])))
     assert any("sorted" in note for note in found.notes) == (layout == "shuffled")
 
 
@@ -80,15 +96,12 @@ def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
         columns += [(f"CPRESS{end}", exact().pressure[k]), (f"CSHEAR1{end}", exact().shear[k])]
     lines = [",".join(name for name, _ in columns)]
     lines += [",".join(repr(float(values[i])) for _, values in columns) for i in range(len(exact().x))]
-    path = tmp_path / "paths.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path = file("\n".join(lines) + "\n", "paths.csv")(tmp_path)
     found = result(path)
-    for name in ("x", "pressure", "shear", *(["time"] if "time" in tag else [])):
-        np.testing.assert_array_equal(getattr(found, name), getattr(exact(), name), err_msg=name)
+    same(found, ("x", "pressure", "shear", *(["time"] if "time" in tag else [])))
     assert any("25 frames" in note for note in found.notes)
     assert (found.time is None) == ("time" not in tag)
     np.testing.assert_array_equal(result(path, times=exact().time.tolist()).time, exact().time)
-    refused(path, "states 2 times and the file has 25 frames", times=[0.0, 1.0])
 
 
 def test_places_that_move_a_little_are_averaged_and_named(tmp_path: Path) -> None:
@@ -98,64 +111,39 @@ def test_places_that_move_a_little_are_averaged_and_named(tmp_path: Path) -> Non
     np.testing.assert_allclose(found.x, exact().x, atol=1e-3)
 
 
-def _set(row: int, name: str, value: object) -> Callable[[Any], Any]:
-    return lambda table: table.assign(**{name: [value if k == row else old for k, old in enumerate(table[name])]})
-
-
-# What is wrong: the file, or what is done to the table LONG, and the words of the sentence.
-TABLES: dict[str, tuple[Callable[[Any], Any] | str, str]] = {
-    "missing pressure": (lambda t: t.drop(columns="pressure"), "no column for pressure (looked for pressure, p, CPRESS"),
-    "missing x": (lambda t: t.drop(columns="x"), "no column for x"),
-    "word in a cell": (_set(7, "pressure", "n/a"), "line 9: pressure = 'n/a' is not a finite number"),
-    "a point twice": (_set(8, "x", float(exact().x[7])), "stands there twice in one instant"),
-    "a ragged instant": (lambda t: t.drop(index=3), "every instant needs the same points"),
-    "P within an instant": (_set(5, "P", 1.0), "normal_load goes from"),
-    "places of another mesh": (_set(5, "x", -1.19), "the points are not the same at every instant"),
-    "two shears": (
-        lambda t: t.rename(columns={"shear": "cshear"}).assign(CSHEAR=0.0),
-        "could each be shear; say which by columns.shear",
-    ),
-    "no names": ("0,1,2\n1,2,3\n", "line 1: the first line must name the columns"),
-    "two points": ("x,pressure,shear\n0,1,0\n1,1,0\n", "2 points are no surface"),
-    "two pressures": ("x,pressure,CPRESS,shear\n0,1,1,0\n", "frame 1 has no shear, or no pressure"),
-    "half a frame": ("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "frame 2 has no shear, or no pressure"),
-}
-
-
-@pytest.mark.parametrize("layout", ["rows", "frames"])
-def test_a_pressure_without_a_shear_is_scored_for_what_it_has(layout: str, tmp_path: Path) -> None:
+def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its stick edges, states, slip and work are not in the result, and no instant is found by a load that is not there."""
-    path, scene = tmp_path / "pressure.csv", exact().scene
-    if layout == "rows":
-        written(LONG[["time", "x", "pressure"]], path)
-    else:
-        columns = {f"CPRESS t={time!r}": row for time, row in zip(exact().time.tolist(), exact().pressure, strict=True)}
-        written(pd.DataFrame({"X": exact().x} | columns), path)
-    report = score_file(path, Mapping(), scene)
+    few, path = exact(steps=9, points=53), tmp_path / "pressure.csv"
+    columns = {f"CPRESS t={time!r}": row for time, row in zip(few.time.tolist(), few.pressure, strict=True)}
+    frames = result(written(pd.DataFrame({"X": few.x} | columns), path))
+    table = rows(few)[["time", "x", "pressure"]]
+    alone = result(written(table, path))
+    assert (frames.sheared, alone.sheared) == (False, False)
+    np.testing.assert_array_equal(frames.pressure, alone.pressure)
+    report = score_file(path, Mapping(), few.scene)
     comparison = report.comparison
     for key in ("peak_pressure", "pressure", "contact_edge"):
         assert abs(comparison.metric(key).value) < 1e-9, key
     for key in ("shear", "stick_edge", "stick_edge_left", "state", "permanent_stick", "dissipation", "resultant_tangential"):
         assert comparison.metric(key).value is None, key
         assert "not in the result" in comparison.metric(key).note
-    assert comparison.passed
-    assert diagnosed(report).diagnoses == ()
+    assert (comparison.passed, diagnosed(report).diagnoses) == (True, ())
     assert [check.name for check in comparison.result_certificates] == ["tension"]
     assert verdict(report).endswith("No law of contact is violated, as far as a pressure without a shear can show.")
-    wrong = score_file(path, Mapping(times=exact().time.tolist(), factors={"stress": 1.1}), scene)
+    monkeypatch.setattr(Model, "march", raising(NotSettledError()))  # faults of the model, which take seconds
+    wrong = score_file(path, Mapping(times=few.time.tolist(), factors={"stress": 1.1}), few.scene)
     assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
-    written(LONG[["x", "pressure"]].iloc[:105], path)
+    written(table[["x", "pressure"]].iloc[:53], path)
     with pytest.raises(InputError, match="without a shear the pressure alone does not say which instant is which"):
-        score_file(path, Mapping(), scene)
+        score_file(path, Mapping(), few.scene)
 
 
 # --------------------------------------------------------------------------------------------------------------- mapping
 def _mapping(folder: Path, text: str) -> Mapping:
-    (folder / "mapping.toml").write_text(text, encoding="utf-8")
-    return load_mapping(folder / "mapping.toml")
+    return load_mapping(file(text, "mapping.toml")(folder))
 
 
-def test_the_mapping_scales_turns_and_shifts(tmp_path: Path) -> None:
+def test_the_mapping_scales_turns_and_shifts_and_the_example_changes_nothing(tmp_path: Path) -> None:
     factors = {"pressure": -1e6, "shear": -1e6, "slip": -1e-3, "P": 25.0, "Q": 25.0}
     table = LONG.assign(x=(LONG["x"] + 7) / 1e3, **{name: factor * LONG[name] for name, factor in factors.items()})
     text = (
@@ -163,14 +151,8 @@ def test_the_mapping_scales_turns_and_shifts(tmp_path: Path) -> None:
         'pressure = "compression negative"\nshear = "on upper"\nslip = "lower over upper"\n'
     )
     found = result(written(table, tmp_path / "r.csv"), **_mapping(tmp_path, text).model_dump(exclude_unset=True))
-    for name in ("x", "pressure", "shear", "slip", "normal_load"):
-        np.testing.assert_allclose(getattr(found, name), getattr(exact(), name), rtol=1e-13, atol=1e-13, err_msg=name)
+    same(found, ("x", "pressure", "shear", "slip", "normal_load"), 1e-13)
     assert found.code == "mine 1"
-
-
-def test_the_example_mapping_is_one_and_changes_nothing(tmp_path: Path) -> None:
-    from importlib import resources
-
     text = (resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8")
     assert _mapping(tmp_path, text) == Mapping()
     every = re.sub(r"(?m)^# ([\w\"].*=.*|\[element_sizes\])$", r"\1", text)
@@ -184,77 +166,24 @@ def test_the_example_mapping_is_one_and_changes_nothing(tmp_path: Path) -> None:
         ('[signs]\npressure = "up"\n', "signs.pressure = 'up' is refused"),
         ("thickness = -1\n", "thickness = -1 is refused"),
         ("x = [\n", "not valid TOML"),
+        (pd.DataFrame(), "the mapping file can't be read"),
     ],
+    ids=str,
 )
-def test_faults_of_a_mapping(text: str, words: str, tmp_path: Path) -> None:
+def test_faults_of_a_mapping(text: Any, words: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(words)):
-        _mapping(tmp_path, text)
-    with pytest.raises(InputError, match="the mapping file can't be read"):
-        load_mapping(tmp_path / "none.toml")
-    path = written(LONG, tmp_path / "r.csv")
-    words = "columns.pressure = 'presure', which is not there; did you mean 'pressure'?"
-    refused(path, re.escape(words), columns={"pressure": "presure"})
+        _mapping(tmp_path, text) if isinstance(text, str) else load_mapping(tmp_path / "none.toml")
 
 
-# ----------------------------------------------------------------------------------------------------- fields of one instant
-@pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf"])
-@pytest.mark.parametrize("deep", [0.0, 0.25])
-def test_scalars_at_the_lower_face_of_every_form_and_an_element_inside_out(tmp_path: Path, suffix: str, deep: float) -> None:
-    path, whole = tmp_path / f"result{suffix}", mesh(deep)
-    whole.write(path)
-    found = result(path)
-    check(found)
-    np.testing.assert_allclose(found.slip[0], 1e-3 * found.x, atol=1e-15)
-    assert found.time is None
-    notes = " ".join(found.notes)
-    assert "the surface is the lower body's face, found at y = 0" in notes
-    assert ("the model is 0.25 thick" in notes) == (deep > 0)
-    assert "inside out" not in notes
-    whole.cells[0].data[7] = np.roll(whole.cells[0].data[7], 4) if deep else whole.cells[0].data[7][::-1]
-    whole.write(path)
-    (said,) = [note for note in result(path).notes if "inside out" in note]
-    assert said.startswith("1 element is")
-    content = path.read_bytes()
-    for end in np.linspace(0, len(content) - 30, 8).astype(int) if not deep else ():  # broken off anywhere
-        path.write_bytes(content[:end])
-        with pytest.raises(InputError):
-            result(path)
-
-
-def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path) -> None:
-    whole = mesh()
-    whole.write(tmp_path / "both.vtu")
-    del whole.point_data["CSHEAR1"]
-    whole.write(tmp_path / "pressure.vtu")
-    found, both = result(tmp_path / "pressure.vtu"), result(tmp_path / "both.vtu")
-    assert (found.sheared, both.sheared) == (False, True)
-    assert np.array_equal(found.pressure, both.pressure)
-    assert "tractions are the fields CPRESS, without a shear, at points" in found.notes
-    refused(tmp_path / "pressure.vtu", "columns.shear = 'CSHEAR1', which is not there", columns={"shear": "CSHEAR1"})
-
-
-@pytest.mark.parametrize(
-    ("count", "yy", "xy", "said"),
-    [
-        (6, 1, [3], "xx, yy, zz, xy, yz, xz"),
-        (9, 4, [1, 3], "rows of 3 x 3"),
-        (3, 1, [2], "xx, yy, xy"),
-        (4, 1, [3], "xx, yy, zz, xy"),
-        (4, 3, [1, 2], "rows of 2 x 2"),
-    ],
-)
-def test_stress_in_each_order_of_components(tmp_path: Path, count: int, yy: int, xy: list[int], said: str) -> None:
-    def stress(points: np.ndarray) -> np.ndarray:
+# ---------------------------------------------------------------------------------------------------------- files of fields
+def stress(count: int, yy: int, xy: list[int]) -> meshio.Mesh:
+    def at(points: np.ndarray) -> np.ndarray:
         p, q = fields(points)
         values = np.full((len(points), count), 7.0)
         values[:, yy], values[:, xy] = -p, q[:, None]
         return values
 
-    mesh(stress=stress).write(tmp_path / "result.vtu")
-    found = result(tmp_path / "result.vtu")
-    check(found)
-    assert any("p = -sigma_yy and q = sigma_xy of the lower body" in note and said in note for note in found.notes)
-    check(result(tmp_path / "result.vtu", factors={"stress": 1e-6}), 1e-6)
+    return mesh(stress=at)
 
 
 def traction(points: np.ndarray) -> np.ndarray:
@@ -263,78 +192,40 @@ def traction(points: np.ndarray) -> np.ndarray:
     return np.column_stack([q, -p, 0 * p])
 
 
-def test_a_vector_acts_on_the_body_whose_face_it_is_at_and_its_components_have_names(tmp_path: Path) -> None:
-    path = tmp_path / "result.vtu"
-    mesh(contact_traction=traction).write(path)
-    check(result(path))
-    check(result(path, signs={"shear": "on upper"}), -1.0)
+def upper_alone() -> meshio.Mesh:
     points, cells = bodies()
-    meshio.Mesh(points, [("quad", cells[0][1][40:])], {"contact_traction": -traction(points)}).write(path)
-    check(result(path))
-    assert any("taken to act on the upper body" in note for note in result(path).notes)
-    check(result(path, signs={"shear": "on lower"}), -1.0)
-    mesh(force=traction).write(path)
-    named = {"columns": {"pressure": "force:1", "shear": "force:0"}, "signs": {"pressure": "compression negative"}}
-    check(result(path, **named))
-    refused(path, "neither contact pressure, nor contact traction, nor stress at points among 'force'")
+    return meshio.Mesh(points, [("quad", cells[0][1][40:])], {"contact_traction": -traction(points)})
 
 
-def test_a_path_or_a_curved_face_is_taken_whole_and_fields_of_cells_stand_at_the_middles(tmp_path: Path) -> None:
-    path, x = tmp_path / "path.vtu", np.linspace(-HALF, HALF, 41)
-    line = [("line", np.column_stack([np.arange(40), np.arange(1, 41)]))]
-    curved = np.column_stack([x, 0.3 * x**2, 0 * x])
-    face = np.concatenate([curved, curved + np.array([0, 0, 0.5])])
-    quads = [("quad", np.array([(k, k + 1, k + 42, k + 41) for k in range(40)]))]
-    for points, cells in ((curved, line), (face, quads)):
-        meshio.Mesh(points, cells, {"pressure": pressure_at(points[:, 0]), "shear": shear_at(points[:, 0])}).write(path)
-        check(result(path))
-    middles = (x[1:] + x[:-1]) / 2
-    own = {"CPRESS": [pressure_at(middles)], "CSHEAR1": [shear_at(middles)], "CSLIP": [middles]}
-    meshio.Mesh(curved * [1, 0, 1], line, cell_data=own).write(path)
-    found = result(path)
-    for values, expected in zip(
-        (found.x, found.pressure[0], found.shear[0], found.slip[0]),
-        (middles, pressure_at(middles), shear_at(middles), middles),
-        strict=True,
-    ):
-        np.testing.assert_allclose(values, expected, atol=1e-12)
-    assert "of cells, at their middles" in found.notes[0]
-    points, cells = bodies()
-    meshio.Mesh(points, cells, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]}).write(path)
-    refused(path, "no cell lies in the surface; average it to points")
+X = np.linspace(-HALF, HALF, 41)
+CHAIN = [("line", np.column_stack([np.arange(40), np.arange(1, 41)]))]
+CURVED = np.column_stack([X, 0.3 * X**2, 0 * X])
+FACE = np.concatenate([CURVED, CURVED + np.array([0, 0, 0.5])])
+QUADS = [("quad", np.array([(k, k + 1, k + 42, k + 41) for k in range(40)]))]
 
 
-def test_what_the_mapping_marks_is_the_surface(tmp_path: Path) -> None:
-    path = tmp_path / "result.vtu"
+def own_places(points: np.ndarray, cells: list[Any]) -> meshio.Mesh:
+    """Nothing decays away from y = 0: all of it is the surface."""
+    return meshio.Mesh(points, cells, {"pressure": pressure_at(points[:, 0]), "shear": shear_at(points[:, 0])})
+
+
+def marked() -> meshio.Mesh:
     points, cells = bodies()
     face = np.flatnonzero((points[:, 1] == 0) & np.isin(np.arange(len(points)), cells[0][1][:40]))
     face = face[np.argsort(points[face, 0])]
     lines = ("line", np.column_stack([face[:-1], face[1:]]))
     outside = np.where(np.isin(np.arange(len(points)), face), 0.0, -1.0)  # as meshio writes a set of points
-    both = (points[:, 1] == 0).astype(float)
-    data = tractions(points) | {"face": outside, "both": both}
-    meshio.Mesh(points, [*cells, lines], data, {"tag": [np.full(80, 3), np.full(40, 12)]}).write(path)
-    for surface in ("tag=12", "face", "both"):
-        found = result(path, surface=surface, y_offset=99.0)
-        check(found)
-        assert any(f"the surface is what {surface} marks" in note for note in found.notes)
-    assert any("points of both bodies: those of the lower one were taken" in note for note in found.notes)
-    for surface, said in (("tag=5", "marks nothing"), ("tag=x", "'x' is no number"), ("top", "names no field of it")):
-        refused(path, said, surface=surface)
+    data = tractions(points) | {"face": outside, "both": (points[:, 1] == 0).astype(float)}
+    return meshio.Mesh(points, [*cells, lines], data, {"tag": [np.full(80, 3), np.full(40, 12)]})
 
 
-def test_the_face_lies_where_the_mapping_says(tmp_path: Path) -> None:
-    path, whole = tmp_path / "result.vtu", mesh()
+def raised() -> meshio.Mesh:
+    whole = mesh()
     whole.points[:, 1] += 5.0
-    whole.write(path)
-    refused(path, r"no point of a face at y = 0 \(y goes from 4.5 to 5.5\); say where it lies by y_offset")
-    assert len(result(path, y_offset=5.0).x) == 41
-    found = result(path, y_offset=5000.0, x_offset=500.0, factors={"length": 1e3})
-    np.testing.assert_allclose(found.x, 1e3 * np.linspace(-HALF, HALF, 41) - 500.0)
+    return whole
 
 
-# ------------------------------------------------------------------------------------------------------- collections, series
-def collection(folder: Path, kind: str = "pvd", times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
+def collection(kind: str, folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
     """Instants scaled by 1, 2, 3, the last first in the file; in a PVD the two bodies in files of their own."""
     points, cells = bodies()
     entries = []
@@ -348,89 +239,160 @@ def collection(folder: Path, kind: str = "pvd", times: tuple[float, ...] = (0.0,
         write_pvd(folder / "result.pvd", entries)
         return folder / "result.pvd"
     listed = ",".join(f'{{"name": "body0_{k}.vtu", "time": {time}}}' for k, time in enumerate(times))
-    path = folder / "result.vtu.series"
-    path.write_text(f'{{"file-series-version": "1.0", "files": [{listed}]}}')
+    return file(f'{{"file-series-version": "1.0", "files": [{listed}]}}', "result.vtu.series")(folder)
+
+
+def spoilt_instant(kind: str, name: str, change: Callable[[Any], object] | None, folder: Path) -> Path:
+    path = collection(kind, folder)
+    spoilt = meshio.read(folder / name)
+    (folder / name).unlink()
+    if change is not None:
+        change(spoilt)
+        spoilt.write(folder / name)
     return path
 
 
-@pytest.mark.parametrize("kind", ["pvd", "series"])
-def test_a_collection_is_read_in_the_order_of_time(tmp_path: Path, kind: str) -> None:
-    path = collection(tmp_path, kind)
-    found = result(path)
-    np.testing.assert_array_equal(found.time, [0.0, 0.5, 2.0])
-    check(found, 3.0)
-    np.testing.assert_allclose(found.pressure[0] * 2, found.pressure[1])
-    np.testing.assert_array_equal(result(path, times=[1, 2, 3]).time, [1.0, 2.0, 3.0])
-    for name, change, said in (
-        ("body0_1.vtu", lambda m: m.point_data.pop("CSHEAR1"), "instant 2 has no field 'CSHEAR1'"),
-        ("body0_2.vtu", lambda m: m.points.__setitem__((0, 0), 9.0), "the points of instant 3 are not those of the first"),
-    ):
-        spoilt = meshio.read(tmp_path / name)
-        change(spoilt)
-        spoilt.write(tmp_path / name)
-        refused(path, said)
-    (tmp_path / "body0_2.vtu").unlink()
-    refused(path, r"it names body0_2\.vtu, which is not there")
-
-
-def test_an_xdmf_series(tmp_path: Path) -> None:
+def xdmf_series(folder: Path) -> Path:
     points, cells = bodies()
-    with meshio.xdmf.TimeSeriesWriter(tmp_path / "result.xdmf", data_format="XML") as writer:
+    with meshio.xdmf.TimeSeriesWriter(folder / "result.xdmf", data_format="XML") as writer:
         writer.write_points_cells(points, cells)
         for k, time in enumerate((0.5, 1.5)):
             writer.write_data(time, point_data=tractions(points, k + 1))
-    found = result(tmp_path / "result.xdmf", factors={"time": 2.0})
-    np.testing.assert_array_equal(found.time, [1.0, 3.0])
-    check(found, 2.0)
+    return folder / "result.xdmf"
 
 
-def parts_of(folder: Path, *made: dict[str, np.ndarray]) -> Path:
+POINTS, CELLS = bodies()
+WHOLE = tractions(POINTS)
+BARE = {name: WHOLE[name] for name in ("CPRESS", "CSHEAR1")}
+LOWER = np.isin(np.arange(len(POINTS)), CELLS[0][1][:40]) & (POINTS[:, 1] == 0)
+
+
+def parts(*made: dict[str, np.ndarray]) -> Make:
     """The two bodies of one instant in files of their own, each with its fields."""
-    points, cells = bodies()
-    for part, own in enumerate(made):
-        meshio.Mesh(points, [("quad", cells[0][1][40 * part : 40 * part + 40])], own).write(folder / f"body{part}.vtu")
-    write_pvd(folder / "result.pvd", [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)])
-    return folder / "result.pvd"
+
+    def make(folder: Path) -> Path:
+        for part, own in enumerate(made):
+            meshio.Mesh(POINTS, [("quad", CELLS[0][1][40 * part : 40 * part + 40])], own).write(folder / f"body{part}.vtu")
+        write_pvd(folder / "result.pvd", [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)])
+        return folder / "result.pvd"
+
+    return make
 
 
-def test_parts_with_fields_of_their_own(tmp_path: Path) -> None:
-    """What is taken is read where it is, the rest named; what no part has whole is refused."""
-    points, cells = bodies()
-    full = tractions(points)
-    bare = {name: full[name] for name in ("CPRESS", "CSHEAR1")}
-    for part in (0, 1):
-        path = parts_of(tmp_path, *(full if k == part else {} for k in (0, 1)))
-        found = result(path)
-        check(found)
-        assert f"body{1 - part}.vtu has no 'CPRESS', 'CSHEAR1': left out" in found.notes
-        assert any(f"the surface is the {('lower', 'upper')[part]} body's face" in note for note in found.notes)
-    path = parts_of(tmp_path, bare, full)  # slip of one body alone
-    assert result(path).slip is None
-    assert "CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out" in result(path).notes
-    asked = result(path, columns={"slip": "CSLIP1", "pressure": "CPRESS", "shear": "CSHEAR1"})
-    np.testing.assert_allclose(asked.slip[0], 1e-3 * asked.x, atol=1e-15)
-    assert "body0.vtu has no 'CSLIP1': left out" in asked.notes
-    lower = np.isin(np.arange(len(points)), cells[0][1][:40]) & (points[:, 1] == 0)
-    marked = result(parts_of(tmp_path, full | {"face": 1.0 * lower}, full), surface="face")
-    check(marked)
-    assert "body1.vtu has no 'face': left out" in marked.notes
-    path = parts_of(tmp_path, *({name: full[name]} for name in bare))
-    refused(path, r"body0\.vtu has no 'CSHEAR1'; body1\.vtu has no 'CPRESS'")
-    path = parts_of(tmp_path, full, full | {"CPRESS": points})
-    with pytest.raises(InputError, match=r"body0\.vtu: CPRESS has another number of components than in body1\.vtu"):
-        result(path)
+ORDERS = [
+    (6, 1, [3], "xx, yy, zz, xy, yz, xz"),
+    (9, 4, [1, 3], "rows of 3 x 3"),
+    (3, 1, [2], "xx, yy, xy"),
+    (4, 1, [3], "xx, yy, zz, xy"),
+    (4, 3, [1, 2], "rows of 2 x 2"),
+]
+UPPER, LEFT = {"signs": {"shear": "on upper"}}, "has no 'CPRESS', 'CSHEAR1': left out"
+FORCE = {"columns": {"pressure": "force:1", "shear": "force:0"}, "signs": {"pressure": "compression negative"}}
+SLIP = {"columns": {"slip": "CSLIP1", "pressure": "CPRESS", "shear": "CSHEAR1"}}
+# What is written, the mapping, the factor of the tractions that are read (of the last instant), parts of the notes.
+READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
+    **{
+        f"{suffix}, {deep} deep": (
+            file(partial(mesh, deep), f"result{suffix}"), {}, 1.0,
+            ["the surface is the lower body's face, found at y = 0", *(["the model is 0.25 thick"] if deep else [])])
+        for suffix in (".vtu", ".vtk", ".xdmf") for deep in (0.0, 0.25)
+    },
+    **{f"stress, {order[-1]}": (file(partial(stress, *order[:-1])), {}, 1.0,
+        ["p = -sigma_yy and q = sigma_xy of the lower body", order[-1]]) for order in ORDERS},
+    "stress in other units": (file(partial(stress, *ORDERS[0][:-1])), {"factors": {"stress": 1e-6}}, 1e-6, []),
+    "a vector on the lower body": (file(partial(mesh, contact_traction=traction)), {}, 1.0, []),
+    "a vector said to be on the upper": (file(partial(mesh, contact_traction=traction)), UPPER, -1.0, []),
+    "a vector on the upper body": (file(upper_alone), {}, 1.0, ["taken to act on the upper body"]),
+    "a vector said to be on the lower": (file(upper_alone), {"signs": {"shear": "on lower"}}, -1.0, []),
+    "components by name": (file(partial(mesh, force=traction)), FORCE, 1.0, []),
+    "a path": (file(partial(own_places, CURVED, CHAIN)), {}, 1.0, []),
+    "a curved face": (file(partial(own_places, FACE, QUADS)), {}, 1.0, []),
+    **{f"what {mark} marks": (file(marked), {"surface": mark, "y_offset": 99.0}, 1.0, [f"the surface is what {mark} marks"])
+       for mark in ("tag=12", "face")},
+    "what both bodies have": (file(marked), {"surface": "both", "y_offset": 99.0}, 1.0,
+        ["the surface is what both marks", "points of both bodies: those of the lower one were taken"]),
+    "at another y": (file(raised), {"y_offset": 5.0}, 1.0, []),
+    "a collection": (partial(collection, "pvd"), {}, 3.0, []),
+    "a series": (partial(collection, "series"), {}, 3.0, []),
+    "a series in XDMF": (xdmf_series, {}, 2.0, []),
+    "fields of the lower part alone": (parts(WHOLE, {}), {}, 1.0, [f"body1.vtu {LEFT}", "the surface is the lower body's face"]),
+    "fields of the upper part alone": (parts({}, WHOLE), {}, 1.0, [f"body0.vtu {LEFT}", "the surface is the upper body's face"]),
+    "slip of one part": (parts(BARE, WHOLE), {}, 1.0,
+        ["CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out"]),
+    "slip of one part, asked for": (parts(BARE, WHOLE), SLIP, 1.0, ["body0.vtu has no 'CSLIP1': left out"]),
+    "a mark in one part": (parts(WHOLE | {"face": 1.0 * LOWER}, WHOLE), {"surface": "face"}, 1.0,
+        ["body1.vtu has no 'face': left out"]),
+}  # fmt: skip
 
 
-def test_cells_of_points_that_are_not_there_and_a_file_too_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "a.vtk"
-    mesh().write(path, file_format="vtk42", binary=False)
-    text = path.read_text()
-    cells = text.index("CELLS")
-    path.write_text(text[:cells] + text[cells:].replace("\n4 ", "\n4 9", 1).replace("\n4\n", "\n4\n9", 1))
-    refused(path, "names a point that is not there")
+@pytest.mark.parametrize("case", READ)
+def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(case: str, tmp_path: Path) -> None:
+    make, mapping, scale, notes = READ[case]
+    found = result(make(tmp_path), **mapping)
+    check(found, scale)
+    said = " ".join(found.notes)
+    assert not [words for words in notes if words not in said]
+    assert "inside out" not in said
+    if " deep" in case or "asked for" in case:
+        np.testing.assert_allclose(found.slip[0], 1e-3 * found.x, atol=1e-15)
+    assert case != "slip of one part" or found.slip is None
+    if " deep" in case:
+        assert found.time is None
+        assert ("thick" in said) == ("0.25" in case)
+
+
+@pytest.mark.parametrize("kind", ["pvd", "series"])
+def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(kind: str, tmp_path: Path) -> None:
+    path = collection(kind, tmp_path)
+    found = result(path)
+    np.testing.assert_array_equal(found.time, [0.0, 0.5, 2.0])
+    np.testing.assert_allclose(found.pressure[0] * 2, found.pressure[1])
+    np.testing.assert_array_equal(result(path, times=[1, 2, 3]).time, [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(result(xdmf_series(tmp_path), factors={"time": 2.0}).time, [1.0, 3.0])
+    found = result(file(raised)(tmp_path), y_offset=5000.0, x_offset=500.0, factors={"length": 1e3})
+    np.testing.assert_allclose(found.x, 1e3 * X - 500.0)
+
+
+def test_a_pressure_at_the_points_of_a_face_needs_no_shear_and_fields_of_cells_stand_at_the_middles(tmp_path: Path) -> None:
+    whole = mesh()
+    del whole.point_data["CSHEAR1"]
+    found = result(file(whole)(tmp_path))
+    np.testing.assert_allclose(found.pressure[-1], pressure_at(found.x), rtol=1e-12, atol=1e-9)
+    assert not found.sheared
+    assert "tractions are the fields CPRESS, without a shear, at points" in found.notes
+    middles = (X[1:] + X[:-1]) / 2
+    own = {"CPRESS": [pressure_at(middles)], "CSHEAR1": [shear_at(middles)], "CSLIP": [middles]}
+    found = result(file(meshio.Mesh(CURVED * [1, 0, 1], CHAIN, cell_data=own))(tmp_path))
+    for values, expected in ((found.x, middles), (found.pressure[0], own["CPRESS"][0]), (found.shear[0], own["CSHEAR1"][0])):
+        np.testing.assert_allclose(values, expected, atol=1e-12)
+    np.testing.assert_allclose(found.slip[0], middles, atol=1e-12)
+    assert "of cells, at their middles" in found.notes[0]
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf"])
+def test_an_element_inside_out_is_named_and_a_file_that_breaks_off_anywhere_is_refused(tmp_path: Path, suffix: str) -> None:
+    for deep in (0.0, 0.25):
+        whole = mesh(deep)
+        own = whole.cells[0].data
+        own[7] = np.roll(own[7], 4) if deep else own[7][::-1]
+        path = file(whole, f"result{suffix}")(tmp_path)
+        (said,) = [note for note in result(path).notes if "inside out" in note]
+        assert said.startswith("1 element is")
+    content = file(mesh(), f"result{suffix}")(tmp_path).read_bytes()
+    for end in np.linspace(0, len(content) - 30, 8).astype(int):
+        path.write_bytes(content[:end])
+        with pytest.raises(InputError):
+            result(path)
+
+
+def test_files_too_large_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(foreign, "LARGEST", 100)
+    monkeypatch.setattr(calculix_files, "LARGEST", 100)
     with pytest.raises(InputError, match="write the contact surface alone"):
-        read_frames(path)
+        read_frames(file(mesh())(tmp_path))
+    for reader, kind in ((read_frd, "frd"), (read_dat, "dat")):
+        with pytest.raises(InputError, match="at most 100 bytes are read"):
+            reader(DATA / f"surface-to-surface.{kind}")
 
 
 # ----------------------------------------------------------------------------------------------------- elements inside out
@@ -481,6 +443,9 @@ def test_corners_pushed_through_flat_ones_and_the_faces_of_a_thick_body() -> Non
 
 # ------------------------------------------------------------------------------------- what CalculiX 2.20 really wrote
 P, Q, FRICTION = 400.0, 60.0, 0.3
+MORTAR, SURFACE = ((DATA / f"{name}.frd").read_text() for name in ("mortar", "surface-to-surface"))
+BLOCK = read_frd(DATA / "mortar.frd").blocks[0]
+FORCE_HEAD = "total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)"
 # What trapezia over the file's values lose or gain of P, measured, and twice that: edges fall within an element of 0.1 a/0.66.
 ADDS_UP = {
     "node-to-surface.frd": 1e-3,  # 5.2e-4
@@ -523,12 +488,8 @@ def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
         other = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
         # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick edge between nodes.
         np.testing.assert_allclose(getattr(lower, of)[:, inside], other[:, inside], atol=0.06 * lower.pressure.max())
-    for found, words in (
-        (lower, "the lower body"),
-        (upper, "the upper body"),
-        (lower, "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"),
-        (upper, "the slave face is curved"),
-    ):
+    thick = "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"
+    for found, words in ((lower, "the lower body"), (upper, "the upper body"), (lower, thick), (upper, "the slave face is curved")):
         assert words in " ".join(found.notes)
     half_width = np.sqrt(4 * P * 100.0 / (np.pi * 210000 / (1 - 0.3**2) / 2))
     hertz = 2 * P / (np.pi * half_width**2) * np.sqrt(np.maximum(half_width**2 - upper.x**2, 0.0))
@@ -543,15 +504,11 @@ def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, 
     """The mortar run (0.5 thick) with resultants printed beside it, as CalculiX would."""
     text = ""
     for time, own in ((1.0, force[0]), (2.0, force[1])):
-        table = [(*own, 0, 0, 0, 0), (0, 0, 0, *normal)]
-        heads = ("total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)", "center of gravity and mean normal")
         text += f" statistics for slave set SUPPER, master set SLOWER and time  {time:.7E}\n\n"
-        for head, row in zip(heads, table, strict=True):
+        for head, row in ((FORCE_HEAD, (*own, 0, 0, 0, 0)), ("center of gravity and mean normal", (0, 0, 0, *normal))):
             text += f"   {head}\n\n" + "".join(f"{v:14.6E}" for v in row) + "\n\n"
-    path = folder / "mortar.frd"
-    path.write_bytes((DATA / "mortar.frd").read_bytes())
-    path.with_suffix(".dat").write_text(text)
-    return path
+    (folder / "mortar.dat").write_text(text)
+    return edited(folder, "mortar.frd")
 
 
 def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_path: Path) -> None:
@@ -560,7 +517,6 @@ def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_pat
     np.testing.assert_allclose([found.normal_load, found.tangential_load], [[P, P], [0.0, Q]])
     assert any("the mesh's thickness, 0.5" in note for note in found.notes)
     np.testing.assert_allclose(result(path, thickness=1.0).normal_load, [200.0, 200.0])
-    refused(path, "times and the file has 2 instants", times=[1.0])
     text = path.with_suffix(".dat").read_text()
     path.with_suffix(".dat").write_text(text + text.replace("SUPPER", "OTHER").replace("2.000000E+02", "9.000000E+02"))
     with pytest.raises(InputError, match=r"several contact pairs \(slave faces OTHER, SUPPER\)"):
@@ -628,28 +584,24 @@ def test_stress_stands_in_for_contact_values_in_either_form(tmp_path: Path, monk
     path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
     np.testing.assert_allclose(result(path).tangential_load, [0.0, Q], atol=1e-4 * Q)
     np.testing.assert_allclose(result(path, factors={"stress": 2.0}).shear, 2 * found.shear)
-    refused(path, r"no node of a lower body's face at y = 0\.5; .*y_offset", y_offset=0.5)
+    with pytest.raises(InputError, match=r"no node of a lower body's face at y = 0\.5; .*y_offset"):
+        result(path, y_offset=0.5)
 
 
 def test_an_element_of_calculix_counted_backwards_is_named(tmp_path: Path) -> None:
-    """In contact values, stress and printed values alike."""
-    lines = (DATA / "surface-to-surface.frd").read_text().splitlines()
+    """In contact values, printed values and stress alike."""
+    lines = SURFACE.splitlines()
     at = next(k for k, line in enumerate(lines) if line.startswith(" -2"))
     turned = "".join(f"{int(node):10d}" for node in lines[at].split()[:0:-1])
     change = (f"{lines[at - 1]}\n{lines[at]}\n", f"{lines[at - 1]}\n -2{turned}\n")
-    path = edited(tmp_path, "surface-to-surface.frd", change)
-    path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
-    found = [result(path), result(path.with_suffix(".dat"))]
-    found.append(result(edited(tmp_path, "surface-to-surface.frd", change, (" -4  CONTACT ", " -4  CONTAXT "))))
-    for one in found:
-        (said,) = [note for note in one.notes if "inside out" in note]
+    for kind, *more in (("frd",), ("dat",), ("frd", (" -4  CONTACT ", " -4  CONTAXT "))):
+        path = edited(tmp_path, "surface-to-surface.frd", change, *more)
+        path = path if kind == "frd" else edited(tmp_path, "surface-to-surface.dat")
+        (said,) = [note for note in result(path).notes if "inside out" in note]
         assert said.startswith("1 element is")
 
 
 # ------------------------------------------------------------------------------------------------ CalculiX files at fault
-MORTAR = (DATA / "mortar.frd").read_text()
-SURFACE = (DATA / "surface-to-surface.frd").read_text()
-BLOCK = read_frd(DATA / "mortar.frd").blocks[0]
 
 
 def _last(text: str, old: str, new: str) -> str:
@@ -675,35 +627,6 @@ NODE = BLOCK.nodes[0]
 FIRST = next(line for line in MORTAR.splitlines()[BLOCK.line :] if line.startswith(" -1"))
 OPEN = re.sub(r"(?m)^( -1 {7}.{3})(?:.{12}){6}$", r"\1" + 6 * " 0.00000E+00", MORTAR[MORTAR.index(" -4  CONTACT") :])
 STRESS = SURFACE.replace(" -4  CONTACT ", " -4  CONTAXT ")
-NO_FIELDS = [
-    ("a.odb", "x", "no reader for '.odb'; it reads .csv"),
-    ("a.pvd", "<VTKFile type='Collection'><Collection/></VTKFile>", "the collection is empty"),
-    ("a.pvd", "<VTKFile type='UnstructuredGrid'/>", "type Collection is expected"),
-    ("a.pvd", "<VTKFile type='Collection'><DataSet file='a.pvd'/></VTKFile>", "has no time"),
-    ("a.pvd", "<VTKFile type='Collection'><DataSet timestep='1' file='a.pvd'/></VTKFile>", "no reader for '.pvd' within"),
-    ("a.pvd", "<VTKFile", "can't be read as a .pvd file: it is broken off"),
-    ("a.series", '{"files": 3', "can't be read as a .series file"),
-    ("a.vtu", "", "can't be read as a .vtu file"),
-    ("a.vtk", "no\nvtk\nat all\n", "can't be read as a .vtk file"),
-    ("a.xdmf", "<Xdmf Version='3.0'></Xdmf>", "can't be read as a .xdmf file"),
-]
-SPOILT = {
-    "neither contact nor stress": (
-        MORTAR.replace(" -4  CONTACT ", " -4  CONTAXT "),
-        "no block CONTACT and none STRESS; it has DISP",
-    ),
-    "a node without coordinates": (
-        _contact(MORTAR, f" -1{NODE:10d}", f" -1{NODE + 90000:10d}"),
-        "has a result or an element and no coordinates",
-    ),
-    "no contact": (MORTAR[: MORTAR.index(" -4  CONTACT")] + OPEN, "the bodies do not touch"),
-    "NaN": (
-        MORTAR.replace(FIRST, FIRST[:13] + "         NaN" + FIRST[25:]),
-        f"line {BLOCK.line}: block CONTACT holds numbers that are not",
-    ),
-    "no shear": (MORTAR.replace(" -5  CSHEAR1 ", " -5  CSHEARX "), "block CONTACT has no CSHEAR1"),
-    "both faces": (_touched_on_the_other_face(), "nodes of both bodies"),
-}
 SHORT = {
     "stopped": (MORTAR[: [m.start() for m in re.finditer("    1PSTEP", MORTAR)][2]], "the file has no end (9999)"),
     "no last contact": (
@@ -718,19 +641,121 @@ SHORT = {
 }
 
 
-FAULTS = {name: ("result.csv", *known) for name, known in TABLES.items()}
-FAULTS |= {f"{name}: {said}": (name, text, said) for name, text, said in NO_FIELDS}
-FAULTS |= {name: ("run.frd", *known) for name, known in SPOILT.items()}
+def _set(row: int, name: str, value: object) -> Callable[[Any], Any]:
+    return lambda table: table.assign(**{name: [value if k == row else old for k, old in enumerate(table[name])]})
+
+
+def table(change: Callable[[Any], Any]) -> Make:
+    return file(lambda: change(LONG.astype(object)), "result.csv")
+
+
+def calculix(name: str, text: str, *beside: str) -> Make:
+    """A file of CalculiX, and others that lie beside it."""
+
+    def make(folder: Path) -> Path:
+        for other in beside:
+            (folder / name).with_suffix(".frd").write_text(other)
+        return file(text, name)(folder)
+
+    return make
+
+
+PRINTED = (DATA / "surface-to-surface.dat").read_text()
+PLACE = next(line for line in PRINTED.splitlines() if line.strip().startswith("1") and len(line.split()) == 5)
+ELEMENT = PLACE.split()[0]
+PVD = "<VTKFile type='Collection'><DataSet {}file='a.pvd'/></VTKFile>"
+AVERAGE = meshio.Mesh(POINTS, CELLS, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]})
+
+
+def no_such_point(folder: Path) -> Path:
+    path = folder / "a.vtk"
+    mesh().write(path, file_format="vtk42", binary=False)
+    head, cells, tail = path.read_text().partition("CELLS")
+    path.write_text(head + cells + tail.replace("\n4 ", "\n4 9", 1).replace("\n4\n", "\n4\n9", 1))
+    return path
+
+
+# What is read, words of the sentence, the mapping.
+FAULTS: dict[str, tuple[Any, ...]] = {
+    "no pressure": (table(lambda t: t.drop(columns="pressure")), "no column for pressure (looked for pressure, p, CPRESS"),
+    "no x": (table(lambda t: t.drop(columns="x")), "no column for x"),
+    "word in a cell": (table(_set(7, "pressure", "n/a")), "line 9: pressure = 'n/a' is not a finite number"),
+    "a point twice": (table(_set(8, "x", float(exact().x[7]))), "stands there twice in one instant"),
+    "a ragged instant": (table(lambda t: t.drop(index=3)), "every instant needs the same points"),
+    "P within an instant": (table(_set(5, "P", 1.0)), "normal_load goes from"),
+    "places of another mesh": (table(_set(5, "x", -1.19)), "the points are not the same at every instant"),
+    "two shears": (table(lambda t: t.rename(columns={"shear": "cshear"}).assign(CSHEAR=0.0)),
+        "could each be shear; say which by columns.shear"),
+    "no names": (file("0,1,2\n1,2,3\n", "result.csv"), "line 1: the first line must name the columns"),
+    "two points": (file("x,pressure,shear\n0,1,0\n1,1,0\n", "result.csv"), "2 points are no surface"),
+    "two pressures": (file("x,pressure,CPRESS,shear\n0,1,1,0\n", "result.csv"), "frame 1 has no shear, or no pressure"),
+    "half a frame": (file("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "result.csv"), "frame 2 has no shear, or no pressure"),
+    "other times": (table(lambda t: t.drop(columns="time").assign(Frame=np.repeat(np.arange(25), 105))),
+        "times and the file has 25 ", {"times": [0.0, 1.0]}),
+    "a column that is none": (file(LONG, "result.csv"),
+        "columns.pressure = 'presure', which is not there; did you mean 'pressure'?", {"columns": {"pressure": "presure"}}),
+    "another program's": (file("x", "a.odb"), "no reader for '.odb'; it reads .csv"),
+    "an empty collection": (file("<VTKFile type='Collection'><Collection/></VTKFile>", "a.pvd"), "the collection is empty"),
+    "no collection": (file("<VTKFile type='UnstructuredGrid'/>", "a.pvd"), "type Collection is expected"),
+    "no time": (file(PVD.format(""), "a.pvd"), "has no time"),
+    "within itself": (file(PVD.format("timestep='1' "), "a.pvd"), "no reader for '.pvd' within"),
+    "broken off": (file("<VTKFile", "a.pvd"), "can't be read as a .pvd file: it is broken off"),
+    "broken series": (file('{"files": 3', "a.series"), "can't be read as a .series file"),
+    "empty VTU": (file("", "a.vtu"), "can't be read as a .vtu file"),
+    "no VTK": (file("no\nvtk\nat all\n", "a.vtk"), "can't be read as a .vtk file"),
+    "no XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "can't be read as a .xdmf file"),
+    "no such point": (no_such_point, "names a point that is not there"),
+    "no field": (file(partial(mesh, force=traction)),
+        "neither contact pressure, nor contact traction, nor stress at points among 'force'"),
+    "no such field": (file(lambda: mesh(CPRESS=lambda p: fields(p)[0])),
+        "columns.shear = 'CSHEAR1', which is not there", {"columns": {"shear": "CSHEAR1"}}),
+    "cells nowhere": (file(AVERAGE), "no cell lies in the surface; average it to points"),
+    "no face": (file(raised), "no point of a face at y = 0 (y goes from 4.5 to 5.5); say where it lies by y_offset"),
+    "a mark of nothing": (file(marked), "marks nothing", {"surface": "tag=5"}),
+    "a mark by a word": (file(marked), "'x' is no number", {"surface": "tag=x"}),
+    "a mark that is none": (file(marked), "names no field of it", {"surface": "top"}),
+    "no part has it whole": (parts(*({name: WHOLE[name]} for name in BARE)),
+        "body0.vtu has no 'CSHEAR1'; body1.vtu has no 'CPRESS'"),
+    "parts unlike": (parts(WHOLE, WHOLE | {"CPRESS": POINTS}),
+        "body0.vtu: CPRESS has another number of components than in body1.vtu"),
+    **{
+        f"{kind}, {said}": (partial(spoilt_instant, kind, name, change), said)
+        for kind in ("pvd", "series")
+        for name, change, said in (
+            ("body0_1.vtu", lambda m: m.point_data.pop("CSHEAR1"), "instant 2 has no field 'CSHEAR1'"),
+            ("body0_2.vtu", lambda m: m.points.__setitem__((0, 0), 9.0), "the points of instant 3 are not those of the first"),
+            ("body0_2.vtu", None, "it names body0_2.vtu, which is not there"),
+        )
+    },
+    "neither contact nor stress": (calculix("run.frd", MORTAR.replace(" -4  CONTACT ", " -4  CONTAXT ")),
+        "no block CONTACT and none STRESS; it has DISP"),
+    "a node without coordinates": (calculix("run.frd", _contact(MORTAR, f" -1{NODE:10d}", f" -1{NODE + 90000:10d}")),
+        "has a result or an element and no coordinates"),
+    "no contact": (calculix("run.frd", MORTAR[: MORTAR.index(" -4  CONTACT")] + OPEN), "the bodies do not touch"),
+    "NaN": (calculix("run.frd", MORTAR.replace(FIRST, FIRST[:13] + "         NaN" + FIRST[25:])),
+        f"line {BLOCK.line}: block CONTACT holds numbers that are not"),
+    "no shear": (calculix("run.frd", MORTAR.replace(" -5  CSHEAR1 ", " -5  CSHEARX ")), "block CONTACT has no CSHEAR1"),
+    "both faces": (calculix("run.frd", _touched_on_the_other_face()), "nodes of both bodies"),
+    "other instants": (calculix("run.frd", MORTAR), "times and the file has 2 instants", {"times": [1.0]}),
+    "no places": (calculix("alone.dat", (DATA / "node-to-surface.dat").read_text()), "no alone.frd beside it"),
+    "no such element": (calculix("run.dat", PRINTED.replace(PLACE[:21], f"{90000:10d} {PLACE.split()[1]:>10}"), SURFACE),
+        "element 90000 is not in it"),
+    "no such side": (calculix("run.dat", PRINTED.replace(PLACE[:21], f"{ELEMENT:>10} {1:10d}"), SURFACE),
+        "of kind 9 has no face 1"),
+    "no stress printed": (calculix("run.dat", PRINTED.replace(" contact stress (", " contact strain ("), SURFACE),
+        "no contact stress is printed in it"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_of_a_file_is_one_sentence(fault: str, tmp_path: Path) -> None:
-    name, content, said = FAULTS[fault]
-    if isinstance(content, str):
-        (tmp_path / name).write_text(content, encoding="utf-8")
-    else:
-        written(content(LONG.astype(object)), tmp_path / name)
-    refused(tmp_path / name, re.escape(said))
+    make, said, *mapping = FAULTS[fault]
+    path = make(tmp_path)
+    with pytest.raises(InputError, match=re.escape(said)) as caught:
+        result(path, **(mapping[0] if mapping else {}))
+    assert "\n" not in str(caught.value)
+    place = {"no such element": tmp_path, "no such side": tmp_path, "parts unlike": "body0.vtu"}.get(fault, path)
+    assert str(caught.value).startswith(str(place))
 
 
 @pytest.mark.parametrize("fault", SHORT)
@@ -740,26 +765,6 @@ def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(tmp_path: Pat
     found = result(tmp_path / "run.frd")
     np.testing.assert_array_equal(found.time, [1.0])
     assert any(said in note for note in found.notes)
-
-
-def test_a_dat_file_takes_its_places_from_the_frd_file_beside_it(tmp_path: Path) -> None:
-    path = tmp_path / "alone.dat"
-    path.write_bytes((DATA / "node-to-surface.dat").read_bytes())
-    refused(path, r"no alone\.frd beside it")
-    path.with_suffix(".frd").write_text(SURFACE)
-    text = (DATA / "surface-to-surface.dat").read_text()
-    row = next(line for line in text.splitlines() if line.strip().startswith("1") and len(line.split()) == 5)
-    element, face = row.split()[:2]
-    for own, said in (
-        (f"{90000:10d} {face:>10}", "element 90000 is not in it"),
-        (f"{element:>10} {1:10d}", "of kind 9 has no face 1"),
-    ):
-        path.write_text(text.replace(row[:21], own))
-        with pytest.raises(InputError, match=said):
-            result(path)
-    refused(
-        edited(tmp_path, "node-to-surface.dat", (" contact stress (", " contact strain (")), "no contact stress is printed in it"
-    )
 
 
 # ------------------------------------------------------------------------------------------------- the forms .frd and .dat
@@ -842,7 +847,7 @@ ROW = record(1, ROWS[0][1:]).rstrip("\n")
 HEAD = next(line for line in LINE if line.startswith("  100C"))
 
 
-def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path) -> None:
     """A run that is still going on: whole blocks may be missing at the end, but no block is read in part."""
     whole, path = MORTAR.encode(), tmp_path / "cut.frd"
     blocks = {b.line: b for b in read_frd(DATA / "mortar.frd").blocks}
@@ -855,13 +860,9 @@ def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: 
         for block in found.blocks:
             np.testing.assert_array_equal(block.values, blocks[block.line].values)
         assert not found.ended
-    monkeypatch.setattr(calculix_files, "LARGEST", 100)
-    for reader in (read_frd, read_dat):
-        with pytest.raises(InputError, match="at most 100 bytes are read"):
-            reader(path)
 
 
-TABLE = """
+PRINTOUT = """
  forces (fx,fy,fz) for set ALL and time  0.5000000E+00
 
          1  1.000000E+00 -2.000000E+00  3.000000E+00
@@ -892,7 +893,7 @@ def test_tables_of_a_printed_file(tmp_path: Path) -> None:
     pair = found.pairs[-1]
     assert (pair.slave, pair.master, pair.time) == ("SLOWER", "SUPPER", 2.0)
     np.testing.assert_allclose([*pair.force[:2], pair.normal[1]], [Q, -P, 1.0], rtol=1e-4)
-    (tmp_path / "case.dat").write_text(TABLE)
+    (tmp_path / "case.dat").write_text(PRINTOUT)
     found = read_dat(tmp_path / "case.dat")
     np.testing.assert_array_equal(found.tables[0].ids, [[1], [7]])
     np.testing.assert_array_equal(found.tables[0].values[0], [1.0, -2.0, 3.0])
@@ -928,8 +929,8 @@ DAT_FAULTS = [
     ("        12 ", "", 9, "4 numbers"),
     ("    1.0 2.0 3.0 0.0", "    1.0 2.0 0.0", 14, "6 numbers"),
     ("   center of gravity", "   centre of gravity", 10, "'center of gravity and mean normal' below"),
-    (TABLE[TABLE.index("   center") :], "", 10, "'center of gravity and mean normal' below.*breaks off"),
-    (TABLE, "nothing\n", 0, "no table of CalculiX in it"),
+    (PRINTOUT[PRINTOUT.index("   center") :], "", 10, "'center of gravity and mean normal' below.*breaks off"),
+    (PRINTOUT, "nothing\n", 0, "no table of CalculiX in it"),
 ]
 
 
@@ -937,7 +938,7 @@ DAT_FAULTS = [
     ("name", "whole", "old", "new", "line", "said"),
     [
         *(("case.frd", GOOD, *row) for row in FRD_FAULTS),
-        *(("case.dat", TABLE, *row) for row in DAT_FAULTS),
+        *(("case.dat", PRINTOUT, *row) for row in DAT_FAULTS),
     ],
 )
 def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(

@@ -7,6 +7,7 @@ import math
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -26,7 +27,7 @@ import pytest
 from markupsafe import escape
 
 import semi_analytic
-from command_line import ROOT, raising, start
+from command_line import ROOT, child, raising, start
 from faulty import copy_the_code
 from halfplane_fe import SolverSettings
 from halfplane_fe import solve as solve_fe
@@ -192,10 +193,10 @@ def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.Monkey
     assert not [name for name in needed if not any(f"{name}.".startswith(f"{whole}.") for whole in counted)]
 
 
-@pytest.mark.parametrize("name", ["reports.gone", "gone", "reports.sweep.gone"])
-def test_a_module_that_is_missing_has_no_digest(name: str) -> None:
-    with pytest.raises(InputError, match=f"^{name}: this installation lacks the module's source file"):
-        source_digest(name)
+def test_a_module_that_is_missing_has_no_digest() -> None:
+    for name in ("reports.gone", "gone", "reports.sweep.gone"):
+        with pytest.raises(InputError, match=f"^{name}: this installation lacks the module's source file"):
+            source_digest(name)
 
 
 # ------------------------------------------------------------------------------------------------------ figures of a point
@@ -365,16 +366,25 @@ def values(folder: Path) -> dict[float, float]:
     return dict(zip(table["f"].tolist(), table["exact.dissipation"].tolist(), strict=True))
 
 
-@pytest.fixture
-def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
-    """An undisturbed sweep: each result is that of its point."""
-    sweep(folder="truth")
-    found = values(tmp_path / "truth")
-    assert len(found) == 7
-    for friction, work in found.items():
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a sweep that nothing happened to: each result is that of its point."""
+    folder = tmp_path_factory.mktemp("truth") / "truth"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(running, "workers_of", lambda **_: Bench())
+        run(study(**SEVEN), folder)
+    assert len(values(folder)) == 7
+    for friction, work in values(folder).items():
         scene = load_scene("hertz-paper").vary(friction=friction)
         assert work == semi_analytic.solve(scene, cycles="steady", x=[0.0], fields="dissipation").dissipation
-    return found
+    return folder
+
+
+@pytest.fixture
+def truth(tmp_path: Path, undisturbed: Path) -> dict[float, float]:
+    """What a sweep must find in the end; its store is copied to `truth`."""
+    shutil.copytree(undisturbed, tmp_path / "truth")
+    return values(undisturbed)
 
 
 def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
@@ -382,18 +392,15 @@ def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExec
     return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
 
 
-@pytest.mark.parametrize(
-    ("fault", "times", "at_once"),
-    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 1, False)],
-    ids=["worker", "pool", "cancelled"],
-)
-def test_what_dies_costs_nothing(
-    fault: type[BaseException], times: int, at_once: bool, tmp_path: Path, truth: dict[float, float], sweep: Sweep
-) -> None:
-    pool = dying(1.5, times, fault, at_once=at_once)
+DEATHS = {"a worker": (BrokenExecutor, False), "the pool": (BrokenExecutor, True), "cancelled": (CancelledError, False)}
+
+
+@pytest.mark.parametrize("death", DEATHS)
+def test_what_dies_costs_nothing(death: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+    fault, at_once = DEATHS[death]
+    pool = dying(1.5, 1, fault, at_once=at_once)
     sweep(pool)
-    assert values(tmp_path / "out") == truth
-    assert pool.started == 1 + times
+    assert (values(tmp_path / "out"), pool.started) == (truth, 2)
 
 
 def test_a_point_that_kills_its_worker_fails_alone(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
@@ -462,26 +469,25 @@ def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tm
             assert max(map(len, handed)) <= most
 
 
-@pytest.mark.parametrize("how", ["digit", "cut", "empty", "binary", "swapped"])
+DAMAGES: dict[str, Callable[[bytes, bytes], bytes]] = {
+    "digit": lambda one, _: one.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
+    "cut": lambda one, _: one[:200],
+    "empty": lambda *_: b"",
+    "binary": lambda *_: b"\xff\x00\xfe" * 50,
+    "swapped": lambda _, other: other,
+}
+
+
+@pytest.mark.parametrize("how", DAMAGES)
 def test_a_damaged_result_is_set_aside_and_made_again(how: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
-    store = Store(tmp_path / "truth")
+    store, pool = Store(tmp_path / "truth"), Bench()
     one, other = (store.path(address) for address in sorted(store.addresses())[:2])
-    text = one.read_bytes()
-    spoilt = {
-        "digit": text.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
-        "cut": text[:200],
-        "empty": b"",
-        "binary": b"\xff\x00\xfe" * 50,
-        "swapped": other.read_bytes(),
-    }[how]
-    assert spoilt != text
+    spoilt = DAMAGES[how](one.read_bytes(), other.read_bytes())
+    assert spoilt != one.read_bytes()
     one.write_bytes(spoilt)
-    assert len(values(tmp_path / "truth")) == 6
-    assert len(store.damaged()) == 1
-    pool = Bench()
+    assert (len(values(tmp_path / "truth")), len(store.damaged())) == (6, 1)
     sweep(pool, folder="truth")
-    assert values(tmp_path / "truth") == truth
-    assert sum(map(len, pool.handed)) == 1
+    assert (values(tmp_path / "truth"), sum(map(len, pool.handed))) == (truth, 1)
 
 
 @pytest.mark.usefixtures("truth")
@@ -513,6 +519,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
             raise OSError(number, os.strerror(number))
         real(handle)
 
+    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
     monkeypatch.setattr(os, "fsync", fsync)
     assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
     words = capsys.readouterr().err
@@ -540,18 +547,23 @@ def store(tmp_path: Path) -> Store:
 
 def test_a_point_of_a_living_sweep_is_left_to_it_and_one_of_a_dead_sweep_is_taken(store: Store) -> None:
     third, fourth = ("3" * 64, "4" * 64)
-    words = "import sys, time\nfrom pathlib import Path\nfrom reports.sweep.store import Locks, Store\n"
-    words += f"locks = Locks(Store(Path(sys.argv[1])))\nprint(locks.take('{third}'), flush=True)\ntime.sleep(60)"
-    owner = subprocess.Popen([sys.executable, "-c", words, store.folder], stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    read, write = os.pipe()
+
+    def owning() -> None:
+        os.write(write, b"taken" if Locks(store).take(third) else b"refused")
+        signal.pause()
+
+    owner = child(owning)
     ours = Locks(store)
     try:
-        assert owner.stdout is not None
-        assert owner.stdout.readline() == "True\n"
+        assert os.read(read, 9) == b"taken"
         assert [ours.take(third), ours.take(fourth), ours.take(fourth)] == [False, True, True]
         assert ours.others([third, fourth]) == {third}
     finally:
-        owner.kill()
-        owner.communicate()
+        os.kill(owner, signal.SIGKILL)
+        os.waitpid(owner, 0)
+        os.close(read)
+        os.close(write)
     assert ours.take(third)
     ours.close()
     assert ours.take(third)  # and counts for nothing
@@ -614,7 +626,7 @@ def test_workers_hear_no_ctrl_c_from_birth() -> None:
     pool = Processes(1)
     pool.start()
     try:
-        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
+        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(600)
     finally:
         pool.stop(at_once=True)
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
@@ -706,7 +718,7 @@ def sweeping(home: Path, *words: str, session: bool = False) -> subprocess.Popen
 
 
 def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
-    out, err = client.communicate(timeout=900)
+    out, err = client.communicate(timeout=3600)
     assert client.returncode == code, err
     assert "Traceback" not in err
     return out, err
@@ -719,7 +731,7 @@ def children(pid: int) -> list[int]:
 
 
 def until(true: Callable[[], bool], client: subprocess.Popen[str]) -> None:
-    end = time.monotonic() + 400
+    end = time.monotonic() + 1800
     while not true():
         assert client.poll() is None, client.communicate()
         assert time.monotonic() < end
@@ -765,7 +777,7 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
         assert workers
         client.send_signal(how)
         _, err = finish(client, -how if how == signal.SIGKILL else 128 + how)
-        end = time.monotonic() + 60
+        end = time.monotonic() + 600
         while any(Path(f"/proc/{pid}").exists() for pid in workers):  # they notice that their client is gone
             assert how == signal.SIGKILL
             assert time.monotonic() < end

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from reports.comparison import Comparison, compare
-from reports.comparison.cycles import last_cycle
-from reports.comparison.metrics import compliance, loop_work
+from reports.comparison.metrics import compliance, last_cycle, loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
 
 LOAD_RATIO = 0.6

@@ -20,9 +20,9 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports.cli.scene_files import tagged
-from reports.comparison import Report, compare, expected
-from reports.comparison.content import as_json
+from reports.comparison import Report, compare, laws
 from reports.comparison.laws import certificates
+from reports.comparison.words import as_json
 from scenes import (
     ContactSolution,
     EllipseLoad,
@@ -92,11 +92,18 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_tags_say_what_the_scene_is(name: str) -> None:
+def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_sources(name: str) -> None:
     scene = load_scene(name)
     assert set(scene.tags) <= set(tags())
     assert len(set(scene.tags)) == len(scene.tags)
     assert {tag: tag in scene.tags for tag in honest_tags(scene)} == honest_tags(scene)
+    assert scene.purpose
+    assert scene.source
+    assert {one.engine for one in scene.expected} >= {THEORY} | ({FINITE} if not scene.bodies.half_planes else set())
+    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(scene.expected)
+    assert all(len(one.source) > 10 for one in scene.expected)
+    # Something in each scene is somebody else's number, whatever may be frozen beside it.
+    assert [one for one in scene.expected if not one.source.startswith("our own")]
 
 
 def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
@@ -105,29 +112,8 @@ def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
     assert [scene.name for scene in tagged(("pad", "unlike"))] == ["flat-pad-on-block"]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_scene_expects_numbers_with_their_sources(name: str) -> None:
-    scene = load_scene(name)
-    assert scene.purpose
-    assert scene.source
-    assert {one.engine for one in scene.expected} >= {THEORY}
-    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(scene.expected)
-    assert all(len(one.source) > 10 for one in scene.expected)
-    # Something in each scene is somebody else's number, whatever may be frozen beside it.
-    assert [one for one in scene.expected if not one.source.startswith("our own")]
-    if not scene.bodies.half_planes:
-        assert FINITE in {one.engine for one in scene.expected}
-
-
 # ------------------------------------------------------------------------------------------------- met by the engine named
-@pytest.mark.parametrize("name", NAMES)
-def test_half_plane_theory_meets_what_is_expected_of_it(name: str) -> None:
-    scene = load_scene(name)
-    findings = list(expected.check(scene, [semi_analytic.solve(scene)]))
-    assert findings
-    assert not [one for one in findings if not one.met]
-
-
+# By half-plane theory: test_semi_analytic_fields.py, one solution of each scene for the laws and for these numbers.
 @pytest.mark.parametrize("name", NAMES)
 def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: str) -> None:
     """Those of the default settings, which test_reports_published holds to the code."""
@@ -151,7 +137,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
     solution = halfplane_fe.solve(scene, mesh=MeshSettings.coarse())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
-    for finding in expected.check(scene, [solution]):
+    for finding in laws.expected_numbers(scene, [solution]):
         limit = 0.15 if finding.expected.quantity == "dissipation" else max(0.04, finding.expected.tolerance)
         assert abs(finding.difference) <= limit, finding
 
@@ -160,7 +146,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
     scene = load_scene(name)
-    findings = list(expected.check(scene, [halfplane_fe.solve(scene)]))
+    findings = list(laws.expected_numbers(scene, [halfplane_fe.solve(scene)]))
     assert not [one for one in findings if not one.met]
 
 
@@ -263,15 +249,15 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(name: str, 
     work = mindlin.dissipation
     one = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
     answer = replace(mindlin, permanent_stick_half_width=math.nan)
-    (found,) = expected.check(answer.scene.vary(expected=(one,)), [answer])
+    (found,) = laws.expected_numbers(answer.scene.vary(expected=(one,)), [answer])
     assert found.met is (name == "right")
     assert found.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
-    row = expected.rows([found])[0]
+    row = laws.expected_rows([found])[0]
     assert (row[-1] == "no", row[3] == "none") == (not found.met, "no " in name)
 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
-    assert [one.expected.engine for one in expected.check(mindlin.scene, [mindlin])] == [THEORY] * 3
+    assert [one.expected.engine for one in laws.expected_numbers(mindlin.scene, [mindlin])] == [THEORY] * 3
     content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
     assert [one["met"] for one in content] == [True] * 3
     assert {"quantity", "value", "tolerance", "engine", "source", "found", "difference", "met"} == set(content[0])

@@ -28,7 +28,6 @@ from scenes import (
     InputError,
     LoadPath,
     PolygonLoad,
-    Scene,
     StraightSegment,
     Tabulated,
     TimeSeriesLoad,
@@ -296,7 +295,7 @@ def test_a_path_that_just_ends():
 
 
 # ------------------------------------------------------------------------------------------------------------- harmonics
-@pytest.mark.parametrize("order", [2, 40, 700])
+@pytest.mark.parametrize("order", [2, 700])
 def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order):
     """So many times and waves that they are worked out in parts, each time to the same last digit as alone."""
     chance = np.random.default_rng(order)
@@ -350,27 +349,29 @@ def make(given):
     return CallableLoad(**{"normal_load": lambda t: 2 + 0 * t, "tangential_load": lambda t: 0 * t, "duration": 1.0} | given)
 
 
-@pytest.mark.parametrize(
-    ("given", "why"),
-    [
-        ({"tangential_load": lambda t: np.sign(t - 0.5)}, "tangential_load jumps|tangential_load is too rough"),
-        ({"normal_load": lambda t: 1 / (t - 0.5 + 0j).real}, "normal_load is not finite at time 0.5"),
-        ({"tangential_load": lambda t: t, "repeats": True}, "tangential_load jumps from 1 to .* at time 1"),
-        ({"normal_load": 3.0}, "only be built in Python"),
-        ({"duration": 0.0}, "greater than 0"),
-        ({"rows": [[0, 1, 0], [1, 2, 0]]}, "must end with the loads of its first row"),
-        ({"rows": [[0, 0, 0], [1, 2, 0], [2, 0, 0]]}, "can't start unloaded"),
-        ({"rows": [[0, 1, math.nan], [1, 1, 0]]}, r"row 1: \[0\.0, 1\.0, nan\] is not all finite numbers"),
-        ({"rows": [[0, 1], [1, 1]]}, "three numbers"),
-        (RECORD | {"threshold": {"P": 1}}, "threshold has a use with reduce"),
-        (RECORD | {"reduce": "tolerance"}, "needs a threshold, such as"),
-        (RECORD | {"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
-        (RECORD | {"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
-        (RECORD | {"average": 2, "repeats": True}, "average goes with records that do not repeat"),
-        (RECORD | {"average": 2}, "average = 2 leaves one of 3 rows"),
-        (RECORD | {"average": 0}, "greater than or equal to 1"),
-    ],
-)
+REFUSED_LOADS = [
+    ({"tangential_load": lambda t: np.sign(t - 0.5)}, "tangential_load jumps|tangential_load is too rough"),
+    ({"normal_load": lambda t: 1 / (t - 0.5 + 0j).real}, "normal_load is not finite at time 0.5"),
+    ({"tangential_load": lambda t: t, "repeats": True}, "tangential_load jumps from 1 to .* at time 1"),
+    ({"normal_load": 3.0}, "only be built in Python"),
+    ({"duration": 0.0}, "greater than 0"),
+    ({"rows": [[0, 1, 0], [1, 2, 0]]}, "must end with the loads of its first row"),
+    ({"rows": [[0, 0, 0], [1, 2, 0], [2, 0, 0]]}, "can't start unloaded"),
+    ({"rows": [[0, 1, math.nan], [1, 1, 0]]}, r"row 1: \[0\.0, 1\.0, nan\] is not all finite numbers"),
+    ({"rows": [[0, 1], [1, 1]]}, "three numbers"),
+    *((RECORD | keys, why) for keys, why in (
+        ({"threshold": {"P": 1}}, "threshold has a use with reduce"),
+        ({"reduce": "tolerance"}, "needs a threshold, such as"),
+        ({"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
+        ({"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
+        ({"average": 2, "repeats": True}, "average goes with records that do not repeat"),
+        ({"average": 2}, "average = 2 leaves one of 3 rows"),
+        ({"average": 0}, "greater than or equal to 1"),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("given", "why"), REFUSED_LOADS)
 def test_functions_and_rows_that_will_not_do_are_refused(given, why):
     with np.errstate(all="ignore"), pytest.raises(ValidationError, match=why):
         make(given)
@@ -466,7 +467,7 @@ def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
         assert abs(found / whole - 1) < most, keys
         assert count <= kept, keys
     words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words("N/mm")
-    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q, P from" in words
+    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q. P goes from" in words
     assert base.vary(load={"average": 4}).load.rows == base.load.rows  # all rows stay in the scene
 
 
@@ -578,23 +579,6 @@ def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
         for part in (lambda leg: leg, lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk):
             ends = [np.array(part(leg).loads(np.array([leg.start, leg.end]))) for leg in (one, other)]
             assert np.array_equal(*ends)
-
-
-def test_a_tilt_that_changes_while_the_load_stands_still_moves_the_contact_and_nothing_else() -> None:
-    """Hertz: a tilt shifts the contact by -R tilt; W, p and a are those without it (Johnson 1985)."""
-    load = {"initial_loading": [(3.0, 0.0), (3.0, 0.0), (3.0, 0.3)], "cycle": [(3.0, -0.3)]}
-    soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
-    turned = PolygonLoad(**load, tilt=(0.0, 0.1, 0.1, 0.1))
-    plain = PolygonLoad(initial_loading=[(3.0, 0.0), (3.0, 0.3)], cycle=[(3.0, -0.3)])
-    answers = [
-        semi_analytic.solve(
-            Scene.model_validate({"material": soft, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 0.5, "load": one}),
-            x=[0.0],
-        )
-        for one in (turned, plain)
-    ]
-    assert answers[0].dissipation == pytest.approx(answers[1].dissipation, rel=1e-12)
-    assert np.mean(answers[0].contact_edges[-1]) == pytest.approx(-0.1, rel=1e-12)
 
 
 REFUSED = {

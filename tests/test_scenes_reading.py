@@ -85,8 +85,6 @@ FIT = 'kind = "tabulated"\npoints = [[0, 0], [1, 1], [2, 4]]\nfit = {kind = '
 REFUSED = {
     "friction below zero": ("coefficient = 0.5", "coefficient = -0.1", "friction.coefficient = -0.1|greater than or equal to 0"),
     "friction as text": ("coefficient = 0.5", 'coefficient = "0.5"', "friction.coefficient = '0.5'|valid number"),
-    "friction as truth": ("coefficient = 0.5", "coefficient = true", "friction.coefficient = True|valid number"),
-    "friction as list": ("coefficient = 0.5", "coefficient = [0.5]", "friction.coefficient = [0.5]|valid number"),
     "friction as date": ("coefficient = 0.5", "coefficient = 2020-01-01", "friction.coefficient = '2020-01-01'|valid number"),
     "friction not a number": ("coefficient = 0.5", "coefficient = nan", "friction.coefficient = nan|finite"),
     "a load without a square": (
@@ -94,8 +92,6 @@ REFUSED = {
         "mean_normal_load = 9e200",
         "load.mean_normal_load is refused: 9e+200 is above 1e+100",
     ),
-    "a radius without a square": ("radius = 2.0", "radius = 1e300", "profile has a length of 1e+300, which is not between 1e-100"),
-    "friction infinite": ("coefficient = 0.5", "coefficient = inf", "friction.coefficient = inf|finite"),
     "nu at its upper end": ("poisson_ratio = 0.3", "poisson_ratio = 0.5", "material.poisson_ratio = 0.5|less than 0.5"),
     "nu at its lower end": ("poisson_ratio = 0.3", "poisson_ratio = -1", "material.poisson_ratio = -1|greater than -1"),
     "E zero": ("young_modulus = 1", "young_modulus = 0", "material.young_modulus = 0|greater than 0"),
@@ -104,23 +100,16 @@ REFUSED = {
     "unknown table": ("[friction]", "[paint]\ncolour = 3\n[friction]", "unknown key paint|halfplane schema"),
     "misspelt key": ("coefficient", "coeficient", "friction.coeficient|did you mean coefficient?|(also at fault: "),
     "missing key": ("coefficient = 0.5", "", "the key friction.coefficient is missing|halfplane schema"),
-    "missing table": ("[friction]\ncoefficient = 0.5", "", "the key friction is missing"),
-    "missing material": ("[material]", "[material.upper]", "the key material.lower is missing"),
     "missing kind": ('kind = "hertz"', "", "the key profile.kind is missing"),
     "unknown kind": ('kind = "hertz"', 'kind = "hurtz"', "profile.kind = 'hurtz'|'hertz' or 'flat_rounded'"),
-    "unknown kind of load": ('kind = "polygon"', 'kind = "circle"', "load.kind = 'circle'|'ellipse' or 'polygon'"),
     "no point": ("initial_loading = [[2.0, 0.0]]", "initial_loading = []", "load.initial_loading = []|at least 1 item"),
-    "half a point": ("[2.0, 0.5]", "[2.0]", "load.cycle.0 = [2.0]|[P, Q]"),
     "a point of words": ("[2.0, 0.5]", '[2.0, "x"]', "load.cycle.0.1 = 'x'|valid number"),
     "a point twice": ("[2.0, 0.5]", "[2.0, 0.0]", "load is refused|[2.0, 0.0] stands twice in a row"),
-    "no cycle": ("[material]", "cycles = 0\n[material]", "cycles = 0|greater than or equal to 1"),
-    "tolerance zero": ("[friction]", "[tolerances]\nshear = 0\n[friction]", "tolerances.shear = 0|greater than 0"),
     "material a number": ("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", "material = 3", "material = 3|a table of keys"),
     "two faults": (HERTZ + "\n\n[friction]\ncoefficient = 0.5", 'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
                    "profile.radius = -1|(also at fault: friction.coefficient)"),
     "a pad wider than its block": (*bodies(upper=WIDE, lower=BLOCK), "bodies is refused: the upper body, a pad of width 28, is "
                                    "wider than the block that it faces, of width 20: make the pad narrower or the block wider"),
-    "the same upside down": (*bodies(lower=WIDE, upper=BLOCK), "the lower body, a pad of width 28, is wider"),
     "a pad past its arcs": (*bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
                             "bodies.upper.width = 4 goes past the end of the pad's arcs, at 4: make it less"),
     "two pads": (*bodies(lower=PAD, upper=PAD), "bodies is refused: a pad on a pad: a pad faces a half_plane or a block"),
@@ -130,39 +119,27 @@ REFUSED = {
                                     "profile is not that of the cylinders: it is kind = 'hertz' with radius = 18.75 (1/R is"),
     "a cylinder of another radius": (*bodies(upper='{kind = "cylinder", radius = 50.0}'), "not that of the cylinders|radius = 50"),
     "no width": (*bodies(upper='{kind = "pad", width = 0.0, height = 5.0}'), "bodies.upper.width = 0.0 is refused: should be"),
-    "no radius": (*bodies(lower='{kind = "cylinder", radius = -1.0}'), "bodies.lower.radius = -1.0 is refused: should be greater"),
     "base": (*bodies(lower=BLOCK.replace("}", ', base = "glued"}')), "base = 'glued' is refused: should be 'fixed' or 'rollers'"),
-    "sides": (*bodies(lower=BLOCK.replace("}", ', sides = "fixed"}')), "sides = 'fixed' is refused: should be 'free' or 'guided'"),
-    "no height": (*bodies(lower='{kind = "block", width = 8.0}'), "the key bodies.lower.height is missing"),
-    "depth": (*bodies(lower=BLOCK.replace("}", ", depth = 1.0}")), "unknown key bodies.lower.depth = 1.0"),
     "no kind of body": (*bodies(lower="{width = 8.0, height = 5.0}"), "the key bodies.lower.kind is missing"),
-    "unknown body": (*bodies(upper='{kind = "ball"}'), "bodies.upper.kind = 'ball' is refused: should be|'half_plane'"),
     "unknown place": (*bodies(middle=BLOCK), "unknown key bodies.middle"),
     "power law": (HERTZ, 'kind = "power_law"\nexponent = 0.9\nlength = 1.0\nrise = 1.0', "profile.exponent = 0.9|or equal to 1"),
-    "compound": (HERTZ, 'kind = "compound"\ninner_radius = 1.0\nouter_radius = -1.0\ninner_half_length = 1.0', "outer_radius"),
     "wedge": (HERTZ, 'kind = "wedge"\ntip_radius = 1.0', "profile.tip_half_length is missing"),
     "polynomial that falls": (HERTZ, 'kind = "polynomial"\nlength = 1.0\nrises = [0.5, -1.0]', "falls at x = "),
-    "polynomial of nothing": (HERTZ, 'kind = "polynomial"\nlength = 1.0\nrises = [0.0]', "one of them must be positive"),
-    "table without rows": (HERTZ, 'kind = "tabulated"', "profile.points is missing"),
     "function in a file": (HERTZ, 'kind = "callable"\nextent = 1.0\nheight_function = "x*x"', "only be built in Python"),
     "unknown tag": ("[material]", 'tags = ["papier"]\n[material]', "tags.0 = 'papier'"),
     "unknown quantity": (*number('quantity = "work", tolerance = 0.1, source = "x"'), "expected.0.quantity = 'work'"),
     "number without source": (*number('quantity = "dissipation", tolerance = 0.1'), "expected.0.source is missing"),
-    "number without tolerance": (*number('quantity = "dissipation", tolerance = 0, source = "x"'), "expected.0.tolerance = 0"),
     "number of no engine": (*number('quantity = "dissipation", tolerance = 1, source = "x", engine = "x"'), "0.engine = 'x'"),
     "phase": ("phase_degrees", "phase", "did you mean phase_degrees?"),  # it was "base"
     "unit in a key": ("radius = 1000", "radius_mm = 1000", "did you mean radius?"),
     "units that do not fit": ("title", 'units = "N, mm, GPa"\ntitle', "N/mm^2 is MPa, not GPa"),
-    "units that do not fit in m": ("title", 'units = "N, m, MPa"\ntitle', "N/m^2 is Pa, not MPa"),
     "units in another order": ("title", 'units = "mm, N, MPa"\ntitle', "force, length and stress in this order"),
     "units without commas": ("title", 'units = "N mm MPa"\ntitle', "with commas between"),
-    "numbers for points": (CYCLE, "[90, 27]", "load.cycle.0 = 90 is refused: should be a list in square brackets"),
     "three numbers for two": (CYCLE, "[[9, 2, 3]]", "load.cycle.0 = [9, 2, 3] is refused: should have at most 2 entries"),
     "a pad past its arcs beside a flat": (*with_flat(24.0), "past the end of the pad's arcs, at 24"),
     "friction that is no table": ("[friction]\ncoefficient = 0.5", "[[friction]]", "friction is refused"),
     "a kind of curve": (HERTZ, f'{FIT}"herz"}}', "profile.fit.kind = 'herz' is refused"),
     "noise below zero": (HERTZ, f'{FIT}"hertz", noise = -1.0}}', "profile.fit.noise = -1.0 is refused: should be greater than 0"),
-    "a key of a fit": (HERTZ, f'{FIT}"hertz", nois = 1.0}}', "unknown key profile.fit.nois = 1.0; did you mean noise?"),
 }  # fmt: skip
 # What no scene can state is answered by the limit; it was "did you mean" something unrelated, as title for tilt.
 NEGLECTED = {
@@ -285,7 +262,6 @@ def named(columns: str) -> tuple[str, str]:
 DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks between thousands"
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
-    (SERIES, "time,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
     (SERIES, "\ufefftime,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
     (SERIES, "time,P,Q\n0,1,0\n2,2,0\n# late\n1,3,0\n", ", line 5: time = 1 comes after a later one"),
     (SERIES, "time,P,Q\n0,1\n", ", line 2: 3 numbers (time, P, Q) are needed"),
@@ -302,9 +278,7 @@ TABLES = [
     (SERIES, "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n", ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}"),
     (SERIES, "Rig 7\na,b,c\n0,1,2\n1,2,3\n", ", line 2: the columns are time, P, Q, not 'a,b,c': none is known as time or P or Q"),
     (named("time = 1, P = 4, Q = 5"), "0,1,2,3\n1,2,3,4\n", ", line 1: there is no column 5: the line has 4"),
-    (named("time = 1, P = 4, Q = 5"), "Rig 7\n0,1,2,3\n1,2,3,4\n", ", line 2: there is no column 5: the line has 4"),
     (named("P = 0"), "time,P,Q\n0,1,0\n1,2,0\n", ": columns = {P = 0} is refused: columns are numbered from 1 on"),
-    (named("time = 1, P = -1, Q = 2"), "0,1,2\n1,2,3\n", ": columns = {P = -1} is refused: columns are numbered from 1 on"),
     (named("P = 2, Q = 2"), "time,P,Q\n0,1,0\n1,2,0\n", ", line 1: columns: time, P, Q must be of different columns of 'time,P,Q'"),
     (
         named('time = "Zeit", P = "FN", Q = "Quer"'),
@@ -313,15 +287,8 @@ TABLES = [
     ),
     (SERIES, "time;P;Q\n0,0;5.000,5;2\n", f", line 2: P = '5.000,5' is not a finite number of at most 1e+100; {DECIMAL} comma"),
     (SERIES, "time,P,Q\n0,1,0\n", ", line 2: one row is no history"),
-    (SERIES, "time,P,Q\n0,1,inf\n1,1,0\n", ", line 2: Q = 'inf' is not a finite number"),
     (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", "commas between the columns leave points for the numbers"),
-    (
-        SERIES,
-        "time;P;Q\n0;1.234,5;2\n",
-        f", line 2: P = '1.234,5' is not a finite number of at most 1e+100; {DECIMAL} comma: {THOUSANDS}",
-    ),
     (SERIES, "time;P;Q\n0;1,5;2\n1;1.234;2\n", f", line 3: P = '1.234' is not a finite number of at most 1e+100; {DECIMAL} comma"),
-    (SERIES, "time;P;Q\n0;1.5;2\n1;1 234;2\n", f", line 3: P = '1 234' is not a finite number of at most 1e+100; {DECIMAL} point"),
     (SERIES, "time;P;Q\n0;1;2\n1;1_000;2\n", ", line 3: P = '1_000' is not a finite number"),
     (
         SERIES,
@@ -330,10 +297,8 @@ TABLES = [
     ),
     (TRACE, "", ": the file is empty"),
     (TRACE, None, ": the file can't be read: No such file"),
-    (TRACE, "x,h\n", ": no row of numbers"),
     (TRACE, "a,b\n0,0\n", ", line 1: the columns are x, h, not 'a,b'"),
     (TRACE, "x,h\n0,0\n1,oops\n2,3\n", ", line 3: h = 'oops' is not a finite number"),
-    (TRACE, "x,h\n0,0\n1,nan\n2,3\n", ", line 3: h = 'nan' is not a finite number"),
     (TRACE, "0,0\n1,1\n\n2\n", ", line 4: 2 numbers (x, h) are needed, not '2'"),
     (TRACE, "x,h\n0,0\n2,1\n1,2\n", ", line 4: x = 1 does not ascend"),
     (TRACE, "x,h\n# a remark\n0,0\n1,2\n2,1\n", ", line 5: h = 1 falls: the profile must rise"),
@@ -360,75 +325,38 @@ def test_faults_in_tables_name_file_line_and_rule(edit: tuple[str, str], text: s
     assert said in sentence
 
 
-# Text, keys of the table, units of the scene, rows that are found, words of the record.
+# Text, keys of the table, rows that are found, words of the record.
+SCENE_UNITS = {"units stated": "kN, mm, GPa", "words in other columns": "SI"}
 FORMS = {
-    "spreadsheet": (
-        "\ufeffTime [s];Normal force [kN];FT [N]\r\n0;1,5;5\r\n1;1,6;6,5\r\n",
-        "thickness = 10",
-        "N, mm, MPa",
-        [[0, 150, 0.5], [1, 160, 0.65]],
-        ("semicolon", "comma", "times 1000", "over the thickness 10"),
-    ),
-    "data logger": (
-        "Rig 7\nDate\t1.2.2026\nt / ms\tFN (N/mm)\tFT (N/mm)\tnote\n0\t1\t2\tok\n500\t2\t3\tok, fine\n",
-        "",
-        "N, mm, MPa",
-        [[0, 1, 2], [0.5, 2, 3]],
-        ("tab", "2 skipped", "times 0.001"),
-    ),
-    "units below": (
-        "time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n",
-        "thickness = 2",
-        "N, mm, MPa",
-        [[0, 500, 0.25], [1, 1000, 0.3]],
-        ("kN", "over the thickness 2"),
-    ),
-    "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", "N, mm, MPa", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
-    "decimal commas and blanks": (
-        "Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n",
-        "",
-        "N, mm, MPa",
-        [[0, 1.5, 2], [0.5, 2.5, 3]],
-        ("comma",),
-    ),
-    "words in other columns": ("state,time,P,Q\nn/a,0,1,2\n,1,2,3\n", "", "SI", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
-    "quotes": ('"time","P","Q"\n"0","1","2"\n"1","2","3"\n', "", "N, mm, MPa", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
-    "comma at each end": ("time,P,Q,\n0,1,2,\n1,2,3,\n", "", "N, mm, MPa", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
-    "columns by heading": (
-        "a;b;c\n0;1;2\n1;2;3\n",
-        'columns = {time = "a", P = "c", Q = "b"}\nzero = {P = 1}\nscale = {P = 3}\nsign = {Q = -1}',
-        "N, mm, MPa",
-        [[0, 3, -1], [1, 6, -2]],
-        ("zero at 1 of the file, times 3 (scale)", "sign turned"),
-    ),
-    "columns by number": (
-        "junk\n0;1;2;9\n1;2;3;9\n",
-        "columns = {time = 1, P = 3, Q = 2}",
-        "N, mm, MPa",
-        [[0, 2, 1], [1, 3, 2]],
-        ("column 3",),
-    ),
-    "units stated": (
-        "0,1,2\n1,2,3\n",
-        'units = {P = "N/mm", time = "min"}',
-        "kN, mm, GPa",
-        [[0, 0.001, 2], [60, 0.002, 3]],
-        ("N/mm (stated), times 0.001",),
-    ),
-    "volts": (
-        "time,P [V],Q\n0,1,2\n1,2,3\n",
-        "scale = {P = 20}",
-        "N, mm, MPa",
-        [[0, 20, 2], [1, 40, 3]],
-        ("no unit that is known: taken as it stands",),
-    ),
-}
+    "spreadsheet": ("\ufeffTime [s];Normal force [kN];FT [N]\r\n0;1,5;5\r\n1;1,6;6,5\r\n", "thickness = 10",
+                    [[0, 150, 0.5], [1, 160, 0.65]], ("semicolon", "comma", "times 1000", "over the thickness 10")),
+    "data logger": ("Rig 7\nDate\t1.2.2026\nt / ms\tFN (N/mm)\tFT (N/mm)\tnote\n0\t1\t2\tok\n500\t2\t3\tok, fine\n", "",
+                    [[0, 1, 2], [0.5, 2, 3]], ("tab", "2 skipped", "times 0.001")),
+    "units below": ("time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n", "thickness = 2",
+                    [[0, 500, 0.25], [1, 1000, 0.3]], ("kN", "over the thickness 2")),
+    "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
+    "decimal commas and blanks": ("Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n", "",
+                                  [[0, 1.5, 2], [0.5, 2.5, 3]], ("comma",)),
+    "words in other columns": ("state,time,P,Q\nn/a,0,1,2\n,1,2,3\n", "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "quotes": ('"time","P","Q"\n"0","1","2"\n"1","2","3"\n', "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "comma at each end": ("time,P,Q,\n0,1,2,\n1,2,3,\n", "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "columns by heading": ("a;b;c\n0;1;2\n1;2;3\n",
+                           'columns = {time = "a", P = "c", Q = "b"}\nzero = {P = 1}\nscale = {P = 3}\nsign = {Q = -1}',
+                           [[0, 3, -1], [1, 6, -2]], ("zero at 1 of the file, times 3 (scale)", "sign turned")),
+    "columns by number": ("junk\n0;1;2;9\n1;2;3;9\n", "columns = {time = 1, P = 3, Q = 2}",
+                          [[0, 2, 1], [1, 3, 2]], ("column 3",)),
+    "units stated": ("0,1,2\n1,2,3\n", 'units = {P = "N/mm", time = "min"}',
+                     [[0, 0.001, 2], [60, 0.002, 3]], ("N/mm (stated), times 0.001",)),
+    "volts": ("time,P [V],Q\n0,1,2\n1,2,3\n", "scale = {P = 20}",
+              [[0, 20, 2], [1, 40, 3]], ("no unit that is known: taken as it stands",)),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(form: str, tmp_path: Path) -> None:
     """And stays so when the scene is changed, saved, or sent as JSON; the keys that say how a file is read go with the file."""
-    text, keys, units, rows, words = FORMS[form]
+    text, keys, rows, words = FORMS[form]
+    units = SCENE_UNITS.get(form, "N, mm, MPa")
     (tmp_path / "table.csv").write_bytes(text.encode())
     (tmp_path / "mine.toml").write_text(f'units = "{units}"\n' + PLAIN.replace(SERIES[0], f"{SERIES[1]}\n{keys}"), encoding="utf-8")
     scene = load_scene(tmp_path / "mine.toml")
@@ -438,13 +366,8 @@ def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(form: str, tm
     assert Scene.model_validate_json(scene.model_dump_json()) == scene.vary(friction=scene.friction.coefficient) == scene
     scene.save(tmp_path / "saved.toml")
     again = load_scene(tmp_path / "saved.toml").load
-    assert (again.rows, again.read_as, again.file, again.columns, again.scale) == (
-        scene.load.rows,
-        scene.load.read_as,
-        None,
-        None,
-        None,
-    )
+    assert (again.rows, again.read_as) == (scene.load.rows, scene.load.read_as)
+    assert again.file is again.columns is again.scale is None
     other = scene.vary(load={"rows": [[0, 1, 0], [1, 2, 0]]}).load
     assert (other.file, other.read_as, other.thickness, other.units) == (None, None, None, None)
 
@@ -557,37 +480,22 @@ CYLINDERS = [
 ]
 # Edits of the scene, what is asked of it, and the answer.
 READ: dict[str, tuple[Sequence[tuple[str, str]], Callable[[Any], Any], Any]] = {
-    "plain": (
-        (),
-        lambda s: (s.name, s.friction.coefficient, s.material.alike, s.load.cycle),
-        ("mine", 0.5, True, ((2.0, 0.5), (2.0, -0.5))),
-    ),
-    "a whole number": ((), lambda s: s.material.lower.young_modulus, 1.0),
+    "plain": ((), lambda s: (s.name, s.friction.coefficient, s.material.alike, s.load.cycle, s.material.lower.young_modulus),
+              ("mine", 0.5, True, ((2.0, 0.5), (2.0, -0.5)), 1.0)),
     "all options": ((("\n[material]", ALL),), lambda s: (s.name, s.cycles, s.tolerances.shear), ("other", 2, 0.5)),
-    "two materials": (
-        (("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", TWO),),
-        lambda s: (s.material.alike, s.material.upper.young_modulus, s.material.lower.poisson_ratio),
-        (False, 3.0, -0.2),
-    ),
+    "two materials": ((("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", TWO),),
+                      lambda s: (s.material.alike, s.material.upper.young_modulus, s.material.lower.poisson_ratio),
+                      (False, 3, -0.2)),
     "half-planes where left out": ((), lambda s: s.bodies, Bodies(lower=HalfPlane(), upper=HalfPlane())),
     "a block on rollers and a pad": (
         (bodies(lower=BLOCK.replace("}", ', base = "rollers", sides = "guided"}'), upper=PAD), WIDER),
-        lambda s: (s.bodies, s.bodies.half_planes, s.bodies.faces_are_true),
-        (Bodies(lower=Block(width=20, height=3, base="rollers", sides="guided"), upper=Pad(width=8, height=5)), False, True),
-    ),
-    "a pad's base and sides": (
-        (bodies(upper=PAD), WIDER),
-        lambda s: (s.bodies.upper.base, s.bodies.upper.sides, s.bodies.lower, s.bodies.half_planes),
-        ("fixed", "free", HalfPlane(), False),
-    ),
+        lambda s: (s.bodies, s.bodies.half_planes, s.bodies.faces_are_true, s.bodies.upper.base, s.bodies.upper.sides),
+        (Bodies(lower=Block(width=20, height=3, base="rollers", sides="guided"), upper=Pad(width=8, height=5)),
+         False, True, "fixed", "free")),
     "a gap between flat faces": ((bodies(lower=BLOCK, upper=BLOCK),), lambda s: s.bodies.faces_are_true, False),
     "arcs that end farther out": ((with_flat(23.9),), lambda s: s.bodies.upper.width, 23.9),
-    "a pad as wide as its block": (
-        (bodies(lower=NARROW, upper=PAD), WIDER),
-        lambda s: s.bodies.lower.width,
-        8,
-    ),
-}
+    "a pad as wide as its block": ((bodies(lower=NARROW, upper=PAD), WIDER), lambda s: s.bodies.lower.width, 8),
+}  # fmt: skip
 READ |= {units: ((("\n[material]", f'\nunits = "{units}"\n[material]'),), lambda s: s.units, units) for units in UNITS}
 READ |= {
     f"cylinders {number}": (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy import integrate, special
+from scipy import integrate, optimize, special
 
 from scenes import (
     SLIP_FORWARD,
@@ -29,7 +30,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from semi_analytic import eccentricity, events, solve
+from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
@@ -52,49 +53,51 @@ from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 from semi_analytic_cases import PAPER, fretting, leaning, make_scene
 
 A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
-LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
-BACK = (-LARGE[1], -LARGE[0])
 
 
 def parabola(x):
     return x**2 / 2
 
 
-def ramp(increments, *values):
-    """Loads in proportion from 0 to `values`."""
-    return [np.linspace(0, value, increments + 1) for value in values]
-
-
-# ------------------------------------------------------------------------------------------------------------- the oracle
-# From P = 3 alone: (Q, eps) in proportion, increments, edges of stick. Cattaneo-Mindlin; Nowell and Hills 1987; opposite slip at
-# the ends without and with Q.
+LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
+ONE_WAY = 1.2360774464742066  # half-width of stick at Q = 1.8
+# From P = 3 alone: (Q, eps) in proportion, the ends of stick, and the senses of slip beyond them. Cattaneo-Mindlin; Nowell and
+# Hills 1987; opposite slip at the ends without and with Q.
 STICK = {
-    "cattaneo-mindlin": (1.8, 0.0, 1, (-1.2360774464742066, 1.2360774464742066)),
-    "moderate bulk": (1.8, 0.2, 1, (0.2 - 1.2360774464742066, 0.2 + 1.2360774464742066)),
-    "bulk alone, c = 0.9 a": (0.0, 0.2007250992650, 1, (-0.9 * A0, 0.9 * A0)),
-    "bulk alone, c = 0.5 a": (0.0, 1.1763560617531, 8, (-0.5 * A0, 0.5 * A0)),
-    "bulk alone, c = 0.1 a": (0.0, 3.3340559259752, 8, (-0.1 * A0, 0.1 * A0)),
-    "large bulk": (0.9, 1.0, 8, LARGE),
-    "large bulk turned": (-0.9, -1.0, 8, LARGE),
+    "cattaneo-mindlin": (1.8, 0.0, (-ONE_WAY, ONE_WAY), (1, 1)),
+    "moderate bulk": (1.8, 0.2, (0.2 - ONE_WAY, 0.2 + ONE_WAY), (1, 1)),
+    "bulk alone, c = 0.9 a": (0.0, 0.2007250992650, (-0.9 * A0, 0.9 * A0), (1, -1)),
+    "bulk alone, c = 0.5 a": (0.0, 1.1763560617531, (-0.5 * A0, 0.5 * A0), (1, -1)),
+    "bulk alone, c = 0.1 a": (0.0, 3.3340559259752, (-0.1 * A0, 0.1 * A0), (1, -1)),
+    "large bulk": (0.9, 1.0, LARGE, (1, -1)),
+    "large bulk turned": (-0.9, -1.0, LARGE, (-1, 1)),
+    "large bulk against Q": (-0.9, 1.0, (-LARGE[1], -LARGE[0]), (1, -1)),
 }
 
 
-@pytest.mark.parametrize(("force", "strain", "increments", "edges"), STICK.values(), ids=STICK)
-def test_the_grid_finds_the_stick_zones_of_closed_solutions(force, strain, increments, edges):
-    shear, eps = ramp(increments, force, strain)
-    found = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, shear, eps)
-    assert found.edges(-1) == pytest.approx((-A0, A0), abs=found.step)
-    assert found.edges(-1, stick=True) == pytest.approx(edges, abs=found.step)
+@pytest.mark.parametrize(("force", "strain", "edges", "senses"), STICK.values(), ids=STICK)
+def test_stick_zones_at_constant_load_by_grid_by_fronts_and_by_solve(force, strain, edges, senses):
+    """To a cell, to 3e-10 and to 1e-10; and slip on either side in its own sense."""
+    grid = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, *(np.linspace(0, value, 9) for value in (force, strain)))
+    assert grid.edges(-1) == pytest.approx((-A0, A0), abs=grid.step)
+    assert grid.edges(-1, stick=True) == pytest.approx(edges, abs=grid.step)
+    follower = Follower(CONTACT, 1.0, straight((3.0, 0.0, 0.0, 0.0), (3.0, force, strain, 0.0)), 0.25)
+    assert follower.run(pressed(follower), 1.0)[1].edges == pytest.approx(edges, abs=3e-10)
+    x = [edges[0] - 0.1, sum(edges) / 2, edges[1] + 0.1]
+    found = solve(fretting(strain, q=force), x=x, time=2.0, fields=("state", "shear", "pressure"))
+    assert found.stick_edges[0] == pytest.approx(edges, abs=1e-10)
+    assert found.shear[0, [0, 2]] == pytest.approx(found.pressure[0, [0, 2]] * senses, rel=1e-12)
+    left, right = (SLIP_FORWARD if sense > 0 else SLIP_REVERSE for sense in senses)
+    assert found.state[0].tolist() == [left, 1, right]
 
 
-def test_the_work_of_the_grid_is_its_loop_with_the_bulk_term():
-    """Discretely exact over a steady cycle."""
-    way = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, -1, 41)[1:], np.linspace(-1, 1, 41)[1:]])
-    way = np.concatenate([way, way[21:]])
-    found = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, 1.8 * way, 0.3 * way)
-    works = found.cycle_work(80)
-    assert works == pytest.approx(0.9368781396315213, rel=1e-3)
-    assert found.cycle_work(80, loop=True) == pytest.approx(works, rel=1e-10)
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.1])
+def test_bulk_alone_has_complete_elliptic_integrals(share):
+    """Stick of half-length c = share a under Q = 0: eps of K and E."""
+    e, force = loads_of(np.array([1 - share]), np.array([1 - share]))
+    m = 1 - share**2
+    assert -e[0] == pytest.approx(2 / math.pi * (special.ellipk(m) - special.ellipe(m)), rel=1e-12)
+    assert force[0] == pytest.approx(0, abs=1e-14)
 
 
 # ------------------------------------------------------------------------------- one memory curve: alpha, eps affine in P, Q
@@ -209,40 +212,6 @@ def test_fields_are_those_of_the_grid(name):
         assert grid.cycle_work(80)[-1] == pytest.approx(steady.dissipation, rel=3e-3)
 
 
-@pytest.mark.parametrize(("share", "strain"), [(0.9, 0.2007250992650), (0.5, 1.1763560617531), (0.1, 3.3340559259752)])
-def test_bulk_alone(share, strain):
-    """Stick of half-length c = share a under Q = 0 has a closed form, the complete elliptic integrals K and E."""
-    e, force = loads_of(np.array([1 - share]), np.array([1 - share]))
-    assert -e[0] * A0 == pytest.approx(strain, abs=1e-12)
-    assert force[0] == pytest.approx(0, abs=1e-14)
-    m = 1 - share**2
-    assert -e[0] == pytest.approx(2 / math.pi * (special.ellipk(m) - special.ellipe(m)), rel=1e-12)
-    wave = {"tangential_amplitude": 0, "phase_degrees": 0, "bulk_stress_lower": {"amplitude": 2 * strain, "phase_degrees": 90}}
-    for scene in (fretting(strain, q=0.0), make_scene(EllipseLoad(mean_normal_load=3, normal_amplitude=0, **wave))):
-        found = solve(scene, x=0.0)
-        assert found.permanent_stick_edges / A0 == pytest.approx((-share, share), abs=1e-10)
-        assert found.loop_work == pytest.approx(found.dissipation, rel=1e-10)
-        assert not np.any(found.tangential_load)
-
-
-def test_large_bulk():
-    """Both ends of stick, for all signs of Q and bulk; loads first, then P is constant."""
-    for eps, q, ends in ((1.0, 0.9, LARGE), (-1.0, -0.9, LARGE), (-1.0, 0.9, BACK), (1.0, -0.9, BACK)):
-        found = solve(fretting(eps, q=q), x=[-1.7, 0.5, 1.7], time=2.0, fields=("state", "shear", "pressure"))
-        assert found.stick_edges[0] == pytest.approx(ends, abs=1e-10)
-        sense = math.copysign(1, eps)
-        assert found.state[0].tolist() == [2 if eps > 0 else 3, 1, 3 if eps > 0 else 2]
-        assert found.shear[0, [0, 2]] == pytest.approx(found.pressure[0, [0, 2]] * [sense, -sense], rel=1e-12)
-
-
-def test_large_bulk_meets_moderate_bulk():
-    """Just above the limit of moderate bulk, on the straight way of small Q, stick is what it is just below."""
-    limit = 2 / (math.pi * A0) * 0.01
-    below, above = (solve(fretting(limit * (1 + share), q=0.01), x=0.0, time=2.0) for share in (-1e-3, 5e-3))
-    assert above.stick_edges[0] == pytest.approx(below.stick_edges[0], abs=1e-4)
-    assert above.tangential_displacement == pytest.approx(below.tangential_displacement, rel=1e-3)
-
-
 def test_a_tilted_flat_pad():
     """Contact and moment under a tilt, without Q."""
     load = PolygonLoad(initial_loading=[(1, 0)], cycle=[], tilt=0.2)
@@ -267,24 +236,6 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
     np.testing.assert_allclose(tilted.centre(loads), 0, atol=1e-13)
 
 
-def test_a_parabola_under_tilt_has_closed_forms():
-    """p is Hertz' about m; the gap closes by the slip integral; Lam is Hertz' and 3 kappa^2/S (P - P_c)^2 more; M = -alpha R P."""
-    tilt, kappa = 0.2, -0.1
-    contact = TiltedProfile(NestedIntervals(convex_profile(Hertz(radius=1.0)), 2.0, tilt, kappa, 4.0), 1.0)
-    square = 4 / math.pi  # c^2 = S eta, S = 4 R/(pi E*)
-    x, load, loads = np.linspace(-1.9, 2.1, 21), np.linspace(0.05, 4, 9)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
-    t = x + tilt + kappa * load
-    expected = np.sqrt(np.maximum(square * load - t**2, 0)) / 2
-    np.testing.assert_allclose(contact.pressure(x, load), expected, rtol=0, atol=1e-12)
-    open_to = contact.load(x)
-    np.testing.assert_allclose(contact.slip_integral(x, open_to) * 2 / math.pi, (x + tilt) ** 2 / 2, rtol=0, atol=1e-12)
-    ratio = loads / (loads - 0.2)
-    expected = (loads * np.log(ratio) - 0.2) / 2 + 3 * kappa**2 / square * 0.2**2
-    np.testing.assert_allclose(contact.dissipation_kernel(loads, 0.2), expected, rtol=1e-11)
-    moment = replace(contact, rigid="moment").log_distance(loads)
-    np.testing.assert_allclose(moment, -(tilt + kappa * loads) * loads, rtol=1e-12)
-
-
 # ---------------------------------------------------------------------------------------- profiles that are no parabolas
 SINH = CallableProfile(slope_function=lambda x: x**3 + np.sinh(x) / 5, extent=6.0)
 CURVED = {
@@ -304,8 +255,12 @@ def slope_of(profile):
     return (lambda x: 0.4 * x + 0.3 * x**5) if profile.kind == "polynomial" else (lambda x: x**3 + math.sinh(x) / 5)
 
 
-@pytest.mark.parametrize(("load", "tilt"), [(3.0, 0.0), (3.0, 0.3), (0.2, -0.4), (0.01, 0.9)])  # the last one beside x = 0
-@pytest.mark.parametrize("name", CURVED)
+AT = ((3.0, 0.0), (3.0, 0.3), (0.2, -0.4), (0.01, 0.9))  # P and tilt, the last one beside x = 0
+AT_ONCE = [("fourth power", *AT[2]), ("power 2.5", *AT[1]), ("power 1.3", *AT[3]), ("polynomial", *AT[1]), ("function", *AT[2])]
+LATER = [pytest.param(name, *at, marks=pytest.mark.slow) for name in CURVED for at in AT if (name, *at) not in AT_ONCE]
+
+
+@pytest.mark.parametrize(("name", "load", "tilt"), [*AT_ONCE, *LATER])
 def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     """QUADPACK's rules for end singularities and principal values; moment, approach and gap from the pressure alone."""
     profile, length = CURVED[name], 1.7
@@ -376,10 +331,10 @@ ANY_CONTACT = {
 
 @pytest.mark.parametrize("name", ANY_CONTACT)
 def test_contacts_of_any_load_and_tilt_are_in_balance(name):
-    """Four thousand at once, over many powers of ten."""
+    """A thousand at once, over many powers of ten."""
     profile, steepest, least = ANY_CONTACT[name]
     shape, random = convex_profile(profile), np.random.default_rng(1)
-    product, tilt = least * (2 / least) ** random.random(4000), steepest * random.uniform(-1, 1, 4000)
+    product, tilt = least * (2 / least) ** random.random(1000), steepest * random.uniform(-1, 1, 1000)
     m, c = shape.contact(product, tilt)
     found = shape.balance(m, c)
     np.testing.assert_allclose(found.load, product, rtol=3e-10)
@@ -418,13 +373,18 @@ LOADS = {
 }
 
 
-# A line of action turns all but parabolas as P varies, which goes to grids.
-PAIRS = [(name, loads) for name in ALIKE for loads in LOADS if loads != "line of action" or ALIKE[name][2] <= 1e-12]
+# Each profile and each load once among the fast tests. A line of action turns all but parabolas as P varies, which goes to grids.
+PAIRS = [
+    ("a quadratic polynomial", "line of action"),
+    ("the power 2", "moment"),
+    ("the function x", "tilt and bulk"),
+    ("the powers 2 and 4", "tilt"),
+    ("the powers 2 and 4", "bulk"),
+]
+MORE = [(name, loads) for name in ALIKE for loads in ("tilt and bulk", "moment") if (name, loads) not in PAIRS]
 
 
-@pytest.mark.parametrize(
-    ("name", "loads"), [pytest.param(*pair, marks=pytest.mark.slow) if "flat" in pair[0] else pair for pair in PAIRS]
-)
+@pytest.mark.parametrize(("name", "loads"), [*PAIRS, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in MORE)])
 def test_one_profile_by_two_kinds(name, loads):
     """Parabolas to rounding, also where the moment is given; by quadrature as by closed forms."""
     one, other, error = ALIKE[name]
@@ -447,22 +407,6 @@ def test_a_moment_at_constant_load_is_a_fixed_tilt(profile, turning):
     assert stated.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-14)
     assert stated.dissipation == pytest.approx(fixed.dissipation, rel=1e-11)
     assert stated.loop_work == pytest.approx(stated.dissipation, rel=1e-11)
-
-
-@pytest.mark.slow
-def test_tilt_out_of_phase_on_grids():
-    """Of a parabola that comes as a function, so that no edges are followed: theory's own limit is 0.25985, stick 0.72632 a0."""
-    loads = EllipseLoad(**PAPER, tilt={"amplitude": 0.06, "phase_degrees": 90})
-    found = solve(with_profile(make_scene(loads), ALIKE["the function x"][0]), x=0.0, fields="dissipation")
-    assert found.dissipation == pytest.approx(0.25985, rel=2e-3)
-    assert found.permanent_stick_edges / A0 == pytest.approx((-0.72632, 0.72632), abs=0.02)
-
-
-def test_a_line_of_action_makes_moments_and_a_tilt():
-    moved = solve(make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})), x=0.7)
-    np.testing.assert_allclose(moved.moment, 0.3 * moved.normal_load, rtol=1e-13)
-    np.testing.assert_allclose(moved.shear_moment, 0.3 * moved.tangential_load, rtol=0, atol=1e-13)
-    np.testing.assert_allclose(moved.tilt[1:], -0.3, rtol=1e-13)
 
 
 def test_the_path_by_straight_lines():
@@ -534,11 +478,6 @@ def test_eccentricity_of_the_stick_zone():
     assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
 
 
-def test_events_are_those_of_the_loads():
-    plain, leans = (events(scene) for scene in (make_scene(EllipseLoad(**PAPER, initial_loading=[(2, 0)])), leaning(0.1)))
-    assert [(one.letter, one.time) for one in plain] == [(one.letter, one.time) for one in leans]
-
-
 # ------------------------------------ fronts and grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
 CONTACT, HALF = Parabola(2.0, 1.0), 1.9544100476116797
 PI = math.pi
@@ -587,11 +526,37 @@ def cycles(follower, state, number):
     return works, steps
 
 
-@pytest.mark.parametrize(("force", "strain", "_", "edges"), STICK.values(), ids=STICK)
-def test_stick_edges_at_constant_load_are_those_of_the_closed_forms(force, strain, _, edges):
-    """Rows 1, 3 and 4 of the table: ends that slip the same way and opposite ways."""
-    follower = Follower(CONTACT, 1.0, straight((3.0, 0.0, 0.0, 0.0), (3.0, force, strain, 0.0)), 0.25)
-    assert follower.run(pressed(follower), 1.0)[1].edges == pytest.approx(edges, abs=3e-10)
+# P, Q, eps, alpha at first and at last, where all of a growing contact sticks.
+ALL_STICKS = {
+    "Q": ((1, 0, 0, 0), (3, 1, 0, 0)),
+    "bulk and tilt": ((1, 0, 0, 0), (3, 0.8, 0.15, 0.1)),
+    "turned": ((1, 0, 0.2, 0.3), (3, -0.8, 0.05, 0.1)),
+    "tilt against bulk": ((2, 0, 0, 0), (3, 0.2, -0.1, -0.1)),
+}
+
+
+@pytest.mark.parametrize(("begin", "end"), ALL_STICKS.values(), ids=ALL_STICKS)
+def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(begin, end):
+    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched: the edges freeze s' by `outer_slope_rate`."""
+    follower = Follower(CONTACT, 1.0, straight(begin, end), 0.25)
+    steps, state = follower.run(pressed(follower), 1.0)
+    assert state.slips == (0, 0)
+    first, rate, last = np.array(begin), np.subtract(end, begin), steps[-1].stick.part(-1)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+
+    def inside(time, x):
+        """c^2 - (x - m)^2 for c^2 = 2 A R P/pi and m = -alpha R."""
+        p, _, _, alpha = first[:, None] + rate[:, None] * time
+        return 4 * p / PI - (x + alpha) ** 2
+
+    for x in np.mean(state.edges) + np.diff(state.edges) / 2 * np.array([[-0.97], [-0.8], [-0.3], [0.2], [0.7], [0.95]]):
+        touched = 0.0 if inside(0.0, x) > 0 else optimize.brentq(lambda time, x=x: inside(time, x).item(), 0, 1, xtol=1e-15)
+        share = (1 + nodes) / 2
+        time = touched + (1 - touched) * share**2
+        driven = rate[1] / PI - rate[2] * (x + first[3] + rate[3] * time) / 2
+        expected = np.sum(weights * share * (1 - touched) * driven / np.sqrt(inside(time, x)))
+        found = last.fields(x, 2 * ORDER)[1].item()
+        assert found == pytest.approx(expected, abs=2e-8)
 
 
 # Signs and sizes of P, Q, eps, alpha; A and R; order; W of the loop over that of row 6. x -> -x: Q and alpha change sign, eps
@@ -673,24 +638,10 @@ def test_all_that_is_followed_agrees_with_the_dense_grid(followed):
     works = grid.step * np.sum((q[1:] + q[:-1]) * np.diff(s, axis=0), axis=1) / 2  # by the trapezoidal rule, as the grid's
     assert np.sum(works[-20:]) == pytest.approx(grid.cycle_work(20)[-1], rel=1e-3)
     assert np.mean(followed.state == grid.state) > 0.995
-
-
-def test_work_loop_and_work_at_the_points_are_one(followed):
-    """W = closed integral of Q dU - m_q d eps = int W(x) dx; and W is that without the tilt, which moves it all by -0.1 R."""
+    # W = closed integral of Q dU - m_q d eps; and W is that without the tilt, which moves it all by -0.1 R.
+    assert (followed.works[-1], followed.loop) == pytest.approx((0.9368781396315213,) * 2, rel=1e-8)
     assert followed.steady_from == 2
-    assert followed.works[-1] == pytest.approx(0.9368781396315213, rel=1e-8)
-    assert followed.loop == pytest.approx(followed.works[-1], rel=1e-8)
-    assert np.sum(followed.density) * 5 / CELLS == pytest.approx(followed.works[-1], rel=2e-3)
     assert followed.remainder < 1e-9 * followed.works[-1]
-
-
-def test_a_moment_is_the_tilt_that_it_makes(followed):
-    """M = -alpha R P: given the moment, the cycle is as given the tilt."""
-    rows = (*STAYS[:3], (-0.3, 0.0))
-    other = follow(path_of(rows, moment=True), CONTACT, 1.0, (1.0, 0.0), np.zeros(1), TIMES)
-    assert other.moment[1:] == pytest.approx(followed.moment[1:], rel=1e-12)  # before that it is the moment that grows
-    assert other.works == pytest.approx(followed.works, rel=1e-8)
-    assert other.displacement[1:] == pytest.approx(followed.displacement[1:], abs=1e-7)
 
 
 def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
@@ -709,6 +660,7 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
     assert np.mean(found.contact_edges, axis=1) == pytest.approx(-found.tilt, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_an_edge_that_jumps_where_a_loop_closes_keeps_the_digits_of_the_work():
     """The edges leave a stretch without q* at one instant; held there instead, W and its loop are 1.1e-7 apart."""
     line = {"mean_normal_load": 3, "normal_amplitude": 0, "mean_tangential_load": 0.372, "tangential_amplitude": 0.308}
@@ -718,21 +670,25 @@ def test_an_edge_that_jumps_where_a_loop_closes_keeps_the_digits_of_the_work():
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
 
 
-@pytest.mark.slow
-def test_an_ellipse_at_a_tilt_that_grew_with_the_loads_has_the_work_of_none():
-    """Full stick, both directions of slip, and their ends in the middle of a leg; a tilt that stays moves a parabola, no more."""
-    paper = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1}
-    leaning, upright = (solve(make_scene(EllipseLoad(**paper, phase_degrees=90, **turn)), x=0.0) for turn in ({"tilt": 0.1}, {}))
-    assert leaning.dissipation == pytest.approx(upright.dissipation, rel=1e-8)
-    assert leaning.permanent_stick_edges == pytest.approx(-0.1 + upright.permanent_stick_half_width * np.array([-1, 1]), abs=1e-7)
-
-
 def test_what_is_left_is_estimated_from_the_trend():
     """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40 cycles."""
     for law in (lambda k: 2e-3 * k**-3.0, lambda k: 0.1**k, lambda k: 0.8**k):
         for count in (6, 12, 40):
             true = law(count)
             assert true / 2 < remainder_of([1 + law(k) for k in range(1, count + 1)]) + 1e-15 < 4 * true + 1e-14
+
+
+@pytest.mark.slow
+def test_what_is_left_of_forty_cycles_out_of_phase():
+    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a twentieth of what is left."""
+    turn, cell = 2 * PI * np.arange(321) / 320, 2 * 2.2568 / 80
+    loads = np.stack([3 + np.cos(turn), 1.1 + np.sin(turn), 0.25 * np.sin(turn), 0 * turn], axis=1)
+    grid = dense_grid.Grid(parabola, (-2.2568 - 2 * cell, 2.2568 + 3 * cell), 85, 1.0)
+    grid.follow(loads[0] * np.linspace(0, 1, 81)[1:, None] ** 2)
+    works = [float(np.sum(grid.follow(loads[1:]).work)) for _ in range(40)]
+    for count in range(4, 25):
+        left = abs(works[count - 1] - works[-1])
+        assert left < remainder_of(works[:count]) < 4 * left
 
 
 # ------------------------------------------------------------------------------------- where stick breaks: the answer of grids
@@ -772,6 +728,20 @@ def on_grids(scene, x, **options):
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
 
 
+def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
+    scene = fretting(0.6)
+    path = scene.load.path()
+    loads = PathLoads(path, strain_of(scene.material), 1.0)
+    for leg in path.cycle:
+        time = np.linspace(leg.start, leg.end, 5)[1:-1]
+        eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
+        np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
+        for name in ("values", "rates"):
+            here, later = (getattr(loads, name)(time + turns * path.period) for turns in (0, 7))
+            np.testing.assert_allclose(later, here, rtol=0, atol=1e-13, err_msg=name)
+
+
+@pytest.mark.slow
 def test_grids_give_a_loop_in_phase_within_the_errors_that_they_state():
     """Row 6 again, with its fields by fronts."""
     line = {"mean_normal_load": 3, "normal_amplitude": 0.6, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
@@ -809,20 +779,12 @@ def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     assert other.shear == pytest.approx(one.shear, rel=2e-2)
 
 
-@pytest.mark.slow
-def test_a_mirror_turns_q_on_grids_too():
-    """x -> -x turns Q, half a cycle later in the loads; grids are moved to one side, so that works differ by their errors."""
-    extra = {"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 60}}
-    line = PAPER | {"normal_amplitude": 0, "mean_tangential_load": 0.4}
-    away = {"mean_tangential_load": -0.4, "phase_degrees": -90}
-    one, other = (solve(make_scene(EllipseLoad(**line | turn, **extra), cycles=2), x=0.0) for turn in ({}, away))
-    assert other.dissipation == pytest.approx(one.dissipation, rel=one.record.errors["dissipation"])
-    assert other.permanent_stick_edges[::-1] == pytest.approx(-one.permanent_stick_edges, abs=HALF / 80)
-
-
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
     monkeypatch.setattr(dense_grid, "_TURNS", 1)
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]))
     with pytest.raises(InputError, match=r"the contact area does not converge at P = .* of cycle 0; finite elements may") as caught:
-        solve(scene)
+        on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
+    p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
+    end = scene.load.path().initial_loading[0].last  # on the straight line to it
+    assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)

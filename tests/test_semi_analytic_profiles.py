@@ -5,16 +5,13 @@ numbers of the scene (its own test: 30 digits of h'), and the integrals are take
 """
 
 import contextlib
-import json
 import math
 import signal
-from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from reports.cli import main
 from scenes import (
     CallableProfile,
     Compound,
@@ -55,10 +52,10 @@ def cosh_less_one(x):
 # Name to profile and the half-widths that are tried: next to its corners, far from them, and small.
 CASES = {
     "hertz": (Hertz(radius=2.0), (1e-6, 1.3, 40.0)),
-    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.044, 1.3, 2.0, 40.0, 1e6)),
+    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.044, 1.3, 40.0, 1e6)),
     "compound, blunter": (
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.0),
-        (1e-3, 0.9, 1 + 1e-5, 1.1, 3.0, 1e4),
+        (0.9, 1 + 1e-5, 1.1, 1e4),
     ),
     "compound, sharper": (
         Compound(inner_radius=3.0, outer_radius=0.5, inner_half_length=1.0),
@@ -78,11 +75,10 @@ CASES |= {
 CASES |= {
     f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0)) for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
 }
-EVERY = pytest.mark.parametrize("name", CASES)
+EVERY, BOUNDED = pytest.mark.parametrize("name", CASES), ("tabulated", "callable")
 
 # Relative errors admitted; measured 7e-13 of p at 0.999 a, where a last digit of a counts 500 times, 1e-12 by a derivative.
 LIMITS = {"pressure": 2e-12, "pressure_moment": 2e-12, "dissipation_kernel": 3e-11, "function h": 1e-11}
-OTHERS = 4e-14
 
 
 def kernels(contact, truth, a):
@@ -98,59 +94,40 @@ def kernels(contact, truth, a):
     yield "log_distance", (load,), truth.log(least, a)
     yield "log_moment", (load,), truth.log(least, a, truth.law.load)
     for part in (0.999, 0.7, 0.1):
-        c = float(least + part * (a - least))
-        slipped = load - float(contact.load(c))
+        slipped = load - float(contact.load(float(least + part * (a - least))))
         if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
-            yield "dissipation_kernel", (load, slipped), dissipation_kernel(truth, a, LONG(float(contact.half_width(front))))
-
-
-def dissipation_kernel(truth, a, c):
-    """int ln(alpha/c) dP."""
-    return truth.total(lambda alpha: np.log1p((alpha - c) / c), c, a)
+            c = LONG(float(contact.half_width(front)))
+            yield "dissipation_kernel", (load, slipped), truth.total(lambda alpha, c=c: np.log1p((alpha - c) / c), c, a)
 
 
 @EVERY
 def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(name):
     profile, widths = CASES[name]
-    contact = contact_on(profile)
-    truth = Punches(profile)
-    skipped = ("pressure_moment", "slip_integral_moment", "log_moment") if profile.kind == "callable" else ()
+    contact, truth = contact_on(profile), Punches(profile)
     for a in widths:
         assert float(contact.half_width(contact.load(a))) == pytest.approx(a, rel=3e-15 if profile.kind != "callable" else 1e-12)
         for kernel, arguments, true in kernels(contact, truth, a):
-            if kernel in skipped:
+            moment = kernel.endswith("moment")
+            if moment and profile.kind == "callable":
                 continue
             value, exact = float(getattr(contact, kernel)(*arguments)), float(true)
-            limit = max(LIMITS.get(kernel, OTHERS), LIMITS.get(name, 0.0))
+            limit = max(LIMITS.get(kernel, 4e-14), LIMITS.get(name, 0.0))
             assert value == pytest.approx(exact, rel=limit, abs=0), (kernel, a, arguments)
-            if isinstance(contact, PunchSuperposition) and not kernel.endswith("moment"):
+            if isinstance(contact, PunchSuperposition) and not moment:
                 estimate = float(contact.quadrature_error(kernel, *arguments))
                 close = arguments[0] / arguments[1] if kernel == "dissipation_kernel" else 1.0
                 assert abs(value - exact) <= estimate + 1e-14 * abs(exact), (kernel, a, arguments)
                 assert estimate <= 1e-9 * close * abs(exact) * (1 + abs(math.log(a))), (kernel, a, arguments)
 
 
-def inverse_pairs(contact, name, profile):
-    """Loads over sixteen decades and what P(a(P)) makes of them."""
-    most = float(contact.load(0.996 * contact.extent)) if profile.kind in ("tabulated", "callable") else 1e8
-    load = most * 10.0 ** np.linspace(-16, 0, 161)
-    # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of the edge keeps all.
-    return load, (contact.law.load(contact.law.advance(load)) if contact.least else contact.load(contact.half_width(load)))
-
-
 @EVERY
 def test_half_width_inverts_load_over_sixteen_decades(name):
-    contact = contact_on(CASES[name][0])
-    load, found = inverse_pairs(contact, name, CASES[name][0])
+    contact, kind = contact_on(CASES[name][0]), CASES[name][0].kind
+    load = 10.0 ** np.linspace(-16, 0, 161) * (float(contact.load(0.996 * contact.extent)) if kind in BOUNDED else 1e8)
+    # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of the edge keeps all.
+    found = contact.law.load(contact.law.advance(load)) if contact.least else contact.load(contact.half_width(load))
     np.testing.assert_allclose(found, load, rtol=2e-14)
     assert np.all(np.diff(contact.half_width(load)) >= 0)
-
-
-@pytest.mark.parametrize(("ratio", "outer"), [(ratio, outer) for ratio in (1e-8, 1e-3, 1 - 1e-8) for outer in (3.0, 0.2, 1e-3)])
-def test_half_width_next_to_a_corner_and_far_from_it(ratio, outer):
-    """b/a = ratio: a itself to rounding."""
-    contact = contact_on(Compound(inner_radius=1.0, outer_radius=outer, inner_half_length=ratio))
-    assert float(contact.half_width(contact.load(1.0))) == pytest.approx(1.0, rel=2e-15)
 
 
 @pytest.mark.parametrize("name", [name for name, (profile, _) in CASES.items() if profile.kind != "callable"])
@@ -189,49 +166,46 @@ def test_the_law_of_the_oracle_is_that_of_the_slope_in_thirty_digits(name):
 
 def slope_of(profile):
     """h'(x), x > 0, in the digits of mpmath."""
-    kept = lambda name: mp.mpf(getattr(profile, name))  # noqa: E731
-    match profile.kind:
-        case "hertz":
-            return lambda x: x / kept("radius")
-        case "flat_rounded":
-            return lambda x: max(x - kept("flat_half_length"), 0) / kept("radius")
-        case "compound":
-            b = kept("inner_half_length")
-            return lambda x: min(x, b) / kept("inner_radius") + max(x - b, 0) / kept("outer_radius")
-        case "wedge":
-            return lambda x: min(x, kept("tip_half_length")) / kept("tip_radius")
-        case "power_law":
-            n = kept("exponent")
-            return lambda x: n * kept("rise") / kept("length") ** n * x ** (n - 1)
-        case "polynomial":
-            rises, length = [mp.mpf(c) for c in profile.rises], kept("length")
-            return lambda x: sum(2 * k * c * x ** (2 * k - 1) / length ** (2 * k) for k, c in enumerate(rises, 1))
-        case "tabulated":
-            spline = profile.spline()
-            knots, bends = ([mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature))
-            pieces = list(zip(bends, knots[:-1], knots[1:], strict=True))
-            return lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in pieces)
-    return mp.sinh
+    if profile.kind == "tabulated":
+        spline = profile.spline()
+        knots, bends = ([mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature))
+        return lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in zip(bends, knots[:-1], knots[1:], strict=True))
+    if profile.kind == "callable":
+        return mp.sinh
+    k = {
+        name: value if name == "rises" else mp.mpf(value)
+        for name, value in profile.model_dump(exclude={"kind"}, exclude_none=True).items()
+    }
+    return {
+        "hertz": lambda x: x / k["radius"],
+        "flat_rounded": lambda x: max(x - k["flat_half_length"], 0) / k["radius"],
+        "compound": lambda x: (min(x, k["inner_half_length"]) / k["inner_radius"]
+                               + max(x - k["inner_half_length"], 0) / k["outer_radius"]),
+        "wedge": lambda x: min(x, k["tip_half_length"]) / k["tip_radius"],
+        "power_law": lambda x: k["exponent"] * k["rise"] / k["length"] ** k["exponent"] * x ** (k["exponent"] - 1),
+        "polynomial": lambda x: sum(
+            2 * n * mp.mpf(c) * x ** (2 * n - 1) / k["length"] ** (2 * n) for n, c in enumerate(k["rises"], 1)
+        ),
+    }[profile.kind]  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------------ one shape in two forms
-def clamped(x):
-    return np.sign(x) * np.clip(np.abs(x), 0, 0.7) + np.sign(x) * (np.abs(x) - np.clip(np.abs(x), 0, 0.7)) / 3
+def flattened(x, flat, bend):
+    return np.sign(x) * np.maximum(np.abs(x) - flat, 0) * bend
 
 
-def scalar_height(x):
-    return x * x / 2 if abs(x) < 0.3 else x * x / 2 + 0.0 * abs(x)
-
-
+KNEE = Tabulated(points=[[0, 0], [0.5, 0], [0.75, 0.03], [1, 0.12], [1.5, 0.5]])
+BEND = float(KNEE.spline().curvature[np.flatnonzero(KNEE.spline().curvature)[0]])
+# One, the other, loads, relative error.
 SAME = {
     "a corner of the slope is found": (
-        CallableProfile(slope_function=clamped, extent=5.0),
+        CallableProfile(slope_function=lambda x: np.clip(x, -0.7, 0.7) + flattened(x, 0.7, 1 / 3), extent=5.0),
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=0.7),
         (0.1, 0.4, 3.0),
         1e-11,
     ),
     "a flat middle is found": (
-        CallableProfile(slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0) / 2, extent=3.0),
+        CallableProfile(slope_function=lambda x: flattened(x, 0.5, 0.5), extent=3.0),
         FlatRounded(radius=2.0, flat_half_length=0.5),
         (0.1, 0.6),
         2e-9,
@@ -243,7 +217,7 @@ SAME = {
         1e-11,
     ),
     "a function of single numbers": (
-        CallableProfile(height_function=scalar_height, extent=3.0),
+        CallableProfile(height_function=lambda x: x * x / 2 if abs(x) < 0.3 else x * x / 2 + 0.0 * abs(x), extent=3.0),
         Hertz(radius=1.0),
         (0.1, 1.0),
         1e-10,
@@ -255,6 +229,13 @@ SAME = {
         1e-8,
     ),
     "far from the tip": (Wedge(tip_radius=2e-8, tip_half_length=1e-8), PowerLaw(exponent=1.0, length=1.0, rise=0.5), (0.5,), 1e-7),
+    # As much as the last digit of a leaves of a - b.
+    "beside the flat of a table": (
+        KNEE,
+        FlatRounded(radius=1 / BEND, flat_half_length=contact_on(KNEE).least),
+        tuple(share * float(contact_on(KNEE).load(contact_on(KNEE).breaks[0])) for share in (1e-2,)),
+        1e-10,
+    ),
 }
 
 
@@ -266,40 +247,16 @@ def test_one_shape_in_two_forms(name):
         half = float(other.half_width(load))
         assert float(one.half_width(load)) == pytest.approx(half, rel=limit)
         x = half * np.array([0.01, 0.49, 0.69, 0.9, 1.2, 1.9])
+        x = x[x < one.extent]
         for kernel in ("pressure", "slip_integral"):
-            np.testing.assert_allclose(
-                getattr(one, kernel)(x, load), getattr(other, kernel)(x, load), rtol=limit, atol=limit * load
-            )
+            found, wanted = (getattr(each, kernel)(x, load) for each in (one, other))
+            np.testing.assert_allclose(found, wanted, rtol=limit, atol=limit * load, err_msg=kernel)
         for slipped in (0.01 * load, 0.3 * load):
-            assert float(one.dissipation_kernel(load, slipped)) == pytest.approx(
-                float(other.dissipation_kernel(load, slipped)), rel=limit
-            )
-
-
-@pytest.mark.parametrize("load", [1e-12, 1e-6, 1e-2])
-def test_beside_the_flat_of_a_table_small_loads_keep_their_digits(load):
-    profile = Tabulated(points=[[0, 0], [0.5, 0], [0.75, 0.03], [1, 0.12], [1.5, 0.5]])
-    contact, bends = contact_on(profile), profile.spline().curvature
-    flat = contact_on(FlatRounded(radius=1 / float(bends[np.flatnonzero(bends)[0]]), flat_half_length=contact.least))
-    small = load * float(contact.load(contact.breaks[0]))
-    np.testing.assert_allclose(contact.half_width(small) - contact.least, flat.half_width(small) - contact.least, atol=4e-16)
-    # What the last digit of a is worth over a - b: all that half-widths can say.
-    digits, x = 1e-11 + 4e-16 / (float(flat.half_width(small)) - contact.least), np.array([0.0, 0.4, 0.499])
-    np.testing.assert_allclose(contact.pressure(x, small), flat.pressure(x, small), rtol=digits)
-
-
-def test_height_and_slope_of_a_function_agree():
-    one, two = (CallableProfile(extent=2.0, **given) for given in ({"height_function": cosh_less_one}, {"slope_function": np.sinh}))
-    x = np.array([-1.9, -0.4, 1e-3, 0.4, 1.3])
-    np.testing.assert_allclose(one.height(x), two.height(x), rtol=1e-9)
-    np.testing.assert_allclose(one.slope(np.abs(x)), np.sinh(np.abs(x)), rtol=1e-11)
-    np.testing.assert_allclose(two.bend(np.abs(x)), np.abs(x) * np.cosh(x), rtol=1e-10)
+            found, wanted = (float(each.dissipation_kernel(load, slipped)) for each in (one, other))
+            assert found == pytest.approx(wanted, rel=limit)
 
 
 # ---------------------------------------------------------------------------------------------- ends of single laws
-def quad(function, begin, end):
-    """30-digit quadrature with the ends graded."""
-    return mp.quad(function, [begin, *(begin + (end - begin) * mp.mpf(10) ** -k for k in range(9, 0, -1)), end])
 
 
 FLAT = contact_on(FlatRounded(radius=1.0, flat_half_length=1.0), 2.0)  # E* b^2/(2 R) = 1
@@ -309,30 +266,6 @@ def tau_of_load(load):
     """sqrt(a^2 - b^2)/b by the engine."""
     d = float(FLAT.advance(load))
     return math.sqrt(d * (2 + d))
-
-
-@pytest.mark.parametrize("tau", [1e-8, 1e-3, 0.299, 0.301, 30.0, 1e6])
-def test_a_rounded_flat_keeps_its_digits_at_any_depth(tau):
-    """From the middle over the edge of the flat to that of the contact, x by g^2 = 1 - x^2 in units of tau = sqrt(a^2 - b^2)/b."""
-    with mp.workdps(40):
-        load = float((1 + mp.mpf(tau) ** 2) * mp.atan(mp.mpf(tau)) - mp.mpf(tau))
-    assert tau_of_load(load) == pytest.approx(tau, rel=4e-15)
-    share = np.array([1e8, 30.0, 2.0, 1.001, 0.999, 0.3, 1e-3, 1e-6, 0.0, -1e-6, -0.1, -0.9, -0.999999])
-    x = np.sqrt(1 - np.minimum(share * np.abs(share) * tau**2, 1.0))
-    for place, value in zip(x.tolist(), (FLAT.pressure(x, load) * np.pi / 2).tolist(), strict=True):  # E* b/(pi R) = 2/pi
-        if place >= FLAT.half_width(load):
-            continue  # the last digit of a is more than the rounded edge has
-        with mp.workdps(40):
-            square = (1 - mp.mpf(place)) * (1 + mp.mpf(place))
-            t, g = mp.mpf(tau), mp.sqrt(abs(square))  # in v, t = |g| sinh v or |g| cosh v, all of it is smooth
-            if square > 0:
-                exact = quad(lambda v, g=g: mp.atan(g * mp.sinh(v)) * g * mp.sinh(v), mp.mpf(0), mp.asinh(t / g))
-            elif square < 0:
-                exact = quad(lambda v, g=g: mp.atan(g * mp.cosh(v)) * g * mp.cosh(v), mp.mpf(0), mp.acosh(t / g))
-            else:
-                exact = t * mp.atan(t) - mp.log1p(t * t) / 2
-            digits = 1e-14 + 8e-16 / float(abs(1 + square / t**2))  # a last digit of P counts from the edge of contact
-        assert value == pytest.approx(float(exact), rel=digits, abs=0)
 
 
 def area_in_many_digits(flat, load, front):
@@ -365,19 +298,6 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
             assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
 
 
-def test_friction_work_kernel_where_p_hardly_grows():
-    """Across a half-width at which dP/da is nearly 0 twelve nodes of Gauss' rule left 1e-7 of Lam, and did not say so."""
-    profile = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
-    contact, law = contact_on(profile), law_of(profile)
-    for half in np.linspace(0.4, 1.4, 21):
-        load = float(contact.load(half))
-        for part in (1e-3, 0.019, 0.03, 0.1, 0.25):
-            front = LONG(float(contact.half_width(load * (1 - part))))
-            nearest = sorted({front, LONG(half), *(m for m in np.linspace(front, LONG(half), 9)[1:-1])})
-            exact = integrate(lambda a, c=front: law.rate(a) * np.log1p((a - c) / c), nearest)
-            assert float(contact.dissipation_kernel(load, part * load)) == pytest.approx(float(exact), rel=2e-11), (half, part)
-
-
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
 def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
@@ -390,8 +310,13 @@ def test_pressure_of_power_laws_to_the_very_middle(n):
 
 
 # --------------------------------------------------------------------------------------------------------- tables
-def test_more_rows_come_closer_with_the_square_of_the_step():
-    """1 - sqrt(1 - x^2) against a fine table of itself: four times the rows, a sixteenth of the error at least."""
+def test_many_knots_cost_no_digits():
+    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; and rows of a circle come closer with the step's square."""
+    contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
+    half = contact.half_width(40.0)
+    x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
+    found = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
+    np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
     half, circle = np.linspace(0.3, 0.75, 40), lambda x: 1 - np.sqrt(1 - x * x)
     fine = contact_on(table(circle, 0.8, 641)).load(half)
     errors = [np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1)) for count in (11, 41, 161)]
@@ -399,33 +324,7 @@ def test_more_rows_come_closer_with_the_square_of_the_step():
     assert errors[2] < 1e-5
 
 
-def test_a_chamfer_has_no_knee():
-    knee = np.arange(31) / 10  # a chamfer, flat to 1 and straight from 1.5 on: met without a knee, however the last digits fall
-    h = np.where(knee <= 1, 0, np.where(knee <= 1.5, (knee - 1) ** 2 / 10, 0.025 + (knee - 1.5) / 10))
-    between = np.linspace(1.5, 3, 61)
-    found = Tabulated(points=np.stack([knee, h], axis=1)).height(between)
-    np.testing.assert_allclose(found, 0.025 + (between - 1.5) / 10, rtol=1e-12)
-
-
-def test_many_knots_cost_no_digits_and_only_those_between_cost_nodes():
-    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; cut at every knot, 60 took twenty times the nodes."""
-    contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
-    half = contact.half_width(40.0)
-    x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
-    found = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
-    np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
-    contact, nodes = contact_on(table(cosh_less_one, 1.2, 61), 100.0), []
-
-    def advance(load):
-        nodes.append(np.size(load))
-        return contact.law.advance(load)
-
-    seen = replace(contact, law=replace(contact.law, advance=advance))
-    load, slipped = np.linspace(20.0, 60.0, 40), 0.3
-    between = np.searchsorted(contact.break_loads, load) - np.searchsorted(contact.break_loads, load - slipped)
-    np.testing.assert_allclose(seen.dissipation_kernel(load, slipped), contact.dissipation_kernel(load, slipped), rtol=1e-14)
-    assert np.max(between) > 0
-    assert sum(nodes) < 13 * np.sum(between + 1)
+# ------------------------------------------------------------------------------------------------- quantised rows
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -441,9 +340,6 @@ def test_rows_that_bend_up_make_a_curve_that_does(seed):
         contact_on(profile)
         if np.all(bends > 0):
             assert np.min(profile.spline().curvature[1:]) > -1e-9 * np.max(profile.spline().curvature)
-
-
-# ------------------------------------------------------------------------------------------------- quantised rows
 
 
 SHAPES = {
@@ -515,37 +411,17 @@ def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
     assert min(found.count("solved"), found.count("split")) > count / 5
 
 
-def parabola(count, decimals):
-    x = np.linspace(0, 3, count)
-    return np.stack([x, np.round(x * x / 2000, decimals)], axis=1)
-
-
-@pytest.mark.parametrize(("count", "decimals"), [(101, 5), (301, 5), (1001, 6), (1001, 5)])
-def test_a_parabola_in_steps_is_refused_with_the_step(count, decimals):
-    """A step of h is up to 200 times what the parabola bends by between two rows."""
-    said = rf"^profile\.points, row .*h is written in steps of 1e-{decimals:02d}.*more digits"
-    with bounded(300), pytest.raises(InputError, match=said):
-        contact_on(Tabulated(points=parabola(count, decimals)))
-
-
-def test_a_command_ends_on_quantised_rows(tmp_path, capsys):
-    np.savetxt(tmp_path / "rows.csv", parabola(101, 5), delimiter=",", fmt="%.5f")
-    scene = json.loads(load_scene("hertz-paper").model_dump_json(exclude={"profile", "bodies"}))
-    scene |= {"profile": {"kind": "tabulated", "file": "rows.csv"}}
-    (tmp_path / "mine.json").write_text(json.dumps(scene), encoding="utf-8")
-    with bounded(300):
-        assert main(["exact", str(tmp_path / "mine.json"), "--quiet", "--out", str(tmp_path / "out")]) == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert "profile.file = 'rows.csv', row " in said
-    assert "h is written in steps of 1e-05" in said
-
-
 # ------------------------------------------------------------------------------------------------------- refusals
 def function(**given):
     return lambda: CallableProfile(extent=2.0, **given)
 
 
+X = np.linspace(0, 3, 301)
 REFUSED = {
+    "a parabola in steps": (  # of h, a step being up to 200 times what the parabola bends by between two rows
+        lambda: contact_on(Tabulated(points=np.stack([X, np.round(X * X / 2000, 5)], axis=1))),
+        r"^profile\.points, row .*h is written in steps of 1e-05.*more digits",
+    ),
     "lopsided": (function(height_function=lambda x: x), "not symmetric"),
     "a step of the slope": (function(height_function=lambda x: np.maximum(np.abs(x) - 0.1, 0)), "no derivative"),
     "a hollow": (function(height_function=lambda x: -x * x), "falls"),

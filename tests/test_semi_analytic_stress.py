@@ -60,32 +60,6 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
         np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)  # a itself is rounded
 
 
-def test_after_reversals_the_stress_is_the_sum_of_mindlins_tractions():
-    """Half-way back: two knots in the memory curve. Both ellipses of q have McEwen's form in closed complex form."""
-    scene = load_scene("cattaneo-mindlin")
-    time = 2.4
-    there = semi_analytic.solve(scene, x=[0.0], time=[time])
-    load, f, a, p0 = there.normal_load[0], scene.friction.coefficient, there.contact_half_width[0], there.pressure[0, 0]
-    turn = scene.load.cycle
-    peak, now = max(q for _, q in turn), float(there.tangential_load[0])
-    x, y = places(a)
-    z = x + 1j * y
-    terms = ((1.0, f, 0.0), (-1.0, f, peak / f), (-2.0, f, 0.0), (2.0, f, (peak - now) / (2 * f)))
-    potential, slope = np.zeros(len(x), complex), np.zeros(len(x), complex)
-    for sign, friction, less in terms:  # q0 sqrt(c^2 - x^2)/c has Muskhelishvili's integral q0/(2 c) (sqrt(z^2 - c^2) - z)
-        c = a * math.sqrt(1 - less / load)
-        root = np.sqrt(z - c) * np.sqrt(z + c)
-        potential += sign * friction * p0 / a / 2 * (z - root)
-        slope += sign * friction * p0 / a / 2 * (1 - z / root)
-    # Phi of q alone: -(1/2 pi) int q/(z - t) dt, s_xx + s_yy = 4 Re Phi.
-    phi, rate = -potential, -slope
-    total = 4 * phi.real
-    corner = 2j * phi.imag + 2j * y * rate.conj()
-    wanted = np.stack([total - corner.real, corner.real, -corner.imag], -1)
-    found = stress(scene, x, y, time)[0, :, :3] - mcewen(x, -y, a, p0)
-    assert np.abs(found - wanted).max() < 1e-10 * p0
-
-
 CASES = [("hertz", "ellipse"), ("hertz", "polygon"), ("long flat", "polygon"), ("polynomial", "rows")]
 SLOW = [("short flat", "ellipse"), ("|x|^3.5", "harmonics"), ("compound", "harmonics"), ("table", "ellipse")]
 
@@ -129,18 +103,6 @@ def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
     lower, upper = stress(scene, x, y, [9.0, 11.0]), stress(scene, -x, -y, [9.0, 11.0], body="upper")
     # Turned by half a circle the pair is itself again, loads included.
     np.testing.assert_allclose(upper, lower, atol=1e-12 * np.abs(lower).max())
-
-
-def test_equilibrium_inside_the_body():
-    """Both divergences vanish, by central differences."""
-    scene, h = load_scene("flat-rounded-paper"), 1e-4
-    x, y = np.array([-0.7, 0.2, 0.95]), np.array([-0.3, -0.12, -0.5])
-    right, left = (stress(scene, x + d, y, 9.0)[0] for d in (h, -h))
-    above, below = (stress(scene, x, y + d, 9.0)[0] for d in (h, -h))
-    along, up = (right - left) / (2 * h), (above - below) / (2 * h)
-    size = np.abs(along).max()
-    assert np.abs(along[:, 0] + up[:, 2]).max() < 1e-6 * size
-    assert np.abs(along[:, 2] + up[:, 1]).max() < 1e-6 * size
 
 
 def test_out_of_contact_there_is_none_and_far_below_it_is_that_of_a_force():

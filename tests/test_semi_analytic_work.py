@@ -14,7 +14,6 @@ from scenes import (
     EllipseLoad,
     EvenPolynomial,
     Tabulated,
-    TimeSeriesLoad,
     Wedge,
     load_scene,
 )
@@ -98,7 +97,7 @@ FEW = [
     ("compound", "ellipse"),
     ("wedge", "rows"),
     ("table", "tilted ellipse"),
-    ("polynomial", "ellipse"),
+    ("polynomial", "polygon"),
     ("hardly growing", "polygon"),
     ("function", "ellipse to 1e-4"),
 ]
@@ -120,9 +119,7 @@ def points_of(work):
     return np.array([*spread, high * (1 - 1e-6), edges[len(edges) // 2], *corners], dtype=float)
 
 
-@pytest.mark.parametrize(
-    ("profile", "load"), [*FEW, ("compound", "rows"), *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)]
-)
+@pytest.mark.parametrize(("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)])
 def test_work_by_brute_force(profile, load):
     """W to 1e-12, W(x) to 2e-12 of its largest, or to what the record says; it was 4.2e-8 off where P hardly grows."""
     scene = extreme(profile, load)
@@ -168,7 +165,6 @@ def in_phase(phase):
     return EllipseLoad(**line, phase_degrees=0, bulk_stress_lower={"amplitude": 0.3, "phase_degrees": phase})
 
 
-SWINGS = (1e-17, 1e-280, 2.2e-311, 5e-324)
 # Scene, W, relative error.
 CLOSED = {
     f"constant P, {use}, {load.kind}": (
@@ -187,7 +183,7 @@ CLOSED |= {f"bulk at {phase}": (make_scene(in_phase(phase)), 0.3095379341715581,
 CLOSED["all but leaves"] = make_scene(ellipse(1.0, 1 - 1e-12, 0.0, 0.2e-12), 0.5, radius=100.0), 5.0929581788030931689e-26, 1e-14
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * ("bulk" in name)) for name in CLOSED])
 def test_work_has_its_closed_form(name):
     scene, exact, close = CLOSED[name]
     answer = solve(scene, x=[0.0], fields=ONLY)
@@ -210,28 +206,6 @@ def test_what_sticks_for_ever_on_loads_next_to_a_line(phase, load):
         r = q1 / friction * cmath.exp(-1j * math.radians(phase))
         permanent = 1 - (abs(r - ratio) + abs(r + ratio)) / 2
         assert found.permanent_stick_half_width == pytest.approx(math.sqrt(4 * permanent / math.pi), rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("load", "exact"),
-    [
-        (ellipse(3.0, 1.0, 0.0, 0.5, 0.0), 0),
-        (ellipse(3.0, 1.0, 0.0, 0.5, 180.0), 0),
-        (ellipse(3.0, 1.0, 0.4, 0.0), 0),
-        (TimeSeriesLoad(rows=[[0, 2, 1.0], [1, 3, 1.2], [2, 2, 1.0]], repeats=True), 0),  # slip on the initial loading, none after
-        (ellipse(3.0, 0.4, 0.0, 0.9, 0.0), None),
-        (ellipse(3.0, 0.4, 0.0, 0.9, 180.0), None),
-    ],
-)
-def test_lines_shake_down_or_slip_both_ways(load, exact):
-    """|dQ/dP| < f on a line: no slip in the steady cycle; beyond it, slip both ways, and both routes to W."""
-    answer = solve(make_scene(load, friction=0.8))
-    assert answer.steady_from is not None
-    if exact == 0:
-        assert abs(answer.dissipation) < 1e-25
-    else:
-        assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-11, abs=0)
-        assert answer.dissipation > 0
 
 
 # ------------------------------------------------------------------------------------------------- corners of the profile

@@ -30,15 +30,15 @@ from reports.charts.marks import (
     Mark,
     Note,
     Rule,
+    Scale,
     Segments,
+    labels,
+    ticks,
 )
-from reports.charts.scale import Scale, labels, ticks
-from reports.charts.style import STATE_NAMES, pieces, shades, style_of
-from reports.charts.table import Table, table_text
-from reports.charts.templating import template
+from reports.charts.templating import STATE_NAMES, Table, pieces, shades, style_of, table_text, template
 
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
-_LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
+_LEFT, RIGHT, _TOP, _BOTTOM, _LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
 _LONG_LINE, _STRIP = 2000, 1.0
@@ -48,37 +48,30 @@ _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Two axes and marks.
+    """Two axes and marks."""
 
-    Attributes
-    ----------
-    name : used once on a page; alt : what it shows, for who can't see it
-    width, height : of the drawing; room : left, top, right, bottom of it beside the area, automatic if None
-    title, notes : lines above the area; notes hold the numbers of a plot
-    time : "x" or "y" where that axis is the time, so that the instant shown is marked on it
-    equal : one scale for both axes, the one with room to spare showing more on both sides; bare : no axes at all
-    """
-
-    name: str
+    name: str  # used once on a page
     x: Axis
     y: Axis
     marks: Sequence[Mark]
-    alt: str
+    alt: str  # what it shows, for who can't see it
+    # width, height: of the drawing
     width: float = 440.0
     height: float = 300.0
+    # title, notes: lines above the area; notes hold the numbers of a plot
     title: str = ""
     notes: Sequence[str] = ()
-    time: str = ""
+    time: str = ""  # "x" or "y" where that axis is the time, so that the instant shown is marked on it
     css: str = ""
-    equal: bool = False
-    bare: bool = False
-    room: tuple[float, float, float, float] | None = None
+    equal: bool = False  # one scale for both axes, the one with room to spare showing more on both sides
+    bare: bool = False  # no axes at all
+    room: tuple[float, float, float, float] | None = None  # left, top, right, bottom of it beside the area, automatic if None
 
     @property
     def frame(self) -> Frame:
         """The area that the marks lie in."""
-        above = TOP + LINE * (len(self.notes) + bool(self.title))
-        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, BOTTOM if self.x.words else 24.0)
+        above = _TOP + _LINE * (len(self.notes) + bool(self.title))
+        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, _BOTTOM if self.x.words else 24.0)
         (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
         across, up = self.width - left - right, self.height - top - bottom
         if self.equal:
@@ -120,23 +113,16 @@ STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name 
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A figure.
+    """A figure."""
 
-    Attributes
-    ----------
-    name : stem of its files; title, caption : for the page; alt : what it shows, for who can't see it
-    panels : set side by side where there is room, at most `columns`
-    table : column heading (with unit) -> values, all of one length; what the figure draws
-    keys : the legend, above the panels
-    """
-
-    name: str
+    name: str  # stem of its files
+    # title, caption: for the page
     title: str
     caption: str
-    alt: str
-    panels: tuple[Panel | Cell, ...]
-    table: Table
-    keys: tuple[Key, ...] = ()
+    alt: str  # what it shows, for who can't see it
+    panels: tuple[Panel | Cell, ...]  # set side by side where there is room, at most `columns`
+    table: Table  # column heading (with unit) -> values, all of one length; what the figure draws
+    keys: tuple[Key, ...] = ()  # the legend, above the panels
     columns: int = 2
 
     def svg(self) -> str:
@@ -361,7 +347,7 @@ class _Pen:
                 given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)
                 anchor = None if mark.anchor == "start" else mark.anchor
                 return "".join(
-                    self.words(x, y + LINE * k, line, mark.css, text_anchor=anchor, **given)
+                    self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
                     for k, line in enumerate(mark.text.split("\n"))
                 )
             case Arrow():
@@ -460,8 +446,8 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
-    first = top - 7.0 - LINE * (len(lines) - 1)
-    parts += [pen.words(left if css == "title" else 24.0, first + LINE * k, text, css) for k, (text, css) in enumerate(lines)]
+    first = top - 7.0 - _LINE * (len(lines) - 1)
+    parts += [pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css) for k, (text, css) in enumerate(lines)]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)

@@ -1,18 +1,120 @@
-"""The one way to fill a page: every word from outside is escaped, a name that is missing is an error."""
+"""The text of pages: templates, what marks look like by the page's style sheet, words with subscripts, tables as CSV and Markdown.
+
+Every word from outside is escaped, a name that is missing is an error.
+"""
 
 from __future__ import annotations
 
 import base64
+import csv
 import hashlib
+import io
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
+from typing import Any, TypeAlias
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
 from markupsafe import Markup
+from numpy.typing import ArrayLike, NDArray
 
-from reports.charts.style import marked
 from reports.units import minus, number, signed
+from scenes import SurfaceState
+
+# ----------------------------------------------------------------------------------------------------------------- looks
+# Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
+# The reference is a broad pale band, the result a thin dark line on it: where they agree both are seen.
+_REFERENCE, RESULT, _DIFFERENCE, QUIET = "#56B4E9", "#B33A00", "#5B2A86", "#6b6b6b"
+_STATE_COLOURS = {
+    SurfaceState.OPEN: "#f7f7f7",
+    SurfaceState.STICK: "#c4c4c4",
+    SurfaceState.SLIP_FORWARD: "#E69F00",
+    SurfaceState.SLIP_REVERSE: "#0072B2",
+}
+STATE_NAMES = {
+    SurfaceState.OPEN: "open",
+    SurfaceState.STICK: "stick",
+    SurfaceState.SLIP_FORWARD: "forward slip",
+    SurfaceState.SLIP_REVERSE: "reverse slip",
+}
+# Eleven points of matplotlib's maps of these names; between them by straight lines the largest error of a channel is 6 of 255.
+_MAPS = {
+    "viridis": "440154 482475 414487 355f8d 2a788e 21918c 22a884 44bf70 7ad151 bddf26 fde725",
+    "RdBu_r": "053061 2166ac 4393c3 92c5de d1e5f0 f7f7f7 fddbc7 f4a582 d6604d b2182b 67001f",
+}
+
+
+def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
+    """Colours #rrggbb of numbers from 0 to 1; those outside take the colour of the end.
+
+    >>> shades([0.0, 0.05, 2.0])
+    ['#440154', '#461264', '#fde725']
+    """
+    ends = np.array([[int(code[k : k + 2], 16) for k in (0, 2, 4)] for code in _MAPS[name].split()])
+    at = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(ends) - 1)
+    channels = np.stack([np.interp(at, np.arange(len(ends)), ends[:, k]) for k in range(3)], axis=-1)
+    return ["#" + "".join(f"{int(c):02x}" for c in colour) for colour in channels.reshape(-1, 3)]
+
+
+def pieces(text: str) -> list[tuple[str, bool]]:
+    """A text in its parts; whether each is a subscript. A symbol is one letter.
+
+    >>> pieces("p/p_ref, q/(f p_ref)")
+    [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
+    """
+    parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
+    found: list[tuple[str, bool]] = []
+    for k in range(0, len(parts) - 2, 3):
+        found += [(parts[k] + parts[k + 1], False), (parts[k + 2], True)]
+    return [*found, (parts[-1], False)] if parts[-1] else found
+
+
+def marked(text: object) -> Markup:
+    """Words with their subscripts, and as code what stands between backticks, for a page.
+
+    >>> print(marked("p_max; `--budget` gives it"))
+    p<sub>max</sub>; <code>--budget</code> gives it
+    """
+    found = Markup("")
+    for k, words in enumerate(re.split("`([^`]+)`", str(text))):
+        if k % 2:
+            found += Markup("<code>{}</code>").format(words)
+            continue
+        for part, low in pieces(words):
+            found += Markup("<sub>{}</sub>").format(part) if low else part
+    return found
+
+
+@cache
+def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
+    """Classes that a rule asks for, whether it is for texts, and what it declares; colours are those of light pages."""
+    sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
+    sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
+    sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
+    colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
+    found = []
+    for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
+        resolved = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
+        declared = {name: value.removesuffix("px") for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)}
+        asked = (re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip()) for selector in selectors.split(","))
+        found += [(frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared) for plain in asked if plain]
+    return sorted(found, key=lambda rule: len(rule[0]))
+
+
+@cache
+def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
+    """What the style sheet declares for an element of these classes, on a light page.
+
+    >>> style_of("curve f q")["stroke-dasharray"]
+    '6 2.5'
+    """
+    classes, found = frozenset(css.split()), dict[str, str]()
+    for asked, for_texts, declared in _rules():
+        if asked <= classes and (asked or for_texts) and (text or not for_texts):
+            found |= declared
+    return found
 
 
 @cache
@@ -48,3 +150,66 @@ def script() -> tuple[Markup, str]:
     text = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
     text = re.sub(r"^ +(// .*\n|/\*.*\*/\n)?", "", text, flags=re.MULTILINE)
     return Markup(text), "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+# ---------------------------------------------------------------------------------------------------------------- tables
+# Column heading (with unit) -> values, all of one length.
+Table: TypeAlias = Mapping[str, Sequence[Any] | NDArray[Any]]
+_FORMULA = ("=", "+", "-", "@", "\t")
+
+
+def harmless(cell: str) -> str:
+    """The text of a CSV cell; with an apostrophe before it where a spreadsheet would compute it. Numbers stay as they are.
+
+    >>> harmless("=HYPERLINK(A1)"), harmless("-1e-3"), harmless("pad"), harmless(" @SUM(A1)")
+    ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
+    """
+    cell = cell.replace("\r", " ")  # no writer of CSV quotes it, and some readers end the row there
+    if not (cell.startswith(_FORMULA) or cell.lstrip().startswith(_FORMULA)):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
+
+
+def table_text(table: Table) -> str:
+    """Columns of equal length as CSV text, numbers to the last digit; an empty cell stands for "no such thing".
+
+    >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
+    'x,state\\n0.5,stick\\n,open\\n'
+    """
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(map(harmless, table))
+    rows.writerows(zip(*map(_cells, table.values()), strict=True))
+    return text.getvalue()
+
+
+def _cells(column: Sequence[Any] | NDArray[Any]) -> list[Any]:
+    """A column as text; a number that stands in it often is written once and used again."""
+    if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
+        values, places = np.unique(column, return_inverse=True, equal_nan=True)
+        texts = ["" if value != value else repr(value) for value in values.tolist()]  # noqa: PLR0124 -- NaN alone differs from itself
+        return [texts[place] for place in places.ravel().tolist()]
+    return [_cell(value) for value in column]
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str):
+        return harmless(value)
+    number = value.item() if hasattr(value, "item") else value
+    return "" if number != number else repr(number)  # noqa: PLR0124
+
+
+def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown.
+
+    >>> print(markdown_table(("x", "|q|"), [("0", "1")]))
+    | x | \\|q\\| |
+    | --- | --- |
+    | 0 | 1 |
+    """
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)

@@ -10,10 +10,14 @@ import textwrap
 import time
 import traceback
 import warnings
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
-from typing import Any
+from dataclasses import fields
+from importlib import import_module
+from inspect import Parameter, Signature
+from json import dumps
+from typing import Annotated, Any
 
 from cyclopts import (
     App,
@@ -24,54 +28,11 @@ from cyclopts import (
     UnknownOptionError,
     UnusedCliTokensError,
 )
+from cyclopts import Parameter as Words
 
+from reports.cli.options import COMMANDS, FORMAT, Answer, Command, Options
 from reports.cli.process import BAD_INPUT, INTERNAL, INTERRUPTED, NOT_CONVERGED, WITHIN, settled
-
-# The list of commands by use, and within a group in the order of the table below.
-_SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
-_COMMANDS = {
-    _SOLVE: (
-        ("run", "solving:run", "Both engines on one scene: verdict, page and data."),
-        ("exact", "solving:exact", "Half-plane theory alone: summary, NetCDF and CSV, no page."),
-        ("fe", "solving:fe", "Finite elements alone: summary, NetCDF and CSV, no page."),
-        (
-            "fields",
-            "field_output:fields",
-            "Displacement, stress and tractions in both bodies: files for ParaView, pictures, an animation.",
-        ),
-        ("sweep", "studies:sweep_app", "Run a study: a scene over axes of its keys, into a store; a later run resumes it."),
-        ("export", "solving:export", "The bodies and the load history as an input deck for another code."),
-    ),
-    JUDGE: (
-        ("score", "results:score", "Compare an external result with the reference: verdict, likely causes, page."),
-        ("diff", "results:diff", "Two runs, or a run and a baseline, value by value: 0 the same within tolerance, 1 not."),
-        (
-            "advise",
-            "results:advise",
-            "May half-plane theory be used? Read off the published maps, without finite elements; exit code 1: better not.",
-        ),
-        ("map", "studies:make_map", "Run the studies of a map of the idealisation error, or resume them, and write its page."),
-        ("paper", "solving:paper", "The paper again from half-plane theory: its figures, statements and misprints."),
-    ),
-    SCENES: (
-        ("init", "scene_files:init", "Write a commented scene to start from, never over a file that exists."),
-        (
-            "check",
-            "scene_files:check",
-            "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
-        ),
-        ("scenes", "scene_files:show", "The library of scenes, or all about one scene."),
-        ("schema", "scene_files:schema", "The JSON schema of a scene file, for editors; or that of the answers of --json."),
-    ),
-    MACHINE: (
-        ("doctor", "machine:doctor", "Can this machine do the work?"),
-        (
-            "completion",
-            "machine:completion",
-            'A script that completes commands and options: eval "$(halfplane completion bash)" in ~/.bashrc.',
-        ),
-    ),
-}
+from reports.console import complain, say, show
 
 _EXAMPLES = """\
 Examples:
@@ -107,6 +68,7 @@ def _version() -> str:
         return "not installed: run from a checkout"
 
 
+_GROUPS = {name: Group(name, sort_key=k) for k, name in enumerate(dict.fromkeys(row.group for row in COMMANDS))}
 app = App(
     name="halfplane",
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
@@ -117,13 +79,70 @@ app = App(
     exit_on_error=False,
     print_error=False,
     result_action="return_value",
-    group_commands=MACHINE,
+    group_commands=_GROUPS["Machine"],
 )
-for _group, _rows in _COMMANDS.items():
-    for _order, (_name, _target, _help) in enumerate(_rows, start=1):
-        # An application of its own, as that of `sweep`, has an epilogue of its own.
-        _epilogue = {} if _target.endswith("_app") else {"help_epilogue": ""}
-        app.command(f"reports.cli.{_target}", name=_name, help=_help, group=_group, sort_key=_order, **_epilogue)
+
+
+def _taken(row: Command) -> Callable[..., int]:
+    """The function that the application calls for a command: with its operands, and its options one by one."""
+    table, parameters = {one.name: one for one in fields(Options)}, []
+    for operand in row.operands:
+        kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
+        default = Parameter.empty if operand.default is ... else operand.default
+        words = Words(help=operand.words)
+        parameters.append(Parameter(operand.name, kind, default=default, annotation=Annotated[operand.kind, words]))
+    for marked in row.options:
+        one = table[marked.rstrip("!")]
+        other = Words(help=row.words[one.name], group="Parameters") if one.name in row.words else None
+        default = Parameter.empty if marked.endswith("!") else one.default
+        parameters.append(
+            Parameter(
+                one.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[one.type, other] if other else one.type
+            )
+        )
+    signature = Signature(parameters)
+
+    def command(*operands: Any, **options: Any) -> int:
+        bound = signature.bind(*operands, **options)
+        bound.apply_defaults()
+        given = dict(bound.arguments)
+        about = [given.pop(operand.name) for operand in row.operands]
+        module, _, name = row.does.partition(":")
+        asked = Options(**given)
+        return _told(row, getattr(import_module(f"reports.cli.{module}"), name)(*about, asked), asked)
+
+    command.__signature__ = signature  # type: ignore[attr-defined]
+    return command
+
+
+def _told(row: Command, found: Answer, options: Options) -> int:
+    """The one place where commands print: lines and tables, or with --json one document whose numbers are finite or null."""
+    if options.json and found.result is not None:
+        from reports.comparison.words import strict
+
+        content = {
+            "format": FORMAT,
+            "command": found.command or row.name,
+            "exit_code": found.code,
+            "scene": found.scene,
+            "result": found.result(),
+        }
+        say(dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False))
+    elif not (options.quiet and row.silent):
+        show(found.shown)
+    return found.code
+
+
+for _order, _row in enumerate(COMMANDS):
+    _above, _, _name = _row.name.rpartition(" ")
+    _place: dict[str, Any] = {"help": _row.help, "group": _GROUPS[_row.group], "sort_key": _order, "help_epilogue": ""}
+    if _above:
+        app[_above].command(_taken(_row), name=_name, help=_row.help, help_epilogue="")
+    elif any(one.name.startswith(f"{_name} ") for one in COMMANDS):  # with commands of its own
+        app.command(_own := App(name=_name, group_commands=Group(f"Of a {_name} that is there"), **_place))
+        _own.default(_taken(_row))
+    else:
+        app.command(_taken(_row), name=_name, **_place)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -168,8 +187,6 @@ def _old_names_shown() -> Generator[None, None, None]:
             if not (issubclass(category, DeprecationWarning) and " is now called " in str(message)):
                 others(message, category, *place, **more)
             elif str(message) not in shown:
-                from reports.console import complain
-
                 shown.add(str(message))
                 complain(f"Note: {message}.")
 
@@ -219,8 +236,6 @@ def _internal(fault: Exception, tokens: Sequence[str]) -> int:
 
 def _kept(text: str) -> str:
     """Keep a traceback in run.log of the output folder, else in the temporary folder, else on stderr; where that is, in words."""
-    from reports.console import complain
-
     with suppress(Exception):  # where the folder can't take it, the next place does
         from reports.folder import add_to_log, output_folder
 
@@ -237,8 +252,6 @@ def _kept(text: str) -> str:
 
 
 def _refused(sentence: str) -> int:
-    from reports.console import complain
-
     complain(f"halfplane: {sentence}")
     return BAD_INPUT
 
@@ -268,8 +281,11 @@ def _misspelt(fault: CycloptsError) -> str:
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first = (fault.root_input_tokens or [])[len(chain) :][:1]
+        left = " ".join(fault.unused_tokens or [])
         hint = nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
-        return f"{command}: unexpected argument {' '.join(fault.unused_tokens or [])!r}; {hint}{shown} shows what it takes"
+        if first and not hint and left.endswith((".toml", ".json")) and not first[0].endswith((".toml", ".json")):
+            hint = f"write `halfplane {command} {left}`; "
+        return f"{command}: unexpected argument {left!r}; {hint}{shown} shows what it takes"
     if isinstance(fault, MissingArgumentError) and fault.argument is not None and not fault.argument.tokens:
         # A word of its own in capitals, as in the help; an option as it is written.
         in_place = fault.argument.field_info.kind is not fault.argument.field_info.KEYWORD_ONLY

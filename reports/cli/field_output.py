@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from reports.cli.options import Count, FiniteElements, SceneName, answer, flag, several
+from reports.cli.options import Answer, Options
 from reports.cli.process import WITHIN
 from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
-from reports.console import Stages, say, show_table
+from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
@@ -27,62 +25,36 @@ _FRAMES = 60
 _ROWS = 12
 
 
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class FieldsOptions(FiniteElements):
-    """Which instants are written, and what is drawn of them."""
-
-    at: Annotated[tuple[str, ...], several('Times of the path, or "events" of the last cycle, the default without a series.')] = ()
-    every: Annotated[Count | None, Parameter(help="A series over the last cycle: every Nth stored step.")] = None
-    frames: Annotated[Count | None, Parameter(help="A series over the last cycle: N instants evenly in time.")] = None
-    animate: Annotated[
-        bool, flag("The cycle as GIF and MP4: the instants of the series, 60 without one. MP4: halfplane[animation].")
-    ] = False
-    pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True
-
-    fatigue: Annotated[
-        bool, flag("Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland; fields/fatigue.csv.")
-    ] = False
-    fatemi_socie: Annotated[tuple[float, float] | None, Parameter(help="k and yield stress: Fatemi and Socie's measure too.")] = (
-        None
-    )
-    findley: Annotated[float | None, Parameter(help="k: Findley too.")] = None
-    critical_distance: Annotated[float | None, Parameter(help="Depth over which the stress is averaged for --fatigue.")] = None
-
-    @property
-    def criteria(self) -> Criteria | None:
-        """What --fatigue needs; None where nothing of it is asked for."""
-        from reports.field_output.fatigue import Criteria
-
-        given = Criteria(self.fatemi_socie, self.findley, self.critical_distance)
-        given.require_valid()
-        return given if self.fatigue or given != Criteria() else None
-
-    @property
-    def series(self) -> bool:
-        """Whether files for ParaView are wanted over the whole cycle."""
-        return self.every is not None or self.frames is not None
-
-    @property
-    def named(self) -> tuple[str, ...]:
-        """Words of --at; the events where neither a series nor times are given."""
-        return self.at or (() if self.series else ("events",))
+def named(options: Options) -> tuple[str, ...]:
+    """Words of --at; the events where neither a series nor times are given."""
+    return options.at or (() if _series(options) else ("events",))
 
 
-_FIELDS = FieldsOptions()
+def _series(options: Options) -> bool:
+    """Whether files for ParaView are wanted over the whole cycle."""
+    return options.every is not None or options.frames is not None
 
 
-def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
+def _criteria(options: Options) -> Criteria | None:
+    """What --fatigue needs; None where nothing of it is asked for."""
+    from reports.field_output.fatigue import Criteria
+
+    given = Criteria(options.fatemi_socie, options.findley, options.critical_distance)
+    given.require_valid()
+    return given if options.fatigue or given != Criteria() else None
+
+
+def fields(scene: str, options: Options) -> Answer:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
-    from reports.comparison.content import strict
+    from reports.comparison.words import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled
     from scenes import InputError
 
     files.require_series(options.every, options.frames)
-    options, source, criteria = replace(options, at=options.named), scene, options.criteria
+    options, source, criteria = replace(options, at=named(options)), scene, _criteria(options)
 
-    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
         require_times(options.at, "--at", scene)
         if criteria is not None and scene.unsymmetric:
             raise InputError(
@@ -92,15 +64,15 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
             require_drawing(stages)
         load_engines(stages)
         solution = files.with_bodies(solve_finite_elements(scene, options, stages), "fields")
-        named = files.instants_of(options.at, solution, "--at")
-        series, notes = files.series_of(solution, options.every, options.frames) if options.series else ((), [])
-        instants = sorted({one.time: one for one in (*series, *named)}.values(), key=lambda one: one.time)
+        chosen = files.instants_of(options.at, solution, "--at")
+        series, notes = files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
+        instants = sorted({one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time)
         rows: list[dict[str, Any]] = []
         stills: list[tuple[Instant, Snapshot]] = []
 
         def passing() -> Generator[Snapshot, None, None]:
             """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
-            wanted = {one.time for one in named}
+            wanted = {one.time for one in chosen}
             for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
                 rows.append(files.stated(instant, snapshot))
                 if instant.time in wanted:
@@ -135,24 +107,25 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
             (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
         films = [f"animation/{name}" for name in film["files"]] if film else []
         whole, file = ["fields/fields.json", *written, *drawn, *films], str(folder / "fields" / "fields.pvd")
-        if options.json:
-            shown = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)}
-            more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
-            return answer("fields", WITHIN, shown | more, scene.name)
-        _show(scene, rows, whole, notes)
-        if measured:
-            _show_fatigue(scene, measured["fatigue"])
-        say(file)
-        return WITHIN
+        more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
+        result = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)} | more
+        return Answer(WITHIN, _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file), lambda: result, scene.name)
 
-    return at_work("fields", source, options, work)
+    return at_work(source, options, work)
 
 
-def _show(scene: Scene, instants: Sequence[dict[str, Any]], files: Sequence[str], notes: Sequence[str]) -> None:
+def _shown(
+    scene: Scene,
+    instants: Sequence[dict[str, Any]],
+    files: Sequence[str],
+    notes: Sequence[str],
+    measures: Sequence[dict[str, Any]],
+    file: str,
+) -> Iterator[Part]:
     """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
     from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
-    from reports.units import load_unit, number, units
+    from reports.units import load_unit, minus, number, units
 
     _, length, stress = units(scene)
     load, many, rows = load_unit(scene), len(instants) > _ROWS, []
@@ -163,35 +136,30 @@ def _show(scene: Scene, instants: Sequence[dict[str, Any]], files: Sequence[str]
             at_edge = f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])}, {edge['body']}"
         rows.append((one["label"], *(number(one[key]) for key in ("time", "normal_load", "tangential_load")), nodal, at_edge))
     heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"tension at the edge [{stress}]")
-    show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
-    say(f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a face at an edge of contact")
-    say(NO_PEAK)
+    yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
+    yield f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a face at an edge of contact"
+    yield NO_PEAK
     if many:
-        say(f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json")
-    for note in notes:
-        say(note)
+        yield f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json"
+    yield from notes
     counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".png")}
     films = [name for name in files if name.startswith("animation/")]
     film = f", {' and '.join(films)}" if films else ""
-    say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json")
-
-
-def _show_fatigue(scene: Scene, found: Sequence[dict[str, Any]]) -> None:
-    """The largest value of each measure by both engines, in the body in which finite elements have it."""
-    from reports.units import minus, units
-
-    _, length, stress = units(scene)
-    rows = []
-    for words in dict.fromkeys(row["measure"] for row in found):
-        row = max((row for row in found if row["measure"] == words), key=lambda row: row["finite_elements"]["value"])
-        theory, elements = row["theory"]["value"], row["finite_elements"]["value"]
-        unit = "–" if words == "Fatemi-Socie" else stress
-        apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
-        place = f"{_place(row['finite_elements'])}, {row['body']}"
-        rows.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
-    heads = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
-    show_table("Measures of fatigue", heads, rows, right=(1, 2, 3))
-    say("linear elastic stress of the contact alone, on planes that contain the z axis; places beside the contact, in fatigue.csv")
+    yield f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json"
+    if measures:
+        # The largest value of each measure by both engines, in the body in which finite elements have it.
+        found = []
+        for words in dict.fromkeys(row["measure"] for row in measures):
+            most = max((row for row in measures if row["measure"] == words), key=lambda row: row["finite_elements"]["value"])
+            theory, elements = most["theory"]["value"], most["finite_elements"]["value"]
+            unit = "–" if words == "Fatemi-Socie" else stress
+            apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
+            place = f"{_place(most['finite_elements'])}, {most['body']}"
+            found.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
+        of = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
+        yield Sheet("Measures of fatigue", of, found, (1, 2, 3))
+        yield "linear elastic stress of the contact alone, on planes that contain the z axis; places beside it, in fatigue.csv"
+    yield file
 
 
 def _place(of: dict[str, Any]) -> str:

@@ -12,14 +12,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from platform import machine as processor
 from platform import python_version, system
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
-
-from reports.cli.application import app
-from reports.cli.options import Output, Silent, answer
+from reports.cli.options import Answer, Options
 from reports.cli.process import OUTSIDE, WITHIN
-from reports.console import show_table
+from reports.console import Sheet
 
 _PACKAGES = ("numpy", "scipy", "pydantic", "xarray", "scikit-fem", "gmsh", "meshio", "matplotlib", "pyvista", "jinja2")
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -43,15 +40,6 @@ print("a sphere rendered, pyvista", pyvista.__version__)
 """
 
 
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class DoctorOptions(Output):
-    """Where results would go, and what is printed."""
-
-    out: Annotated[Path | None, Parameter(help="Folder whose disk and rights are checked; out if left out.")] = None
-    quiet: Silent = False
-
-
 @dataclass(frozen=True)
 class Finding:
     """One check: what was looked at, whether it will do, and what was found."""
@@ -61,25 +49,21 @@ class Finding:
     found: str
 
 
-_DOCTOR = DoctorOptions()
-
-
-def doctor(*, options: DoctorOptions = _DOCTOR) -> int:
+def doctor(options: Options) -> Answer:
     """Every check of this machine: 0 where all are good, else 1."""
     findings = examine(options.out or "out")
     code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
-    if options.json:
-        checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
-        return answer("doctor", code, {"passed": code == WITHIN, "checks": checks})
-    if not options.quiet:
-        show_table("Doctor", ("check", "good", "found"), [(f.name, "yes" if f.good else "no", f.found) for f in findings])
-    return code
+    checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
+    rows = [(one.name, "yes" if one.good else "no", one.found) for one in findings]
+    return Answer(code, [Sheet("Doctor", ("check", "good", "found"), rows)], lambda: {"passed": code == WITHIN, "checks": checks})
 
 
-def completion(shell: Annotated[Literal["bash", "zsh", "fish"], Parameter(help="The shell that is to complete words.")]) -> int:
+def completion(shell: Literal["bash", "zsh", "fish"], _: Options) -> Answer:
     """The script on stdout, to the letter: a shell reads it."""
+    from reports.cli.application import app
+
     sys.stdout.write(app.generate_completion(shell=shell))
-    return WITHIN
+    return Answer(WITHIN)
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:

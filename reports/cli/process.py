@@ -13,7 +13,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 
 # 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 + SIGINT, 141 128 + SIGPIPE.
-WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERNAL, INTERRUPTED, UNREAD = 0, 1, 2, 3, 70, 130, 141
+WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERNAL, INTERRUPTED, _UNREAD = 0, 1, 2, 3, 70, 130, 141
 _SPELT = {
     "ν": "nu",
     "α": "alpha",
@@ -40,7 +40,7 @@ def _spelt(fault: UnicodeError) -> tuple[str, int]:
 codecs.register_error("halfplane-spelt", _spelt)
 
 
-class Outlet(io.FileIO):
+class _Outlet(io.FileIO):
     """A stream that keeps the reason why nobody takes its words any more, and lets the work go on."""
 
     def __init__(self, handle: int) -> None:
@@ -69,7 +69,7 @@ class Surroundings:
 
     def __init__(self) -> None:
         self.received: list[int] = []
-        self._out, self._errors = Outlet(1), Outlet(2)
+        self._out, self._errors = _Outlet(1), _Outlet(2)
 
     def take_streams(self) -> None:
         """stdout and stderr from now on; none of another kind, which somebody put there on purpose."""
@@ -82,10 +82,10 @@ class Surroundings:
         return None if isinstance(self._out.fault, BrokenPipeError) else self._out.fault
 
     def exit_code(self, code: int) -> int:
-        """128 and the signal that ended the process, `UNREAD` where nobody read the answer to its end, else `code`."""
+        """128 and the signal that ended the process, `_UNREAD` where nobody read the answer to its end, else `code`."""
         if code == INTERRUPTED and self.received:
             return 128 + self.received[0]
-        return UNREAD if isinstance(self._out.fault, BrokenPipeError) else code
+        return _UNREAD if isinstance(self._out.fault, BrokenPipeError) else code
 
     def end(self, number: int, _frame: object) -> None:
         """The handler of a signal: what Ctrl-C does."""

@@ -9,17 +9,14 @@ import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, fields
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Group, Parameter
-
-from reports.cli.options import Json, SceneName, Silent, answer, answer_schema, flag
+from reports.cli.options import KEYS, Answer, Options, answer_schema
 from reports.cli.process import WITHIN
 from reports.cli.solving import load_engines, read
-from reports.console import Stages, say, width
+from reports.console import Stages, width
 
 if TYPE_CHECKING:
     from scenes import Scene
@@ -29,52 +26,13 @@ _MOST_ROWS = 10_000
 # Where the comments of the example stand.
 _COMMENTS = 32
 
-_SCENE = Group("Scene (what is left out stays as in the example; N, mm, MPa)", sort_key=2)
-
-
-def _key(words: str) -> Parameter:
-    return Parameter(group=_SCENE, help=words)
-
 
 # ------------------------------------------------------------------------------------------------------------------------ init
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class InitOptions:
-    """What a new scene has in place of the example's; None leaves the example's. Loads are per unit thickness."""
-
-    start: Annotated[
-        str, Parameter("--from", help="Copy this library scene, with the files it reads, instead of the commented example.")
-    ] = ""
-    bodies: Annotated[bool, flag("The example with a block and a pad in place of half-planes.")] = False
-    quiet: Annotated[bool, flag("Print nothing.")] = False
-    title: Annotated[str | None, _key("A line about the scene.")] = None
-    profile: Annotated[Literal["hertz", "flat_rounded"] | None, _key("A parabola, or flat with rounded edges.")] = None
-    radius: Annotated[float | None, _key("Relative radius of the profile or its edges, mm.")] = None
-    flat_half_length: Annotated[float | None, _key("Half the flat of flat_rounded, mm.")] = None
-    young_modulus: Annotated[float | None, _key("Of both bodies, MPa.")] = None
-    poisson_ratio: Annotated[float | None, _key("Of both bodies.")] = None
-    friction: Annotated[float | None, _key("Coulomb's coefficient.")] = None
-    mean_normal_load: Annotated[float | None, _key("P0 of P0 + P1 cos t, N/mm.")] = None
-    normal_amplitude: Annotated[float | None, _key("P1, N/mm.")] = None
-    mean_tangential_load: Annotated[float | None, _key("Q0 of Q0 + Q1 cos(t - phase), N/mm.")] = None
-    tangential_amplitude: Annotated[float | None, _key("Q1, N/mm.")] = None
-    phase_degrees: Annotated[float | None, _key("Lag of Q behind P.")] = None
-
-    @property
-    def given(self) -> dict[str, Any]:
-        """Key of the scene -> value, of those that are not left out."""
-        names = [one.name for one in fields(self) if one.name not in ("start", "bodies", "quiet")]
-        return {name: value for name in names if (value := getattr(self, name)) is not None}
-
-
-_INIT = InitOptions()
-
-
-def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *, options: InitOptions = _INIT) -> int:
+def init(file: Path, options: Options) -> Answer:
     """Write a scene file: a copy of a library scene, or the commented example with the values given as options."""
     from scenes import InputError, scene_companions, scene_text
 
-    start, given = options.start, options.given
+    start, given = options.start, options.given(KEYS)
     if start and (options.bodies or given):
         word = "--bodies" if options.bodies else "--" + next(iter(given)).replace("_", "-")
         raise InputError(f"{word}: it goes with the commented example, not with --from; leave one of the two out")
@@ -105,12 +63,13 @@ def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *,
                 _refuse_taken(path, reason)
                 raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
         undo.pop_all()
-    if not options.quiet:
-        with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
-        if start:
-            say(f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question")
-        say(f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
-    return WITHIN
+    with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
+    said = [f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`"]
+    if start:
+        said.insert(
+            0, f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question"
+        )
+    return Answer(WITHIN, said)
 
 
 def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
@@ -143,13 +102,14 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 
 
 # ----------------------------------------------------------------------------------------------------------------------- check
-def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
+def check(scene: str, _: Options) -> Answer:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
     from reports.checking import bulk_and_tilt, bulk_in_words, check_path, engines_for, in_words, largest_contact, remarks
-    from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
+    from reports.comparison.words import bodies_in_words, idealisation, question, sentence, unlike_materials
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings
+    from reports.units import number
     from scenes import InputError, TimeSeriesLoad
 
     source, found = scene, read(scene)
@@ -164,52 +124,39 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
         doubts.append(f"{alone}.")
     elif count > _MOST_ROWS:
         doubts.append(
-            f"The record has {count} rows, and finite elements take at least two increments a row: solve it by "
-            "half-plane theory alone, `halfplane exact`."
+            f"The record has {count} rows, and finite elements take at least two increments a row. Solve it by "
+            "half-plane theory alone: `halfplane exact`."
         )
     words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
-    words += [f"{name}, as it was read: {'; '.join(map(': '.join, pairs))}." for name, pairs in read_in_pairs(found).items()]
+    for name, pairs in read_in_pairs(found).items():
+        words.append(" ".join([f"{name}, as it was read:", *(sentence(": ".join(pair)) for pair in pairs)]))
     if record := check_record(found):
-        for sentence, warning in record_in_words(found, record):
-            (doubts if warning else words).append(sentence)
+        for said, warning in record_in_words(found, record):
+            (doubts if warning else words).append(said)
     words += findings(found)[0]
     last = (
-        f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {path.ratio:.4g}, "
-        f"in the {path.part} at time {path.time:.6g} (P = {path.normal_load:.6g}, Q = {path.tangential_load:.6g}); "
-        "gross sliding starts at 1"
+        f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most {path.ratio:.4g}, "
+        f"in the {path.part} at time {number(path.time)} (P = {number(path.normal_load)}, Q = {number(path.tangential_load)}). "
+        "Gross sliding starts at 1."
     )
-    if json:
-        nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
-        content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "engines": vars(engines)}
-        content |= {"largest_contact": vars(largest) if largest else None}
-        content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
-        return answer("check", WITHIN, content | {"nearest_to_sliding": nearest}, found.name)
-    if not quiet:
-        size = filter(None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""])
-        for sentence in (*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last):
-            say(sentence)
-    return WITHIN
+    nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
+    size = filter(None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""])
+    content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "engines": vars(engines)}
+    content |= {"largest_contact": vars(largest) if largest else None, "nearest_to_sliding": nearest}
+    content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
+    return Answer(WITHIN, [*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last], lambda: content, found.name)
 
 
 # --------------------------------------------------------------------------------------------------------- the library, the schema
-def show(
-    name: Annotated[str, Parameter(help="Show this scene in detail: a name of the library, or a .toml or .json file.")] = "",
-    /,
-    *,
-    tag: Annotated[tuple[str, ...], Parameter(help="Only scenes that have this tag; again for scenes that have all of them.")] = (),
-    json: Json = False,
-) -> int:
+def show(name: str, options: Options) -> Answer:
     """The library, or one scene of it with all its numbers."""
     from scenes import InputError
 
-    if name and tag:
+    if name and options.tag:
         raise InputError("--tag: it goes with the whole library, not with the name of one scene; leave one of the two out")
-    found = [read(name)] if name else tagged(tag)
-    if json:
-        return answer("scenes", WITHIN, {"scenes": [_record(scene) for scene in found]}, found[0].name if name else None)
-    for line in _details(found[0]) if name else _listing(found):
-        say(line)
-    return WITHIN
+    found = [read(name)] if name else tagged(options.tag)
+    shown = _details(found[0]) if name else _listing(found)
+    return Answer(WITHIN, shown, lambda: {"scenes": [_record(scene) for scene in found]}, found[0].name if name else None)
 
 
 def tagged(wanted: Sequence[str]) -> list[Scene]:
@@ -268,9 +215,8 @@ def _record(scene: Scene) -> dict[str, Any]:
     return {**{key: content.pop(key) for key in first}, **more, "scene": content}
 
 
-def schema(*, answers: Annotated[bool, flag("That of what --json prints, in place of a scene file's.")] = False) -> int:
+def schema(options: Options) -> Answer:
     """The JSON schema on stdout."""
     from scenes import scene_schema
 
-    say(json.dumps(answer_schema() if answers else scene_schema(), indent=2))
-    return WITHIN
+    return Answer(WITHIN, [json.dumps(answer_schema() if options.answers else scene_schema(), indent=2)])

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, several, tolerances_of
+from reports.cli.options import Answer, Options, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
-from reports.console import Stages, complain, say, show_table
+from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
     from reports.comparison import Comparison, Report
+    from reports.comparison.laws import Finding
     from scenes import ContactSolution, LoadSegment, Scene
 
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
@@ -38,8 +37,9 @@ def read(source: str) -> Scene:
     return scene
 
 
-def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
-    """Read the scene, claim the folder, do the work of command `name`; what was solved before a failure is kept there."""
+def at_work(source: str, options: Options, work: Callable[[Scene, Path, Stages], Answer]) -> Answer:
+    """Read the scene, claim the folder, do the work of a command; what was solved before a failure is kept there."""
+    from reports.comparison.words import summary_rows
     from reports.folder import claim, default_folder
     from scenes import ConvergenceError, InputError, Interrupted
 
@@ -56,19 +56,16 @@ def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path
             raise KeyboardInterrupt from stop
         path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
         complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
-        return INTERRUPTED
+        return Answer(INTERRUPTED)
     except ConvergenceError as failure:
         complain(f"halfplane: {scene.name}: not converged: {failure}")
-        partial: ContactSolution | None = failure.partial
-        file = None if partial is None else str(write_solution(partial, folder, name="partial"))
-        if options.json:
-            return answer(name, NOT_CONVERGED, {"passed": False, "error": str(failure), "file": file}, scene.name)
-        if partial is None:
+        sentence, shown, file = str(failure), list[Part](), None
+        if failure.partial is not None:
+            file = str(write_solution(failure.partial, folder, name="partial"))
+            shown = [Sheet("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial)), file]
+        elif not options.json:
             complain("halfplane: no step was solved, so nothing was written")
-        else:
-            show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(partial))
-            say(str(file))
-        return NOT_CONVERGED
+        return Answer(NOT_CONVERGED, shown, lambda: {"passed": False, "error": sentence, "file": file}, scene.name)
 
 
 def load_engines(stages: Stages) -> None:
@@ -107,7 +104,7 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
             instant_of(word, option, float(segments[0].start), float(segments[-1].end))
 
 
-def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages) -> ContactSolution:
+def solve_finite_elements(scene: Scene, options: Options, stages: Stages) -> ContactSolution:
     """The finite-element answer; its cost is stated first where that is long."""
     import halfplane_fe
     from scenes import ConvergenceError, InputError
@@ -212,7 +209,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     return Cost(round(increments), seconds, _LIBRARIES + nodes * (_KEPT * kept + _PASSED * increments))
 
 
-def _seconds_of_a_budget(scene: Scene, options: FiniteElements) -> float | None:
+def _seconds_of_a_budget(scene: Scene, options: Options) -> float | None:
     """What the uncertainty of real bodies would take where the finite elements alone take long; else None."""
     from reports.comparison.budget import coarser, mesh_ratio
     from scenes import InputError
@@ -226,31 +223,7 @@ def _seconds_of_a_budget(scene: Scene, options: FiniteElements) -> float | None:
 
 
 # ------------------------------------------------------------------------------------------------------------- both engines
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class RunOptions(FiniteElements):
-    """What `run` computes beside the two solutions, and how they are judged."""
-
-    tolerance: Tolerance = ()
-    budget: Annotated[
-        bool | None,
-        Parameter(help="Measure where the difference comes from: coarser meshes, other far fields."),
-    ] = None
-    vtu: Annotated[tuple[str, ...], several('Write both bodies for ParaView at these times, or at "events".')] = ()
-    stress: Annotated[tuple[str, ...], several('Show von Mises stress on the page at these times, or at "events".')] = ()
-    pdf: Annotated[bool, Parameter(negative="", show=False)] = False
-    plots: Annotated[
-        tuple[Literal["pdf", "svg", "png"], ...],
-        several("Every figure as a file of publication quality too, in plots/: pdf svg png."),
-    ] = ()
-    third: Annotated[Literal["calculix"] | None, Parameter(help="A third solver: runs `ccx` on the exported deck.")] = None
-    third_limit: Annotated[float | None, Parameter(help="Seconds until the third solver is stopped; 1800 if left out.")] = None
-
-
-_RUN = RunOptions()
-
-
-def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
+def run(scene: str, options: Options) -> Answer:
     """Both engines on one scene, their comparison, its page; the exit code is that of the verdict.
 
     A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
@@ -264,7 +237,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
     tolerances = tolerances_of(options.tolerance)
 
-    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
         from reports.checking import engines_for
 
         command = options.command("run", source, folder)
@@ -276,26 +249,23 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
         options.settings()
         if alone := taken.in_words(source):
-            own = {one.name for one in fields(FiniteElements)}
-            if beside := [one.name for one in fields(options) if one.name not in own and getattr(options, one.name)]:
-                raise InputError(f"{source}: --{beside[0]} goes with a comparison of both engines: leave it out. {alone}")
+            for name in ("tolerance", "budget", "vtu", "stress", "plots", "third", "third_limit"):
+                if getattr(options, name):
+                    raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
             complain(f"halfplane: {scene.name}: no comparison. {alone}")
             if taken.half_plane:
-                return _answer_alone("fe", folder, stages, options, solve_finite_elements(scene, options, stages), alone)
-            return _answer_alone("exact", folder, stages, options, _solve_half_plane(scene, stages), alone)
+                return replace(_answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone), command="fe")
+            return replace(_answer_alone(folder, stages, _solve_half_plane(scene, stages), alone), command="exact")
         if options.third:
             from reports.third.calculix import find_calculix
 
             find_calculix()
-        report = _compared(scene, options, stages, tolerances, folder, command)
-        return _tell_run(report, folder / "report.html", stages, as_json=options.json)
+        return _answer_of_both(_compared(scene, options, stages, tolerances, folder, command), folder / "report.html", stages)
 
-    return at_work("run", source, options, work)
+    return at_work(source, options, work)
 
 
-def _compared(
-    scene: Scene, options: RunOptions, stages: Stages, tolerances: dict[str, float], folder: Path, command: str
-) -> Report:
+def _compared(scene: Scene, options: Options, stages: Stages, tolerances: dict[str, float], folder: Path, command: str) -> Report:
     """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked, and write the page."""
     from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
     from reports.comparison.metrics import are_half_planes
@@ -322,8 +292,10 @@ def _compared(
             report = Report(replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found)
         if measured:
             plain = time.process_time() - begun
-            ladders = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)  # every rung a stage of its own
-            report = with_budget(report.comparison, error_budget(report.comparison, ladders, plain))
+            refinements = climb(
+                found, *options.settings(), stages.stage, 3 if options.budget else 2
+            )  # every run a stage of its own
+            report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
         if options.third:
             from reports.third.calculix import solve_with_calculix
             from reports.third.deck import DeckSettings
@@ -366,91 +338,86 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
 _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
 
 
-def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> int:
-    """The verdict on the terminal, or as JSON; the exit code, whose reason is the last line on stderr."""
-    from reports.comparison import expected
-    from reports.comparison.words import lead
+def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
+    """The verdict; the exit code, whose reason is the last line on stderr."""
+    from reports.comparison import laws
+    from reports.comparison.words import lead, whole_content
 
     comparison, third = report.comparison, report.third
     scene = comparison.scene
-    findings = list(expected.check(scene, (comparison.reference, comparison.result)))
-    if not as_json:
-        show_verdict(report)
-        _show_uncertainty(report)
-        if third is not None:
-            from reports.third.calculix import heads, rows, sentences
-
-            show_table("A third solver", heads(third), rows(comparison, third), right=(1, 2, 3))
-            for sentence in sentences(third):
-                say(sentence)
-        _show_expected(findings)
-        show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in stages.seconds.items()], right=(1,))
-        say(str(page))
+    findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third is not None and third.failure:
         complain(f"halfplane: {scene.name}: {third.failure}")
         code = NOT_CONVERGED
     else:
         code = max(exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE)
-    if not as_json:
-        return code
-    from reports.comparison.content import whole_content
 
-    whole = whole_content(report, "", stages.seconds)
-    content = {
-        **{name: whole[name] for name in ("headline", "table")},
-        **whole["verdict"],
-        "lead": lead(report),
-        "metrics": {key: {name: metric[name] for name in _OF_A_METRIC} for key, metric in whole["metrics"].items()},
-        **{name: whole["result"][name] for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
-        "expected": expected.content(findings),
-        **{name: whole[name] for name in ("profile_fit", "notes", "seconds")},
-        "page": str(page),
-    }
-    return answer("run", code, content, scene.name)
+    def shown() -> Iterator[Part]:
+        yield from verdict_shown(report)
+        yield from _uncertainty_shown(report)
+        if third is not None:
+            from reports.third.calculix import heads, rows, sentences
+
+            yield Sheet("A third solver", heads(third), rows(comparison, third), (1, 2, 3))
+            yield from sentences(third)
+        yield from _expected_shown(findings)
+        yield Sheet("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in stages.seconds.items()], (1,))
+        yield str(page)
+
+    def result() -> dict[str, Any]:
+        whole = whole_content(report, "", stages.seconds)
+        return {
+            **{name: whole[name] for name in ("headline", "table")},
+            **whole["verdict"],
+            "lead": lead(report),
+            "metrics": {key: {name: metric[name] for name in _OF_A_METRIC} for key, metric in whole["metrics"].items()},
+            **{name: whole["result"][name] for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
+            **{name: whole[name] for name in ("expected", "profile_fit", "notes", "seconds")},
+            "page": str(page),
+        }
+
+    return Answer(code, shown(), result, scene.name)
 
 
-def show_verdict(report: Report) -> None:
+def verdict_shown(report: Report) -> Iterator[Part]:
     """The headline, the table of absolute values, and the verdict in a sentence."""
     from reports.comparison.words import first_cells, headline, how_judged, lead, standing, verdict
 
     scene = report.comparison.scene
     heads, rows = first_cells(report)
-    say(headline(report), "bold")
-    cells = [tuple(cell.replace(" ± ", "±").replace(" %", "%") for cell in row) for row in rows]
-    show_table(scene.title or scene.name, heads, cells, right=(1, 2, 3))
-    say(f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", ""))
+    yield headline(report), "bold"
+    yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
+    yield f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", "")
     if words := how_judged(report):
-        say(words)
+        yield words
 
 
-def _show_uncertainty(report: Report) -> None:
+def _uncertainty_shown(report: Report) -> Iterator[Part]:
     """What the dissipation is uncertain by, what the finite elements note, and where the errors come from if that was measured."""
     from reports.comparison.words import cost, heads, narrow, rows, uncertain_work
     from reports.measured import check_record, record_in_words
 
     scene, budget = report.comparison.scene, report.budget
     if words := uncertain_work(report.comparison):
-        say(words)
-    for note in report.comparison.result.record.notes:
-        say(f"Note: {note}.")
+        yield words
+    yield from (f"Note: {note}." for note in report.comparison.result.record.notes)
     if record := check_record(scene):
-        for sentence, warning in record_in_words(scene, record):
-            say(f"{'Warning' if warning else 'Note'}: {sentence}")
+        yield from (f"{'Warning' if warning else 'Note'}: {said}" for said, warning in record_in_words(scene, record))
     if budget is not None:
         columns, lines = narrow(heads(budget, full=False), rows(budget, full=False))
-        show_table("Where the difference comes from", columns, lines, right=range(1, len(columns) - 1))
-        say(f"Covered by the stated uncertainty: {report.honest}")
-        say(cost(budget))
+        yield Sheet("Where the difference comes from", columns, lines, range(1, len(columns) - 1))
+        yield f"Covered by the stated uncertainty: {report.honest}"
+        yield cost(budget)
 
 
-def _show_expected(findings: Sequence[Any]) -> None:
+def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
     """The numbers that the scene expects beside those found."""
-    from reports.comparison import expected
+    from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
-        show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+        yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         missed, of = sum(not finding.met for finding in findings), len(findings)
-        say(f"{missed} of {of} expected numbers are missed." if missed else f"All {of} expected numbers are met.")
+        yield f"{missed} of {of} expected numbers are missed." if missed else f"All {of} expected numbers are met."
 
 
 def exit_code(comparison: Comparison) -> int:
@@ -464,25 +431,22 @@ def exit_code(comparison: Comparison) -> int:
 
 
 # ----------------------------------------------------------------------------------------------------------- one engine alone
-_OUTPUT, _FE = Output(), FiniteElements()
-
-
-def exact(scene: SceneName, *, options: Output = _OUTPUT) -> int:
+def exact(scene: str, options: Options) -> Answer:
     """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone("exact", scene, options, _solve_half_plane)
+    return _alone(scene, options, _solve_half_plane)
 
 
-def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
+def fe(scene: str, options: Options) -> Answer:
     """Finite elements alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone("fe", scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages))
+    return _alone(scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages))
 
 
-def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
-    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+def _alone(source: str, options: Options, solve: Callable[[Scene, Stages], ContactSolution]) -> Answer:
+    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
         load_engines(stages)
-        return _answer_alone(name, folder, stages, options, solve(scene, stages))
+        return _answer_alone(folder, stages, solve(scene, stages))
 
-    return at_work(name, source, options, work)
+    return at_work(source, options, work)
 
 
 _OF_ONE_ENGINE = (
@@ -492,87 +456,32 @@ _OF_ONE_ENGINE = (
 )
 
 
-def _answer_alone(name: str, folder: Path, stages: Stages, options: Output, solution: ContactSolution, note: str = "") -> int:
-    """Files and summary of one engine's answer, as command `name` prints them; `note` is kept with the answer."""
+def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note: str = "") -> Answer:
+    """Files and summary of one engine's answer; `note` is kept with the answer."""
     from reports import profile_fit
-    from reports.comparison import expected
-    from reports.comparison.content import solution_content
-    from reports.comparison.laws import certificates
+    from reports.comparison.laws import certificates, expected_content, expected_numbers
+    from reports.comparison.words import solution_content, summary_rows
 
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
-    scene, path = solution.scene, write_solution(solution, folder)
-    findings, checks = list(expected.check(scene, (solution,))), certificates(solution)
+    scene, path = solution.scene, str(write_solution(solution, folder))
+    findings, checks = list(expected_numbers(scene, (solution,))), certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
-    if options.json:
+
+    def shown() -> Iterator[Part]:
+        yield Sheet(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+        yield from profile_fit.findings(scene)[0]
+        yield from _expected_shown(findings)
+        yield path
+
+    def result() -> dict[str, Any]:
         whole = solution_content(solution, checks)
         content = {"passed": code == WITHIN, "admissible": admissible, **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole}}
-        content |= {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
-        return answer(name, code, content | {"profile_fit": profile_fit.content(scene)}, scene.name)
-    show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
-    for sentence in profile_fit.findings(scene)[0]:
-        say(sentence)
-    _show_expected(findings)
-    say(str(path))
-    return code
+        content |= {"expected": expected_content(findings), "file": path, "seconds": stages.seconds}
+        return content | {"profile_fit": profile_fit.content(scene)}
 
-
-def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """What a person wants to know first, as (quantity, value)."""
-    import numpy as np
-
-    from reports.comparison.content import of_bulk
-    from reports.comparison.laws import certificates
-    from reports.comparison.metrics import name_of, normal_work
-    from reports.measured import load_cycles
-    from reports.units import energy_unit, load_unit, units
-
-    def or_none(value: float) -> str:
-        return "none" if np.isnan(value) else f"{value:.10g}"
-
-    load, (_, length, stress), work = load_unit(solution.scene), units(solution.scene), energy_unit(solution.scene)
-    beside = of_bulk(solution)
-    checks, apart = certificates(solution), solution.dissipation_uncertainty
-    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
-    dissipation = or_none(solution.dissipation)
-    if not np.isnan(apart):
-        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
-    # A path that does not repeat is one cycle.
-    cycle = "of the whole path" if solution.scene.load.path().period is None else "of the last cycle"
-    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
-    rows = [
-        ("engine", name_of(solution.engine)),
-        ("how it ended", solution.record.message),
-        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
-        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
-        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
-        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
-        (f"permanent stick half-width [{length}]", or_none(solution.permanent_stick_half_width)),
-        (f"dissipation {cycle} [{work}]", dissipation),
-    ]
-    if beside:
-        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.insert(-1, (f"ends of permanent stick [{length}]", ", ".join(map(or_none, ends))))
-    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
-        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
-    if np.isfinite(solution.loop_work):
-        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
-        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
-        if beside.get("bulk_work"):
-            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
-        if (normal := normal_work(solution)) is not None:
-            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
-            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
-    if cycles := load_cycles(solution):
-        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
-    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
-    rows.extend(("note", note) for note in solution.record.notes)
-    rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())
-    rows.extend((f"{name.replace('_', ' ')} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
-    return rows
+    return Answer(code, shown(), result, scene.name)
 
 
 _INSTANTS = (
@@ -583,11 +492,11 @@ _INSTANTS = (
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
-    from reports.charts.table import table_text
-    from reports.cli.findings import SOLUTION
-    from reports.comparison import cycles
-    from reports.comparison.content import solution_content, strict
+    from reports.charts.templating import table_text
+    from reports.comparison.findings import SOLUTION
     from reports.comparison.laws import certificates
+    from reports.comparison.metrics import OF_BULK
+    from reports.comparison.words import solution_content, strict
     from reports.folder import filled
 
     stem = name or solution.engine
@@ -601,7 +510,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
         columns = {name: getattr(solution, name) for name in _INSTANTS} | {"iterations": solution.record.iterations}
         if solution.tilt is not None:
-            columns |= {name: getattr(solution, name) for name in cycles.OF_BULK}
+            columns |= {name: getattr(solution, name) for name in OF_BULK}
             for kind, edges in (("contact", solution.contact_edges), ("stick", solution.stick_edges)):
                 columns |= {f"{kind}_left": edges[:, 0], f"{kind}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
@@ -610,30 +519,19 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
 
 
 # ----------------------------------------------------------------------------------------------------- a deck for another code
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class ExportOptions(Output):
-    """For which code, and at which instants."""
-
-    to: Annotated[Literal["calculix", "abaqus"], Parameter(help="The dialect of the deck.")]
-    steps_per_cycle: Annotated[Count | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None
-    cycles: Annotated[Count | None, Parameter(help="Revolutions at most.")] = None
-
-
-def export(scene: SceneName, *, options: ExportOptions) -> int:
+def export(scene: str, options: Options) -> Answer:
     """The bodies and the load history as an input deck."""
     from reports.folder import default_folder, filled
 
     source = scene
 
-    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
         with stages.stage("loading"):
             from halfplane_fe.solve import versions
             from reports.third.deck import DeckSettings, build_deck, deck_text
             from reports.units import units
-        given = {name: getattr(options, name) for name in ("steps_per_cycle", "cycles")}
         with stages.stage("deck"):
-            deck = build_deck(scene, DeckSettings(**{name: value for name, value in given.items() if value is not None}))
+            deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
         # The deck's first comment: where it lies is nobody's business.
         text = deck_text(deck, options.to, options.command("export", source, folder).rpartition(" --out ")[0], versions())
         file = f"{default_folder(scene.name).name}_{options.to}.inp"
@@ -647,9 +545,6 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
             "pressure_per_penetration": deck.stiffness,
             "shear_per_elastic_slip": deck.stick_slope,
         }
-        if options.json:
-            more = {"file": str(folder / file), "seconds": stages.seconds}
-            return answer("export", WITHIN, {"passed": True, "to": options.to, **found, **more}, scene.name)
         _, length, stress = units(scene)
         kind = "CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"
         rows = [
@@ -661,26 +556,15 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
                 f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}",
             ),
         ]
-        show_table(f"Deck for {kind}", ("what", "value"), rows)
-        say(str(folder / file))
-        return WITHIN
+        whole = {"passed": True, "to": options.to, **found, "file": str(folder / file), "seconds": stages.seconds}
+        shown: list[Part] = [Sheet(f"Deck for {kind}", ("what", "value"), rows), str(folder / file)]
+        return Answer(WITHIN, shown, lambda: whole, scene.name)
 
-    return at_work("export", source, options, work)
+    return at_work(source, options, work)
 
 
 # ------------------------------------------------------------------------------------------------------------- the paper again
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class PaperOptions(Output):
-    """Where the paper's page goes."""
-
-    out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None
-
-
-_PAPER = PaperOptions()
-
-
-def paper(*, options: PaperOptions = _PAPER) -> int:
+def paper(options: Options) -> Answer:
     """The paper's figures and both tables; outside if a misprint is not proven."""
     from reports.folder import claim, default_folder
 
@@ -690,23 +574,23 @@ def paper(*, options: PaperOptions = _PAPER) -> int:
         from reports.paper import page
         from reports.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
-    code = WITHIN if report.proven else OUTSIDE
-    if options.json:
-        tables = {name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")}
-        content = {"passed": code == WITHIN, "verdicts": page.tally(report.statements), **tables}
-        return answer("paper", code, content | {"page": str(report.page), "seconds": stages.seconds})
-    show_table(
-        "What the paper states in words",
-        ("statement", "where", "the paper", "computed", "verdict"),
-        [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
-    )
-    show_table(
-        "Misprints of the paper",
-        ("where", "printed", "right", "proof", "proven"),
-        [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
-    )
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in page.tally(report.statements).items())
+    code, verdicts = WITHIN if report.proven else OUTSIDE, page.tally(report.statements)
+    tables = {name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")}
+    content = {"passed": code == WITHIN, "verdicts": verdicts, **tables, "page": str(report.page), "seconds": stages.seconds}
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     proven = sum(row.proven is True for row in report.misprints)
-    say(f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation")
-    say(str(report.page))
-    return code
+    shown: list[Part] = [
+        Sheet(
+            "What the paper states in words",
+            ("statement", "where", "the paper", "computed", "verdict"),
+            [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
+        ),
+        Sheet(
+            "Misprints of the paper",
+            ("where", "printed", "right", "proof", "proven"),
+            [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
+        ),
+        f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation",
+        str(report.page),
+    ]
+    return Answer(code, shown, lambda: content)

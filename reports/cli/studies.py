@@ -3,68 +3,44 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import App, Group, Parameter
-
-from reports.cli.options import Count, Json, Output, answer, flag
+from reports.cli.options import WORKERS, Answer, Options
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
-from reports.console import Stages, complain, say, show_table
+from reports.console import Part, Sheet, Stages, complain, say
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from reports.sweep.running import Prepared
     from reports.sweep.store import Store
 
+# Points and failures, and notes, that the terminal lists; all are in index.csv.
 _SHOWN, _NOTES = 20, 3
 
-sweep_app = App(name="sweep", help_epilogue="", group_commands=Group("Of a sweep that is there"))
-_Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
 
-
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class SweepOptions(Output):
-    """Who computes the points of a study, and where they are stored."""
-
-    out: Annotated[Path | None, Parameter(help="Folder of the store; out/<study file> if left out.")] = None
-    executor: Annotated[Literal["processes", "dask"], Parameter(help="Processes of this machine, or a dask cluster.")] = "processes"
-    scheduler: Annotated[str, Parameter(help="Address of your dask scheduler; without one a cluster starts on this machine.")] = ""
-    workers: Annotated[Count | None, Parameter(help="Processes, or tasks at once; all cores if left out.")] = None
-    tls_ca_file: Annotated[Path | None, Parameter(help="Certificates trusted, of a tls:// scheduler (PEM).")] = None
-    tls_cert: Annotated[Path | None, Parameter(help="Our own certificate (PEM).")] = None
-    tls_key: Annotated[Path | None, Parameter(help="Its private key (PEM).")] = None
-    resume: Annotated[bool, flag("What every run does: the results that the folder holds are used.")] = False
-
-
-_SWEEP = SweepOptions()
-
-
-@sweep_app.default
-def sweep(
-    study: Annotated[str, Parameter(help="A study file, .toml or .json; see docs/sweeps.md.")], *, options: SweepOptions = _SWEEP
-) -> int:
+def sweep(study: str, options: Options) -> Answer:
     """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point failed."""
-    code, _ = _swept(study, options, tell=True)
-    return code
+    return _swept(study, options, announced=not options.json)
 
 
-def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict[str, Any] | None]:
-    """Run a study, or resume it: the exit code, and how far it is. Without `tell` nothing is printed on stdout."""
+def _swept(source: str, options: Options, *, announced: bool = False) -> Answer:
+    """Run a study, or resume it; `announced`: what it is about is printed before the work."""
     from reports.folder import claim, default_folder
     from reports.sweep.running import prepare, work, workers_of
     from reports.sweep.store import StoreError
-    from reports.sweep.study import described
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
-    workers = {name: getattr(options, name) for name in ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")}
+    workers = {name: getattr(options, name) for name in WORKERS}
     workers_of(**workers)
     with stages.stage("checking the study", "points") as report:
         prepared = prepare(source, folder, lambda count: report(count, None, f"{count} points checked"))
-    if tell and not options.json:
-        _announce(prepared)
+    for line in _announced(prepared) if announced else ():
+        say(line)
     again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored() -> str:
@@ -76,34 +52,47 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict
             table = work(prepared, report=report, **workers)
     except KeyboardInterrupt:
         complain(f"halfplane: interrupted; {stored()}; resume with: {again}")
-        return INTERRUPTED, None
+        return Answer(INTERRUPTED)
     except StoreError as fault:
         raise StoreError(f"{fault}; {stored()}; once there is room resume with: {again}") from fault
-    failed = table[table["status"] != "done"]
-    code, state, index = NOT_CONVERGED if len(failed) else WITHIN, _content(prepared.store), prepared.store.folder / "index.csv"
-    if tell and options.json:
-        answer("sweep", code, state | {"file": str(index)}, prepared.study.scene.name)
-    elif tell:
-        if len(failed):
-            at = [described(prepared.points[number].coordinates) for number in failed["number"][:_SHOWN]]
-            rows = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
-            show_table(f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), rows)
-        say(f"{len(table) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them")
-        for one in state["notes"][:_NOTES]:
-            say(f"note on {one['points']} of {len(table)} points: {one['note']}")
-        if (more := len(state["notes"]) - _NOTES) > 0:
-            say(f"... and {more} other notes; see index.csv")
-        say(str(index))
-    return code, state
+    state = _content(prepared.store) | {"file": str(prepared.store.folder / "index.csv")}
+    code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
+    return Answer(code, _points(prepared, table, state), lambda: state, prepared.study.scene.name)
 
 
-def _announce(prepared: Prepared) -> None:
+def _announced(prepared: Prepared) -> Iterator[str]:
     study, points, waiting = prepared.study, len(prepared.points), len(prepared.waiting)
-    say(f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}")
+    yield f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}"
     if waiting < points:
-        say(f"{points - waiting} points have results already, {waiting} are left")
+        yield f"{points - waiting} points have results already, {waiting} are left"
     if damaged := prepared.store.damaged():
-        say(f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}")
+        yield f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}"
+
+
+def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
+    """The points with their values, those that failed, and the notes."""
+    from reports.sweep.page import plain_figures
+    from reports.sweep.study import described
+    from reports.units import number
+
+    done, failed, axes = table[table["status"] == "done"], table[table["status"] != "done"], prepared.study.axes
+    columns = ["number", *(column for axis in axes for column in axis.columns), *plain_figures(table, axes)]
+    rows = [[str(v) if isinstance(v, str | int) else number(v) for v in row] for row in done[columns][:_SHOWN].to_numpy().tolist()]
+    if rows:
+        yield Sheet(prepared.study.title or prepared.study.scene.name, ["point", *columns[1:]], rows, range(len(columns)))
+    if len(done) > _SHOWN:
+        yield f"... and {len(done) - _SHOWN} other points; see index.csv"
+    if len(failed):
+        at = [described(prepared.points[k].coordinates) for k in failed["number"][:_SHOWN]]
+        reasons = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
+        yield Sheet(f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), reasons)
+    folder = prepared.store.folder
+    yield f"{len(done)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them"
+    for one in state["notes"][:_NOTES]:
+        yield f"note on {one['points']} of {len(table)} points: {one['note']}"
+    if (more := len(state["notes"]) - _NOTES) > 0:
+        yield f"... and {more} other notes; see index.csv"
+    yield state["file"]
 
 
 def _content(store: Store) -> dict[str, Any]:
@@ -113,59 +102,36 @@ def _content(store: Store) -> dict[str, Any]:
     return {name: value for name, value in state_of(store).items() if name != "table"}
 
 
-@sweep_app.command(help_epilogue="")
-def status(folder: _Folder, /, *, json: Json = False) -> int:
+def status(folder: Path, _: Options) -> Answer:
     """How far a sweep is: done, failed, running, time left."""
     from reports.sweep.store import Store
 
     state = _content(Store(folder))
-    if json:
-        return answer("sweep status", WITHIN, state)
-    show_table(state["title"] or str(folder), ("points", "number"), [(k, str(n)) for k, n in state["points"].items()], right=(1,))
-    for name in state["damaged"]:
-        say(f"damaged and set aside: results/{name}; the next sweep makes it again")
-    for one in state["failures"][:_SHOWN]:
-        say(f"point {one['point']} failed: {one['reason']}")
-    if (more := len(state["failures"]) - _SHOWN) > 0:
-        say(f"... and {more} more failed; see index.csv")
-    if state["seconds_left"] is not None:
-        say(f"about {state['seconds_left']:.0f} s left")
-    elif state["points"]["waiting"] and not state["points"]["running"]:
-        say("no sweep is at work here")
-    return WITHIN
+
+    def shown() -> Iterator[Part]:
+        yield Sheet(state["title"] or str(folder), ("points", "number"), [(k, str(n)) for k, n in state["points"].items()], (1,))
+        yield from (f"damaged and set aside: results/{name}; the next sweep makes it again" for name in state["damaged"])
+        yield from (f"point {one['point']} failed: {one['reason']}" for one in state["failures"][:_SHOWN])
+        if (more := len(state["failures"]) - _SHOWN) > 0:
+            yield f"... and {more} more failed; see index.csv"
+        if state["seconds_left"] is not None:
+            yield f"about {state['seconds_left']:.0f} s left"
+        elif state["points"]["waiting"] and not state["points"]["running"]:
+            yield "no sweep is at work here"
+
+    return Answer(WITHIN, shown(), lambda: state)
 
 
-@sweep_app.command(help_epilogue="")
-def report(folder: _Folder, /, *, json: Json = False) -> int:
+def report(folder: Path, _: Options) -> Answer:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep.page import write_page
     from reports.sweep.store import Store
 
-    page = write_page(Store(folder))
-    if json:
-        return answer("sweep report", WITHIN, _content(Store(folder)) | {"page": str(page)})
-    say(str(page))
-    return WITHIN
+    page = str(write_page(Store(folder)))
+    return Answer(WITHIN, [page], lambda: _content(Store(folder)) | {"page": page})
 
 
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class MapOptions(Output):
-    """Where a map's tables, pages and sweeps are."""
-
-    out: Annotated[Path | None, Parameter(help="Folder of tables and pages; a checkout's reports/published/maps if left out.")] = (
-        None
-    )
-    stores: Annotated[Path, Parameter(help="Folder of the sweeps' stores.")] = Path("out/maps")
-    workers: Annotated[Count | None, Parameter(help="Processes; all cores if left out.")] = None
-    remake: Annotated[bool, flag("Start afresh: drop the sweeps' results first.")] = False
-    pages: Annotated[bool, flag("Laws, figures and pages alone, from the tables that are there.")] = False
-
-
-_MAP = MapOptions()
-
-
-def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), or all.")], *, options: MapOptions = _MAP) -> int:
+def make_map(name: str, options: Options) -> Answer:
     """Run the studies of a map, or of all, and write tables and pages; 3 where a point failed.
 
     Raises
@@ -173,9 +139,9 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     InputError
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
+    from reports.folder import replace_text
     from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
     from reports.maps.pages import require_free, write
-    from reports.staging import replace_text
     from reports.sweep import read_index
     from scenes import InputError
 
@@ -188,18 +154,13 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         store = options.stores / study
         if options.remake and store.exists():
             shutil.rmtree(store)
-        how = SweepOptions(out=store, workers=options.workers, resume=True, quiet=options.quiet)
-        one_code, state = _swept(str(STUDIES / f"{study}.toml"), how, tell=not options.json)
-        code = max(code, one_code)
+        how = Options(out=store, workers=options.workers, resume=True, quiet=options.quiet)
+        found = _swept(str(STUDIES / f"{study}.toml"), how)
+        if found.result is None:
+            return found
+        code = max(code, found.code)
         replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
-        if code > NOT_CONVERGED or state is None:
-            return code
-        states[study] = state
+        states[study] = {key: value for key, value in found.result().items() if key not in ("title", "file")}
     write(folder)
-    page = folder / "README.md"
-    if options.json:
-        for state in states.values():
-            state.pop("title")
-        return answer("map", code, {"passed": code == WITHIN, "studies": states, "page": str(page)})
-    say(str(page))
-    return code
+    page = str(folder / "README.md")
+    return Answer(code, [page], lambda: {"passed": code == WITHIN, "studies": states, "page": page})

@@ -1,21 +1,31 @@
 """What was compared: two solutions of one scene side by side, every metric with its uncertainty and verdict.
 
-cycles.py       the last cycle of a solution, and one solution put on the points and instants of another
-metrics.py      the metrics: one table of words, needs, functions and tolerances
-laws.py         the laws of contact that an answer obeys, whoever is right
-convergence.py  order and value at size zero of a ladder of solutions
-budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation
-expected.py     the numbers that a scene expects
-words.py        all of that in sentences and cells
+Offered to the rest of reports, `Comparison` `Report` `compare` first:
+
+    metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle` `Event` `events` `OF_BULK`;
+                    the metrics, one table of words, needs, functions, tolerances: `METRICS` `Metric` `missing` `norm` `over`
+                    `shares` `scales` `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes` `name_of`
+                    `compliance` `energy_scale` `bulk_strain` `bulk_strains` `bulk_work` `loop_work` `normal_work`
+    laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
+                    `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
+                    `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
+    convergence.py  mesh-refinement study: order, value at size zero: `Refinement` `Extrapolation` `extrapolate`
+    budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
+                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`
+    words.py        all of that in sentences: `headline` `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
+                    `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation` `SUPPORT_WORDS` `sentence` `cost`; in cells:
+                    `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells` `first_rows` `summary_rows` `heads` `rows`
+                    `narrow`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
+    findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
+                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `tolerances_of`
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from reports.comparison.cycles import last_cycle, sample, sample_instants
 from reports.comparison.laws import Certificate, certificates
 from reports.comparison.metrics import (
     LIGHT,
@@ -25,8 +35,11 @@ from reports.comparison.metrics import (
     Verdict,
     are_half_planes,
     judge,
+    last_cycle,
     missing,
     name_of,
+    sample,
+    sample_instants,
     scales,
     tolerances_of,
 )
@@ -34,6 +47,9 @@ from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
+    from reports.scoring.diagnosis import Diagnosis
+    from reports.scoring.study import Study
+    from reports.third.calculix import ThirdSolver
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,18 +130,17 @@ class Report:
     comparison : what was compared; its metrics have the uncertainties of the budget
     budget : where the error of every metric comes from, where that was measured
     guesses : what was taken for granted of somebody else's result, to be read before anything else
-    diagnoses : the likely causes of somebody else's difference, `scoring.diagnosis.Diagnosis`, the strongest first
-    study : what the result's own coarser meshes say, where it came as a folder of them, a `scoring.study.Study`
-    third : the answer of another code to the same scene, a `third.calculix.ThirdSolver`
+    diagnoses : the likely causes of somebody else's difference, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them
+    third : the answer of another code to the same scene
     """
 
     comparison: Comparison
     budget: ErrorBudget | None = None
     guesses: tuple[str, ...] = ()
-    # What makes these compares by this module, so that it cannot import their types.
-    diagnoses: tuple[Any, ...] = ()
-    study: Any = None
-    third: Any = None
+    diagnoses: tuple[Diagnosis, ...] = ()
+    study: Study | None = None
+    third: ThirdSolver | None = None
 
     @property
     def honest(self) -> str:

@@ -1,24 +1,29 @@
-"""Is an answer admissible: does it obey the laws of contact, whoever is right? Needs no reference.
+"""What needs no second solution: the laws of contact that an answer obeys, and the numbers that its scene expects.
 
-Two sources: what can be read off the fields of any ContactSolution (tension, cone, loads), and what only the engine
-could see while it solved (equilibrium in its own weights, penetration, energy balance), which it wrote in its record.
+Laws have two sources: what can be read off the fields of any ContactSolution (tension, cone, loads), and what only the engine could
+see while it solved (equilibrium in its own weights, penetration, energy balance), which it wrote in its record.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution
+from reports.comparison.metrics import Verdict, bulk_work, energy_scale, last_cycle, name_of, verdict_on
+from reports.units import minus
+from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 
 Array = NDArray[np.float64]
 
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken shows above 1e-6.
 LIMIT = 1e-9
 # Of a foreign result: what a file of four printed digits leaves of a law that its code kept to rounding.
-PRINTED = 1e-3
+_PRINTED = 1e-3
 # Name of what was worked out from other fields of a foreign result -> nothing is checked with it that only repeats how.
 DERIVED = "derived"
 
@@ -61,7 +66,7 @@ def derived(solution: ContactSolution) -> frozenset[str]:
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """Every certificate of `solution`: from its fields first, then from its record.
 
-    Of a foreign result none that rests on a field worked out from the law itself, and the others to `PRINTED`.
+    Of a foreign result none that rests on a field worked out from the law itself, and the others to `_PRINTED`.
     """
     from_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -70,7 +75,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         from_fields["slip"] = _slip(solution)
     if "normal_load" not in derived(solution):
         from_fields["loads"] = _loads(solution)
-    limit = PRINTED if derived(solution) else LIMIT
+    limit = _PRINTED if derived(solution) else LIMIT
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
         for source, found in (("fields", from_fields), ("record", solution.record.certificates))
@@ -112,3 +117,139 @@ def _loads(solution: ContactSolution) -> Array:
 
 def _largest_pressure(solution: ContactSolution) -> float:
     return float(np.max(solution.pressure)) or 1.0
+
+
+# ------------------------------------------------------------------------------------------------------ expected numbers
+@dataclass(frozen=True)
+class Finding:
+    """An expected number and what was found in its place."""
+
+    expected: Expected  # the number, its tolerance, engine and source
+    found: float  # the engine's own; NaN where it has no such thing
+    difference: float  # found less expected, in the measure of the tolerance
+
+    @property
+    def met(self) -> bool:
+        """Whether the difference lies within the tolerance; a NaN never does."""
+        return verdict_on(self.difference, self.expected.tolerance) is Verdict.WITHIN
+
+
+def _lower_face_displacement(solution: ContactSolution) -> float:
+    """At the largest load; NaN for a half-plane, whose displacement has no datum."""
+    from halfplane_fe import FiniteElementSolution, fields
+
+    if not isinstance(solution, FiniteElementSolution) or solution.scene.bodies.lower.kind == "half_plane":
+        return math.nan
+    lower = fields(solution, [solution.time[_when_largest(solution)]])[0].bodies[0]
+    return float(lower.displacement[np.argmin(np.hypot(*lower.points.T)), 1])
+
+
+def _when_largest(solution: ContactSolution) -> int:
+    """The step of the last cycle with the largest P."""
+    return int(solution.last_cycle[np.argmax(solution.normal_load[solution.last_cycle])])
+
+
+def _largest_half_width(solution: ContactSolution) -> float:
+    return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
+
+
+def _stick_half_width(solution: ContactSolution) -> float:
+    return float(solution.permanent_stick_half_width)
+
+
+def _stick_edges(solution: ContactSolution) -> list[float]:
+    edges = solution.permanent_stick_edges
+    return [math.nan, math.nan] if edges is None else [float(edge) for edge in edges]
+
+
+def _moment(solution: ContactSolution) -> float:
+    """At the largest load."""
+    return math.nan if solution.moment is None else float(solution.moment[_when_largest(solution)])
+
+
+def _bulk_work(solution: ContactSolution) -> float:
+    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants, the part of `loop_work` that is the bulk term."""
+    whole = "whole_cycle" not in solution.work.skipped and len(solution.last_cycle) > 1
+    return bulk_work(last_cycle(solution), solution.scene.material) if whole else math.nan
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a solution's last cycle: its words, its kind ("energy", "length", "stress", "moment", "share"), its function."""
+
+    words: str
+    kind: str
+    of: Callable[[ContactSolution], float]
+
+
+# In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own points. A scene may expect each.
+QUANTITIES = {
+    "dissipation": Quantity("dissipation of the last cycle", "energy", lambda s: float(s.dissipation)),
+    "loop_work": Quantity("closed integral of Q dU", "energy", lambda s: float(s.loop_work)),
+    "bulk_work": Quantity("of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work),
+    "permanent_stick_half_width": Quantity("permanent stick half-width", "length", _stick_half_width),
+    "permanent_stick_left": Quantity("left end of permanent stick", "length", lambda s: _stick_edges(s)[0]),
+    "permanent_stick_right": Quantity("right end of permanent stick", "length", lambda s: _stick_edges(s)[1]),
+    "largest_half_width": Quantity("largest contact half-width", "length", _largest_half_width),
+    "largest_pressure": Quantity("largest pressure at the points", "stress", lambda s: float(np.max(s.pressure[s.last_cycle]))),
+    "stick_centre": Quantity("middle of the permanent stick zone", "length", lambda s: float(np.mean(_stick_edges(s)))),
+    "contact_left": Quantity("left edge of the contact", "length", lambda s: float(np.nanmin(s.contact_edges[s.last_cycle, 0]))),
+    "contact_right": Quantity("right edge of the contact", "length", lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1]))),
+    "moment": Quantity("moment of the pressure about x = 0", "moment", _moment),
+    "lower_face_displacement": Quantity("displacement of the lower face's middle along y", "length", _lower_face_displacement),
+    "least_half_width": Quantity("least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))),
+    "stick_share": Quantity("stick half-width over largest", "share", lambda s: _stick_half_width(s) / _largest_half_width(s)),
+}
+# What solutions with bulk stress, tilt or unequal sides have beside the others.
+OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
+
+
+def _scale(expected: Expected, solution: ContactSolution) -> float:
+    """What the tolerance is relative to: the value, or where that is 0 the scale of its kind."""
+    if expected.value:
+        return abs(expected.value)
+    match QUANTITIES[expected.quantity].kind:
+        case "energy":
+            return energy_scale(solution.scene, float(solution.normal_load[solution.last_cycle].max()))
+        case "stress":
+            return float(np.max(solution.pressure))
+        case "share":
+            return 1.0
+    return _largest_half_width(solution)
+
+
+def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
+    """The numbers that `scene` expects of these engines, in its order; those of other engines are left out."""
+    answers = {name_of(solution.engine): solution for solution in solutions}
+    for expected in scene.expected:
+        if expected.engine in answers:
+            solution = answers[expected.engine]
+            found = QUANTITIES[expected.quantity].of(solution)
+            yield Finding(expected, found, (found - expected.value) / _scale(expected, solution))
+
+
+def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
+    """Cells of the table that the terminal shows, under `EXPECTED_HEADS`."""
+    return [
+        (
+            one.expected.quantity.replace("_", " "),
+            one.expected.engine,
+            f"{one.expected.value:.5g}",
+            "none" if math.isnan(one.found) else f"{one.found:.5g}",
+            "–" if math.isnan(one.difference) else minus(f"{one.difference:+.1e}"),
+            f"{one.expected.tolerance:.3g}",
+            "yes" if one.met else "no",
+        )
+        for one in findings
+    ]
+
+
+EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "met")
+
+
+def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+    """The same for JSON."""
+    return [
+        {**one.expected.model_dump(mode="json"), "found": one.found, "difference": one.difference, "met": one.met}
+        for one in findings
+    ]

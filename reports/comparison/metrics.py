@@ -1,49 +1,274 @@
-"""The metrics: one table, at the end. Each row has its key, its words, what it needs, the function that measures it, its tolerance.
+"""The last cycle of both solutions, and the metrics: one table, at the end of this file.
 
-Every metric is a pure function of two last cycles on the same points and instants (a `Pair`), dimensionless: result − reference
-over a scale, signed wherever a sign has a meaning. A NaN in a solution means "no such thing at this instant" only where it is
-said so; any other NaN comes from the data and goes on to the verdict, where it fails.
+A row has its key, its words, what it needs, the function that measures it and its tolerance. Every metric is a pure function of two
+last cycles on the same points and instants (a `Pair`), dimensionless: result − reference over a scale, signed wherever a sign has a
+meaning. A NaN in a solution means "no such thing at this instant" only where it is said so; any other NaN comes from the data and
+goes on to the verdict, where it fails.
 
 # notation: ref the reference, E the value of a metric, u its uncertainty
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.cycles import Cycle
 from reports.units import minus
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene, freeze
 from scenes.scene import OWN_TOLERANCES
 
+# -------------------------------------------------------------------------------------------------------- the last cycle
+FIELDS = ("pressure", "shear", "slip")
+_EDGES = ("contact_edges", "stick_edges")
+_SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
+# Only of scenes with bulk stress, tilt or an unsymmetric profile.
+OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included."""
+
+    time: Array  # (k,), the solution's own times
+    fraction: Array  # (k,), 0 at the start of the cycle and 1 at its end
+    x: Array  # (n,) [length]
+    # pressure, shear, slip, state: (k, n)
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    # contact_edges, stick_edges: (k, 2)
+    contact_edges: Array
+    stick_edges: Array
+    # normal_load, tangential_load, tangential_displacement, normal_approach: (k,)
+    normal_load: Array
+    tangential_load: Array
+    tangential_displacement: Array
+    normal_approach: Array
+    dissipation_density: Array  # (n,)
+    # estimated largest error of the re-sampling, over the field's largest value; empty where nothing was interpolated
+    interpolation: Mapping[str, float] = field(default_factory=dict)
+    whole: bool = True  # False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
+    # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the solution
+    bulk_stress_lower: Array | None = None
+    bulk_stress_upper: Array | None = None
+    tilt: Array | None = None
+    moment: Array | None = None
+    shear_moment: Array | None = None
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of the series over time that it has."""
+        return (*_SERIES, *(name for name in OF_BULK if getattr(self, name) is not None))
+
+
+def last_cycle(solution: ContactSolution) -> Cycle:
+    """The last whole cycle of `solution`, or all instants where it says itself that it holds none; InputError where it has none."""
+    if "whole_cycle" in solution.work.skipped:
+        return instants(solution)
+    steps = solution.last_cycle
+    if len(steps) < 2:
+        raise InputError(
+            f"{solution.engine}: the solution holds no whole cycle (its times run from {solution.time[0]:.6g} to "
+            f"{solution.time[-1]:.6g}); solve at least one revolution"
+        )
+    time = solution.time[steps]
+    return _cycle(solution, steps, (time - time[0]) / (time[-1] - time[0]), whole=True)
+
+
+def instants(solution: ContactSolution) -> Cycle:
+    """Every instant of `solution`, `fraction` being the time."""
+    return _cycle(solution, np.arange(len(solution.time)), solution.time, whole=False)
+
+
+def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
+    """`reference` at the times of `like` (not whole) and on its points; times after its end are those of its last cycle."""
+    cycle, period = instants(reference), reference.scene.load.path().period
+    if len(cycle.time) == len(like.time) and np.array_equal(cycle.time, like.time):
+        return sample(cycle, like, reference.engine)
+    late = np.maximum(like.time - cycle.time[-1], 0.0)
+    folded = like.time if period is None else like.time - period * np.ceil(late / period - 1e-9)
+    return replace(sample(cycle, replace(like, fraction=freeze(folded)), reference.engine), time=like.time, fraction=like.time)
+
+
+def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool) -> Cycle:
+    def of_cycle(name: str) -> Any:
+        """Those of a path that is one cycle are not copied: of a long record they take tens of megabytes each."""
+        values = getattr(solution, name)
+        return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
+
+    known = [name for name in OF_BULK if getattr(solution, name) is not None]
+    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *_EDGES, *_SERIES, *known)}
+    return Cycle(
+        time=freeze(solution.time[steps]),
+        fraction=freeze(fraction),
+        whole=whole,
+        x=solution.x,
+        state=of_cycle("state"),
+        dissipation_density=solution.dissipation_density,
+        **picked,
+    )
+
+
+def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+    """`cycle` on the points and instants of `like`; the same cycle where they are the same already.
+
+    Instants are matched by the fraction of the cycle, since two engines may have needed different numbers of
+    revolutions. Linear in x and in time; the state is that of the nearest point and instant. `interpolation` states
+    what the same rule errs by when every second sample is left out: of 320 spacings at a square-root edge, where it
+    converges slowest, one in a hundred at most errs by more.
+
+    Raises
+    ------
+    InputError
+        Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
+    """
+    error: dict[str, float] = {}
+    if len(cycle.fraction) != len(like.fraction) or not np.allclose(cycle.fraction, like.fraction, rtol=0, atol=1e-9):
+        cycle, error = _at_instants(cycle, like)
+    if len(cycle.x) != len(like.x) or not np.allclose(cycle.x, like.x, rtol=0, atol=1e-12 * np.ptp(like.x)):
+        _refuse_cut_contact(cycle, like, engine)
+        cycle, in_x = _at_points(cycle, like)
+        error = {name: error.get(name, 0.0) + value for name, value in in_x.items()}
+    return replace(cycle, interpolation=error)
+
+
+def _refuse_cut_contact(cycle: Cycle, like: Cycle, engine: str) -> None:
+    carries = np.max(cycle.pressure[:, [0, -1]], axis=0) > 1e-12 * np.max(cycle.pressure)
+    beyond = like.x[0] < cycle.x[0], like.x[-1] > cycle.x[-1]
+    if any(carries[side] and beyond[side] for side in (0, 1)):
+        raise InputError(
+            f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it still carries pressure, "
+            "short of the points that it is compared at; give it points out to the largest contact"
+        )
+
+
+def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
+    error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *_EDGES)}
+    nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
+    linear: dict[str, Any] = {
+        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *_EDGES, *cycle.series)
+    }
+    return replace(cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear), error
+
+
+def _at_points(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
+    names = (*FIELDS, "dissipation_density")
+    error = {name: _halving(cycle.x, getattr(cycle, name).T) for name in names}
+    nearest = np.abs(cycle.x[:, None] - like.x).argmin(axis=0)
+    state = np.where((like.x < cycle.x[0]) | (like.x > cycle.x[-1]), 0, cycle.state[:, nearest])
+    linear: dict[str, Any] = {name: freeze(_linear(like.x, cycle.x, getattr(cycle, name).T).T) for name in names}
+    return replace(cycle, x=like.x, state=freeze(state, np.int8), **linear), error
+
+
+def _linear(to: Array, at: Array, values: Array) -> Array:
+    """`values` (len(at), ...) at `to`, linear between samples and constant beyond them."""
+    upper = np.clip(np.searchsorted(at, to, side="right"), 1, len(at) - 1)
+    weight = np.clip((to - at[upper - 1]) / (at[upper] - at[upper - 1]), 0.0, 1.0)
+    weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
+    # A weight of exactly 0 or 1 must not let a NaN of the other end in.
+    low, high = values[upper - 1], values[upper]
+    return np.where(weight == 0, low, np.where(weight == 1, high, (1 - weight) * low + weight * high))
+
+
+def _halving(at: Array, values: Array) -> float:
+    """Largest error of the linear rule when every second sample is left out, over the largest |value|.
+
+    Both halves are tried: a square-root edge errs most where it falls into the middle of an interval.
+    """
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    if len(at) < 4 or largest == 0.0:
+        return 0.0
+    worst = 0.0
+    for first in (1, 2):
+        left_out = np.arange(first, len(at) - 1, 2)
+        coarse = np.delete(np.arange(len(at)), left_out)
+        difference = np.abs(_linear(at[left_out], at[coarse], values[coarse]) - values[left_out])
+        worst = max(worst, float(np.nanmax(difference, initial=0.0)))
+    return worst / largest
+
+
+# Instants of the last cycle that a page shows.
+_MOST_EVENTS = 6
+
+
+@dataclass(frozen=True)
+class Event:
+    """An instant of the last cycle: its index in the cycle and what happens there."""
+
+    index: int
+    label: str
+
+
+def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
+    """At most `_MOST_EVENTS` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
+
+    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that
+    does not move has no extremes.
+    """
+    normal, tangential = cycle.normal_load, cycle.tangential_load
+    # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
+    plain = cycle.tilt is None and cycle.shear_moment is None
+    wanted = (
+        ("P largest", normal),
+        ("P least", -normal),
+        ("Q largest", tangential),
+        ("Q least", -tangential),
+        ("forward slip ends" if plain else "Q − f P largest", tangential - friction * normal),
+        ("reverse slip ends" if plain else "Q + f P least", -tangential - friction * normal),
+    )
+    found: dict[int, str] = {}
+    size = float(np.max(np.abs(normal)))
+    for label, quantity in wanted:
+        if np.ptp(quantity) > 1e-9 * size:
+            # The first instant, to rounding: the end of a cycle repeats its start.
+            found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
+    chosen = dict(list(found.items())[:_MOST_EVENTS])
+    if len(cycle.time) == 1:
+        chosen = {0: "the only instant"}
+    while len(chosen) < min(_MOST_EVENTS, len(cycle.time) - 1):
+        chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
+    return tuple(Event(index, chosen[index]) for index in sorted(chosen))
+
+
+def _widest_gap(chosen: dict[int, str], time: NDArray[np.float64]) -> int:
+    """The instant nearest to the middle of the longest time between chosen ones, the ends of the cycle counting as such."""
+    last = len(time) - 1
+    stops = sorted({-1, *chosen, last + 1})  # the ends themselves may be chosen too
+    gaps = [(time[max(a, 0)], time[min(b, last)], np.arange(a + 1, b)) for a, b in itertools.pairwise(stops) if b - a > 1]
+    start, end, inside = max(gaps, key=lambda gap: gap[1] - gap[0])
+    return int(inside[np.argmin(np.abs(time[inside] - (start + end) / 2))])
+
+
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Measure = Callable[["Pair"], "Measured"]
+_Mask = NDArray[np.bool_]
+_Measure = Callable[["Pair"], "Measured"]
 
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
 # passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
 LIGHT = 0.1
 # Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
 # is the points that decide which of the two comes out higher.
-EQUAL_PEAKS = 0.05
+_EQUAL_PEAKS = 0.05
 # Differences of size that are rounding: engines repeat themselves to 1e-11.
-ALIKE = 1e-9
+_ALIKE = 1e-9
 # Below this, in f p_ref, the shear of an instant is rounding and has no peak.
-NO_SHEAR = 1e-9
+_NO_SHEAR = 1e-9
 # Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
-NO_DISSIPATION = 1e-12
+_NO_DISSIPATION = 1e-12
 # Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
 _NO_COUPLING = 1e-9
-SIDES = ("left", "right")
-FULL_STICK = 2
+_SIDES = ("left", "right")
+_FULL_STICK = 2
 # What a metric needs beside fields of a solution: a whole cycle, friction.
 WHOLE_CYCLE, FRICTION = "whole_cycle", "friction"
 
@@ -106,22 +331,13 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes the comparison dimensionless.
+    """What makes the comparison dimensionless."""
 
-    Attributes
-    ----------
-    normal_load : P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
-    half_width : a_ref = a(P_ref) of the reference [length]
-    pressure : p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
-    friction : f, or 1 for a frictionless scene, so that a shear that should not be there still shows
-    compliance : A = 2/E* [1/stress]
-    """
-
-    normal_load: float
-    half_width: float
-    pressure: float
-    friction: float
-    compliance: float
+    normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    half_width: float  # a_ref = a(P_ref) of the reference [length]
+    pressure: float  # p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    friction: float  # f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    compliance: float  # A = 2/E* [1/stress]
 
     @property
     def shear(self) -> float:
@@ -213,12 +429,12 @@ class Pair:
     found: Cycle
 
     @cached_property
-    def touching(self) -> Mask:
+    def touching(self) -> _Mask:
         """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not hide)."""
         return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
 
     @cached_property
-    def judged(self) -> Mask:
+    def judged(self) -> _Mask:
         """(k,) instants that a verdict is taken from."""
         return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
 
@@ -239,6 +455,11 @@ class Pair:
         scene = self.result.scene
         stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
         return any(one is not None for one in stated) or not scene.profile.symmetric
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Either of both."""
+        return self.pulled or self.turned
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -277,38 +498,24 @@ class Measured:
 
 @dataclass(frozen=True, kw_only=True)
 class Definition:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    key, label : for programs and for people
-    unit : what its value is a share of
-    norm : how the differences at points and instants become one value
-    region : which points and instants count
-    text : how it is computed
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
-    measure : the function, of a `Pair`
-    signed : whether its sign has a meaning (result − reference); a norm has none
-    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
-    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
-        quantity stands in the first table, the others are folded below it
-    judged_by : key of the tolerance that judges it; the row's own
-    exists : whether a pair has this row at all: not without bulk stress, say
-    """
-
+    # key, label: for programs and for people
     key: str
     label: str
-    unit: str
-    norm: str
-    region: str
-    text: str
-    needs: tuple[str, ...]
-    measure: Measure
-    signed: bool = True
-    absolute_unit: str = ""
+    unit: str  # what its value is a share of
+    norm: str  # how the differences at points and instants become one value
+    region: str  # which points and instants count
+    text: str  # how it is computed
+    needs: tuple[str, ...]  # fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
+    measure: _Measure  # the function, of a `Pair`
+    signed: bool = True  # whether its sign has a meaning (result − reference); a norm has none
+    absolute_unit: str = ""  # unit where the reference's own figure is 0 and nothing can be relative to it
+    # what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a quantity
+    # stands in the first table, the others are folded below it
     quantity: str = ""
-    judged_by: str = ""
-    exists: Callable[[Pair], bool] = lambda _: True
+    judged_by: str = ""  # key of the tolerance that judges it; the row's own
+    exists: Callable[[Pair], bool] = lambda _: True  # whether a pair has this row at all: not without bulk stress, say
 
     @property
     def headline(self) -> bool:
@@ -447,10 +654,10 @@ def shares(at: Array) -> Array:
     return np.asarray(np.concatenate([steps, [0.0]]) + np.concatenate([[0.0], steps])) / 2
 
 
-def spacing_at(x: Array, place: float) -> float:
+def _spacing_at(x: Array, place: float) -> float:
     """Distance of the two points around `place` (at the ends of `x`: of the last two) [length].
 
-    >>> spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
+    >>> _spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
     2.0
     """
     right = int(np.clip(np.searchsorted(x, place, side="right"), 1, len(x) - 1))
@@ -462,10 +669,10 @@ def _largest(size: Array) -> NDArray[np.intp]:
 
     A cycle that is its own mirror image has each difference twice, with both signs: which of them is larger is chance.
     """
-    return np.argmax(size >= (1 - ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
+    return np.argmax(size >= (1 - _ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
 
 
-def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, float | None]:
+def worst(series: Array, applies: _Mask, time: Array) -> tuple[float | None, float | None]:
     """The value of largest size and its instant, the first of like ones, among those that apply; a NaN is the worst there is.
 
     >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
@@ -477,10 +684,10 @@ def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, floa
     return float(series[at]), float(time[at])
 
 
-def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
+def _worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     """The entry of largest size in each row of (k, n) and its place: (k,), (k,). A NaN is the worst there is.
 
-    >>> values, places = worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
+    >>> values, places = _worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
     >>> values.tolist(), places.tolist()
     ([-3.0], [0.5])
     """
@@ -488,19 +695,19 @@ def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
     return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
 
 
-def peak_place(expected: Array, found: Array, x: Array) -> Array:
+def _peak_place(expected: Array, found: Array, x: Array) -> Array:
     """Place of the largest `found` less that of `expected` in each row of (k, n), to a point: (k,) [length].
 
-    Where several peaks of `expected` lie within `EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
+    Where several peaks of `expected` lie within `_EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
     holds a NaN or where nothing of `expected` is above 0.
 
     >>> twin = np.array([[0.0, 1.0, 0.0, 0.99, 0.0]])
-    >>> peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
+    >>> _peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
     [1.0]
     """
     rim = np.full((len(expected), 1), -np.inf)
     rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
-    high = (expected >= (1 - EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
+    high = (expected >= (1 - _EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
     apart = x[np.argmax(found, axis=1)][:, None] - x
     size = np.where(rises & falls & high, np.abs(apart), np.inf)
     nearest = np.argmin(size, axis=1)
@@ -510,7 +717,7 @@ def peak_place(expected: Array, found: Array, x: Array) -> Array:
 
 
 def _at_worst(
-    pair: Pair, series: Array, applies: Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
+    pair: Pair, series: Array, applies: _Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
 ) -> Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply.
 
@@ -520,7 +727,7 @@ def _at_worst(
     length, place, doubt = pair.scales.half_width, None, None
     if places is not None and time is not None:
         place = float(places[pair.found.time == time][0]) / length
-        doubt = spacing_at(pair.found.x, place * length) / length if to_a_point else None
+        doubt = _spacing_at(pair.found.x, place * length) / length if to_a_point else None
     return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)
 
 
@@ -636,7 +843,7 @@ def _traction(pair: Pair, name: str, friction: float = 1.0) -> Measured:
 
 def _traction_maximum(pair: Pair, name: str, friction: float = 1.0) -> Measured:
     peak = friction * pair.expected.pressure.max(axis=1, keepdims=True)
-    series, places = worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
+    series, places = _worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
     return _at_worst(pair, series, places=places)
 
 
@@ -647,11 +854,11 @@ def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> Me
     carries = pair.judged & ~(expected.max(axis=1) <= least)
     if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
-    series = peak_place(expected, found, x) / pair.scales.half_width
+    series = _peak_place(expected, found, x) / pair.scales.half_width
     return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
 
 
-def resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
+def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
     """P and Q that the tractions of `cycle` carry, (k,) and (k,) [force / thickness].
 
     Parameters
@@ -670,9 +877,9 @@ def _resultant(pair: Pair, component: int) -> Measured:
     """With the result's own weights nothing of the reference enters; by the trapezoidal rule the rule's own error is taken off."""
     weights, normals = (getattr(pair.result, name, None) for name in ("weights", "normals"))
     loads = [(cycle.normal_load, cycle.tangential_load)[component] for cycle in (pair.found, pair.expected)]
-    lacking, note = resultants(pair.found, weights, normals)[component] - loads[0], ""
+    lacking, note = _resultants(pair.found, weights, normals)[component] - loads[0], ""
     if weights is None:
-        lacking = lacking - resultants(pair.expected, None, None)[component] + loads[1]
+        lacking = lacking - _resultants(pair.expected, None, None)[component] + loads[1]
         note = "the result states no weights, so by the trapezoidal rule, minus its error for the reference"
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
@@ -702,7 +909,7 @@ def _contact_edge(pair: Pair) -> Measured:
     return replace(found, elements=_elements(pair, found.value))
 
 
-def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
 
     Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
@@ -715,7 +922,7 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
 def _stick_edge(pair: Pair) -> Measured:
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
     length = pair.scales.half_width
-    theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
     series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
     found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
     differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
@@ -727,9 +934,9 @@ def _stick_edge(pair: Pair) -> Measured:
 
 def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
-    length, column, applies = pair.scales.half_width, SIDES.index(side), pair.judged
+    length, column, applies = pair.scales.half_width, _SIDES.index(side), pair.judged
     if kind == "stick":
-        applies = applies & np.all([stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
+        applies = applies & np.all([_stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
         if not applies.any():
             return _none("no instant has a stick edge in both")
     expected, found = (getattr(cycle, f"{kind}_edges")[:, column] for cycle in (pair.expected, pair.found))
@@ -740,7 +947,7 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     at = pair.found.time == measured.time
     return replace(
         measured,
-        spacings=measured.value * length / spacing_at(pair.found.x, measured.place * length),
+        spacings=measured.value * length / _spacing_at(pair.found.x, measured.place * length),
         uncertainty=None if stated is None else float(stated[pair.result.last_cycle][at, column][0]) / length,
     )
 
@@ -762,14 +969,14 @@ def _stick_set(pair: Pair) -> Measured:
     return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
 
 
-def intervals(applies: Mask, periodic: bool) -> list[NDArray[np.intp]]:
+def _intervals(applies: _Mask, periodic: bool) -> list[NDArray[np.intp]]:
     """The runs of at least two instants at which `applies` (k,), as indices in the order of time; none if it does always.
 
     In a periodic cycle, whose last instant is the first of the next, a run may go on across the end.
 
-    >>> [run.tolist() for run in intervals(np.array([True, False, True, True, True]), True)]
+    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True, True]), True)]
     [[2, 3, 0]]
-    >>> [run.tolist() for run in intervals(np.array([True, False, True, True]), False)]
+    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True]), False)]
     [[2, 3]]
     """
     order = np.arange(len(applies) - 1 if periodic else len(applies))
@@ -808,7 +1015,7 @@ def _change(pair: Pair, changes: _Changes, none: str) -> Measured:
 def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     """Starts (at = 0) or ends (at = -1) of full stick, each of the reference against the result's that shares most instants."""
     length, fraction = pair.scales.half_width, pair.found.fraction
-    theirs, ours = (intervals(stick_status(cycle, length) == FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_intervals(_stick_status(cycle, length) == _FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
     pairs = [(run, max(ours, key=lambda other: len(np.intersect1d(run, other)), default=run[:0])) for run in theirs]
     pairs = [(run, other if len(np.intersect1d(run, other)) else other[:0]) for run, other in pairs]
     used = {int(other[0]) for _, other in pairs if len(other)}
@@ -818,7 +1025,7 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, (np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
+def _slip_sense(cycle: Cycle) -> NDArray[np.int8]:
     """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
     forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
     return np.sign(forward - reverse).astype(np.int8)
@@ -836,7 +1043,7 @@ def _turns(senses: NDArray[np.int8], sense: int, periodic: bool) -> NDArray[np.i
 
 def _reversals_to(sense: int, pair: Pair) -> _Changes:
     """First instants of slip in `sense`, in turn; NaN where there are not as many in both."""
-    theirs, ours = (_turns(slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
+    theirs, ours = (_turns(_slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
     if len(theirs) != len(ours):
         absent, extra = max(len(theirs) - len(ours), 0), max(len(ours) - len(theirs), 0)
         return np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra
@@ -866,7 +1073,7 @@ def _slip(pair: Pair, maximum: bool) -> Measured:
     nothing = bool(largest <= 1e-12 * pair.scales.slip)
     difference = np.where(touching, (pair.found.slip - pair.expected.slip) / (pair.scales.slip if nothing else largest), 0.0)
     if maximum:
-        series, places = worst_point(difference, pair.found.x)
+        series, places = _worst_point(difference, pair.found.x)
         return _at_worst(pair, series, applies, places=places, absolute=nothing)
     lengths = touching * shares(pair.found.x)
     mean = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
@@ -889,7 +1096,7 @@ def _contact_centre(pair: Pair) -> Measured:
 # ------------------------------------------------------------------------------------------------------- work and energy
 
 
-def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
+def _stroke(pair: Pair) -> tuple[Array, _Mask, str]:
     """(U - U_ref) over the range of U_ref, (k,), NaN where that is nothing; the instants that count; a note."""
     expected, found = pair.expected.tangential_displacement, pair.found.tangential_displacement
     stroke = float(np.ptp(expected))
@@ -940,14 +1147,11 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
-def _steps_out(pair: Pair) -> Measured:
+def _steps(pair: Pair, *, out: bool) -> Measured:
+    """W with the error of the steps taken `out`, or that error alone."""
     polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
-
-
-def _steps_only(pair: Pair) -> Measured:
-    polygon = pair.polygon_reference or pair.reference
-    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
+    expected, found = (polygon, pair.result) if out else (pair.reference, polygon)
+    return _of_amounts(expected.dissipation, found.dissipation, pair.scales.dissipation)
 
 
 def _loop(pair: Pair, *, bulk: bool) -> Measured:
@@ -978,7 +1182,7 @@ def _bulk_work(pair: Pair) -> Measured:
     if isinstance(works, str):
         return _none(works)
     work, scale = pair.reference.dissipation, pair.scales.dissipation
-    nothing = abs(work) <= NO_DISSIPATION * scale
+    nothing = abs(work) <= _NO_DISSIPATION * scale
     return Measured(value=(works[1] - works[0]) / (scale if nothing else work), absolute=nothing)
 
 
@@ -994,7 +1198,7 @@ def _drift(pair: Pair) -> Measured:
 
 def _works_nowhere(pair: Pair) -> bool:
     """Whether the reference does no friction work anywhere (a NaN counts as work)."""
-    return bool(np.max(np.abs(pair.expected.dissipation_density)) <= NO_DISSIPATION * pair.scales.density)
+    return bool(np.max(np.abs(pair.expected.dissipation_density)) <= _NO_DISSIPATION * pair.scales.density)
 
 
 def _density(pair: Pair) -> Measured:
@@ -1017,8 +1221,8 @@ def _place_of_density(pair: Pair) -> Measured:
     x, length = pair.found.x, pair.scales.half_width
     expected, found = (np.atleast_2d(cycle.dissipation_density) for cycle in (pair.expected, pair.found))
     place = float(x[np.argmax(found)])
-    shift = float(peak_place(expected, found, x)[0] / length)
-    return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
+    shift = float(_peak_place(expected, found, x)[0] / length)
+    return Measured(value=shift, place=place / length, uncertainty=_spacing_at(x, place) / length)
 
 
 def _energy_balance(pair: Pair) -> Measured:
@@ -1033,7 +1237,7 @@ def _energy_balance(pair: Pair) -> Measured:
 # -------------------------------------------------------------------------------------------------------------- the table
 
 
-def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: Measure, **more: Any) -> Definition:
+def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: _Measure, **more: Any) -> Definition:
     """Of `words`, "label: how it is computed"; `where`: norm and region; `needs`: separated by blanks."""
     label, _, text = words.partition(": ")
     row: dict[str, Any] = {"unit": unit, "norm": where[0], "region": where[1], "needs": tuple(needs.split())}
@@ -1054,16 +1258,7 @@ _OF_SIDE = "edge; also over the local spacing h of the result's points, and with
 _NEAREST = "to a point; of several peaks of the reference within 5 % the nearest"
 
 
-def _pulled(pair: Pair) -> bool:
-    return pair.pulled
-
-
-def _turned(pair: Pair) -> bool:
-    return pair.turned
-
-
-def _bulk_or_turned(pair: Pair) -> bool:
-    return pair.pulled or pair.turned
+_PULLED, _TURNED, _UNSYMMETRIC = (attrgetter(name) for name in ("pulled", "turned", "unsymmetric"))
 
 
 def _has_polygon(pair: Pair) -> bool:
@@ -1085,7 +1280,7 @@ METRICS = {row.key: row for row in (
     _row("stick_eccentricity", "Stick zone, centre: middle of what sticks through the whole last cycle, result − reference",
         "of a_ref", _ONE_VALUE, "state whole_cycle",
         partial(_of_stick_zone, of=_middle_of_stick),
-        quantity="length", judged_by="permanent_stick", exists=_bulk_or_turned),
+        quantity="length", judged_by="permanent_stick", exists=_UNSYMMETRIC),
     _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1",
         "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle",
         _largest_slip, quantity="slip", absolute_unit="f p_ref a_ref/E*"),
@@ -1117,29 +1312,29 @@ METRICS = {row.key: row for row in (
         "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", partial(_displacement, centred=False)),
     _row("dissipation_polygon", "Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: "
         "all errors except that of the steps",
-        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _steps_out, absolute_unit=_WORK, exists=_has_polygon),
+        "of W_ref", _ONE_VALUE, "dissipation whole_cycle", partial(_steps, out=True), absolute_unit=_WORK, exists=_has_polygon),
     _row("dissipation_step", "Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on "
-        "the smooth path", "of W_ref", _ONE_VALUE, "", _steps_only, absolute_unit=_WORK, exists=_has_polygon),
+        "the smooth path", "of W_ref", _ONE_VALUE, "", partial(_steps, out=False), absolute_unit=_WORK, exists=_has_polygon),
     _row("hysteresis", "Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle", partial(_loop, bulk=False), absolute_unit=_WORK),
     _row("hysteresis_with_bulk", "Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; "
         "with bulk stress Q dU alone is not the dissipation",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle",
-        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_pulled),
+        partial(_loop, bulk=True), absolute_unit=_WORK, exists=_PULLED),
     _row("bulk_work", "Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − "
         "upper body", "of W_ref", _ONE_VALUE, "shear dissipation whole_cycle",
-        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_pulled),
+        _bulk_work, absolute_unit=_WORK, judged_by="dissipation", exists=_PULLED),
     _row("dissipation_drift", "Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is "
         "steady", "of W", ("one value", "last two cycles"), "dissipation whole_cycle",
-        _drift, exists=lambda pair: pair.periodic and _bulk_or_turned(pair)),
+        _drift, exists=lambda pair: pair.periodic and pair.unsymmetric),
     _row("contact_centre", "Contact centre: middle of the contact edges, result − reference",
-        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_turned),
+        "of a_ref", _AT_INSTANTS, "", _contact_centre, exists=_TURNED),
     _row("moment", "Moment: M = ∫x p dx, result − reference",
         "of P_ref a_ref", _AT_INSTANTS, "pressure",
-        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_turned),
+        partial(_moved, name="moment", unit=lambda s: s.normal_load * s.half_width), exists=_TURNED),
     _row("tilt", "Tilt: that of the upper body, result − reference",
         "of A P_ref/a_ref", _AT_INSTANTS, "",
-        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_turned),
+        partial(_moved, name="tilt", unit=lambda s: s.compliance * s.normal_load / s.half_width), exists=_TURNED),
     _row("dissipation_density", "Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place",
         "of largest w_ref", ("value at the worst point", "every point, edges included; last cycle"),
         "dissipation_density whole_cycle", _density, absolute_unit=f"{_WORK}/a_ref"),
@@ -1154,17 +1349,17 @@ METRICS = {row.key: row for row in (
         "of f peak p_ref", _AT_POINTS, "shear", _peak_shear),
     _row("shear_peak_place", f"Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, {_NEAREST}",
         "of a_ref", (_WORST_INSTANT, f"{_POINTS} that carry shear"), "shear",
-        lambda pair: _place_of_peak(pair, lambda c: np.abs(c.shear), NO_SHEAR * pair.scales.shear)),
+        lambda pair: _place_of_peak(pair, lambda c: np.abs(c.shear), _NO_SHEAR * pair.scales.shear)),
     _row("resultant_normal", "Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), "
         "otherwise by the trapezoidal rule, minus the error of that rule for the reference",
         "of P", _AT_INSTANTS, "pressure", partial(_resultant, component=0)),
     _row("resultant_tangential", "Tangential resultant: (resultant − Q)/P, as the normal resultant",
         "of P", _AT_INSTANTS, "shear", partial(_resultant, component=1)),
     *(_row(f"contact_edge_{side}", f"Contact edge, {side}: outward shift of the {side} {_OF_SIDE}",
-        "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in SIDES),
+        "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in _SIDES),
     *(_row(f"stick_edge_{side}", f"Stick edge, {side}: outward shift of the {side} {_OF_SIDE}",
         "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges friction",
-        partial(_edge_of_side, kind="stick", side=side)) for side in SIDES),
+        partial(_edge_of_side, kind="stick", side=side)) for side in _SIDES),
     _row("stick_set", "Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time",
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
         "state whole_cycle friction", _stick_set, signed=False),

@@ -1,17 +1,31 @@
-"""What was compared in sentences and cells: what the page, the terminal, a notebook and comparison.json say alike."""
+"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and comparison.json say alike."""
 
 from __future__ import annotations
 
+import json
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import asdict
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
+from reports.comparison.laws import (
+    OF_UNSYMMETRIC,
+    QUANTITIES,
+    Certificate,
+    certificates,
+    derived,
+    expected_content,
+    expected_numbers,
+)
+from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of, normal_work
+from reports.measured import load_cycles, record_content
+from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
+from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -37,7 +51,8 @@ def in_template(macro: str, *values: Any) -> str:
 
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    return in_template("question", scene, *units(scene)[1:], _loads(scene, load_unit(scene)), bulk_and_tilt(scene))
+    loads = _loads(scene, load_unit(scene))
+    return in_template("question", scene, *units(scene)[1:], f"{loads[:1].upper()}{loads[1:]}", bulk_and_tilt(scene))
 
 
 def without_cycle(text: str, scene: Scene) -> str:
@@ -68,27 +83,27 @@ def _loads(scene: Scene, unit: str) -> str:
 
 
 def bulk_and_tilt(scene: Scene) -> str:
-    """Bulk stresses, tilt, moment or line of action of the loads, each after a semicolon; empty without any.
+    """Bulk stresses, tilt, moment or line of action of the loads, a sentence each; empty without any.
 
     >>> from scenes import load_scene
     >>> bulk_and_tilt(load_scene("cattaneo-mindlin").vary(load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}))
-    '; the lower body is under a bulk stress from −50 to 50 MPa along x; the upper body is tilted by 0.001 rad'
+    'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by 0.001 rad.'
     """
     load, (force, length, stress) = scene.load, units(scene)
     said = [
-        f"the {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
+        f"The {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
         for k, (name, value) in enumerate((("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)))
         if value is not None
     ]
     if load.tilt is not None:
-        said.append(f"the upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
+        said.append(f"The upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
     if load.moment is not None:
         words = _over_time(scene, "turning", 1, load.moment)
-        said.append(f"the pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
+        said.append(f"The pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
     if (line := load.line_of_action) is not None:
         height = f" and Q {number(line.height)} {length} above the contact" if line.height else ""
         said.append(f"P acts along x = {number(line.x)} {length}{height}, and the tilt follows from it")
-    return "".join(f"; {one}" for one in said)
+    return " ".join(f"{one}." for one in said)
 
 
 def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
@@ -103,7 +118,7 @@ def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") 
     return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
 
 
-def under_what(scene: Scene) -> str:
+def _under_what(scene: Scene) -> str:
     """What is beside P and Q, for a headline: " under bulk stress and tilt"; empty for nothing."""
     load = scene.load
     pulled = load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
@@ -111,19 +126,19 @@ def under_what(scene: Scene) -> str:
     return f" under {' and '.join(found)}" if found else ""
 
 
-def shape_words(shape: Shape, length: str) -> str:
+def _shape_words(shape: Shape, length: str) -> str:
     """A body with its sizes and supports.
 
     >>> from scenes import Block
-    >>> shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
-    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides guided by smooth walls'
+    >>> _shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
+    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides between smooth walls'
     """
     return in_template("shape", shape, length)
 
 
 def bodies_in_words(scene: Scene) -> str:
     """Both bodies, what holds them, where the load acts and where the gap comes from."""
-    return in_template("bodies", scene, *(shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
+    return in_template("bodies", scene, *(_shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
 
 
 def idealisation(scene: Scene) -> str:
@@ -180,7 +195,7 @@ def uncertainty_of(metric: Metric) -> str:
     return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
-def open_value_of(metric: Metric) -> str:
+def _open_value_of(metric: Metric) -> str:
     """The value with its uncertainty, where one is known."""
     return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
 
@@ -234,15 +249,27 @@ def headline(report: Report) -> str:
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
         parts = [f"{shown(size, plus=False, digits=2)} in the {_words_of(metric)}" for metric, size in sizes]
-        return f"The two solutions agree to {' and '.join(parts)}{under_what(comparison.scene)}{told}."
+        return f"The two solutions agree to {' and '.join(parts)}{_under_what(comparison.scene)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
         basis = f" (theory/finite elements − 1{told})"
         kind = "these bodies" if not comparison.scene.bodies.half_planes else "these materials"
-        return f"Half-plane theory {' and '.join(parts)} for {kind}{under_what(comparison.scene)}{basis}."
+        return f"Half-plane theory {' and '.join(parts)} for {kind}{_under_what(comparison.scene)}{basis}."
     found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
-    beside = under_what(comparison.scene)
-    return f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}."
+    beside = _under_what(comparison.scene)
+    return (
+        f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}{_worst(comparison, keys)}."
+    )
+
+
+def _worst(comparison: Comparison, named: tuple[str, ...]) -> str:
+    """The metric that is most times its tolerance, where it is not within it and not one of those `named` already."""
+    missed = [one for one in comparison.metrics if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance]
+    worst = max(missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None)
+    if worst is None or {worst.key, worst.definition.judged_by} & set(named):
+        return ""
+    size = f"{value_of(worst)} {unit_of(worst)} (tolerance {tolerance_of(worst)})"
+    return f"; furthest from its tolerance: {_inside(worst.label)}, {size}"
 
 
 def _stated(comparison: Comparison) -> str:
@@ -276,12 +303,14 @@ def _words_of(metric: Metric) -> str:
     return {"largest_half_width": "contact half-width"}.get(metric.key, _inside(metric.label))
 
 
-def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
+def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others in units of the scene."""
     force, length, stress = units(scene)
     match quantity:
         case "stress":
             return 1.0, stress
+        case "moment":
+            return 1.0, force
         case "slip":
             return (1e3, "µm") if length == "mm" else (1.0, length)
         case "energy":
@@ -305,7 +334,7 @@ def said(report: Report) -> dict[str, Any]:
     }
 
 
-def verdict_content(report: Report) -> dict[str, Any]:
+def _verdict_content(report: Report) -> dict[str, Any]:
     """The verdict and what it rests on, for the files and the terminal's JSON alike."""
     comparison = report.comparison
     return {
@@ -334,7 +363,7 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     )
     found = []
     for metric in comparison.headlines:
-        factor, unit = _shown_unit(comparison.scene, metric.definition.quantity)
+        factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
         reference, result = metric.amounts or (math.nan, math.nan)
         found.append(
             {
@@ -343,7 +372,7 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
                 "reference": _amount_words(reference * factor),
                 "result": _amount_words(result * factor),
                 "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
-                "difference": difference_of(metric),
+                "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
                 "tolerance": tolerance_of(metric),
                 "note": metric.note,
@@ -368,12 +397,12 @@ def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]
     return heads, [tuple(row[key] for key in keys) for row in rows]
 
 
-def difference_of(metric: Metric) -> str:
+def _difference_of(metric: Metric) -> str:
     """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
     if metric.value is None:
         return "–"
     if not math.isfinite(metric.value) or metric.absolute:
-        return open_value_of(metric)
+        return _open_value_of(metric)
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
     if not re.search("[1-9]", words.partition("±")[0]):
@@ -434,7 +463,7 @@ def verdict(report: Report) -> str:
 def _listed(comparison: Comparison, state: Verdict) -> str:
     """The metrics of that verdict with value, uncertainty and tolerance; empty where there are none."""
     return ", ".join(
-        f"{_inside(metric.label)} ({open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
+        f"{_inside(metric.label)} ({_open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
         for metric in comparison.metrics
         if metric.verdict is state
     )
@@ -544,7 +573,7 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
             amount(one.rest, one.metric, plus=True),
             "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric),
-            judgement(one),
+            _judgement(one),
             one.judged.verdict or "–",
         )
         for one in budget.budgets
@@ -561,7 +590,7 @@ def share(term: Term, metric: Metric) -> str:
     return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
 
 
-def judgement(budget: Budget) -> str:
+def _judgement(budget: Budget) -> str:
     """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
     if budget.resolved is None:
         return "not known: a term was not measured"
@@ -571,14 +600,14 @@ def judgement(budget: Budget) -> str:
 
 
 def cost(budget: ErrorBudget) -> str:
-    """What the rungs were and what they took, in a sentence."""
-    ladders = budget.ladders
-    pairs = [rung for pair in ladders.penalty for rung in pair]
-    rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
-    return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
+    """What the runs were and what they took, in a sentence."""
+    refinements = budget.refinements
+    pairs = [run for pair in refinements.penalty for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
 
 
-def honest_of(report: Report, metric: Metric) -> str:
+def _honest_of(report: Report, metric: Metric) -> str:
     """Yes, no, or not assessed."""
     if report.budget is None or metric.key not in {one.metric.key for one in report.budget.budgets}:
         return "not assessed"
@@ -587,18 +616,8 @@ def honest_of(report: Report, metric: Metric) -> str:
 
 def honesty(report: Report) -> bool | None:
     """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
-    found = [honest_of(report, metric) for metric in report.comparison.headlines]
+    found = [_honest_of(report, metric) for metric in report.comparison.headlines]
     return None if set(found) == {"not assessed"} else "no" not in found
-
-
-def content(budget: ErrorBudget) -> dict[str, Any]:
-    """For comparison.json."""
-    return {
-        "cost": budget.cost,
-        "words": cost(budget),
-        "honest": budget.honest,
-        "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
-    }
 
 
 def _metric(budget: Budget) -> dict[str, Any]:
@@ -609,7 +628,7 @@ def _metric(budget: Budget) -> dict[str, Any]:
         "u": budget.uncertainty,
         "resolved": budget.resolved,
         "honest": budget.honest,
-        "verdict": judgement(budget),
+        "verdict": _judgement(budget),
     }
 
 
@@ -623,3 +642,175 @@ def comparison_html(report: Report) -> str:
         f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"
         f"<table><tr>{head}</tr>{cells}</table><p>{escape(' '.join((lead(report), verdict(report), how_judged(report))))}</p></div>"
     )
+
+
+# ------------------------------------------------------------------------------------------------------- comparison.json
+FORMAT = "halfplane comparison 2"
+
+
+def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
+    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
+    return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
+
+
+def strict(value: Any) -> Any:
+    """`value` with numpy types as Python's and every NaN or infinity as None.
+
+    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
+    {'a': 1.0, 'b': [None, 2]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): strict(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return strict(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [strict(entry) for entry in value]
+    if isinstance(value, np.generic):
+        return strict(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
+    """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
+    comparison, budget, scales = report.comparison, report.budget, report.comparison.scales
+    # The solutions that hold every instant of the scene: beside a foreign result both have its few only.
+    whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
+    return {
+        "format": FORMAT,
+        **said(report),
+        "profile_fit": fit_content(comparison.scene),
+        "verdict": _verdict_content(report),
+        "scales": {
+            "P_ref": scales.normal_load,
+            "a_ref": scales.half_width,
+            "p_ref": scales.pressure,
+            "f p_ref": scales.shear,
+            "A": scales.compliance,
+            "A f^2 P_ref^2": scales.dissipation,
+        },
+        "metrics": {metric.key: _metric_content(metric, report) for metric in comparison.metrics},
+        "budget": budget
+        and {
+            "cost": budget.cost,
+            "words": cost(budget),
+            "honest": budget.honest,
+            "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
+        },
+        "expected": expected_content(expected_numbers(comparison.scene, whole)),
+        "instants": comparison.found.time,
+        "reference": solution_content(comparison.reference, comparison.reference_certificates),
+        "result": solution_content(comparison.result, comparison.result_certificates),
+        "polygon_reference": solution_content(comparison.polygon_reference, ()) if comparison.polygon_reference else None,
+        "measured": record_content(comparison.scene),
+        "interpolation": comparison.expected.interpolation,
+        "notes": comparison.notes,
+        "guesses": report.guesses,
+        "diagnoses": [asdict(one) for one in report.diagnoses],
+        "study": report.study.content() if report.study else None,
+        "seconds": seconds,
+        "command": command,
+        "scene": comparison.scene.model_dump(mode="json"),
+    }
+
+
+# What the JSON of a metric has of it, and of its row of the table, by the names there.
+_OF_A_METRIC = ("label", "value", "unit", "tolerance", "accurate", "verdict", "absolute", "amounts", "uncertainty", "elements")
+_OF_A_ROW = ("signed", "headline", "norm", "region")
+
+
+def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
+    return {
+        **{name: getattr(metric, name) for name in (*_OF_A_METRIC, "spacings", "note", "series")},
+        **{name: getattr(metric.definition, name) for name in _OF_A_ROW},
+        "definition": metric.definition.text,
+        "finite": metric.value is None or math.isfinite(metric.value),
+        "honest": {"yes": True, "no": False}.get(_honest_of(report, metric)),
+        "worst_at": metric.time,
+        "worst_at_x_over_a_ref": metric.place,
+    }
+
+
+def of_bulk(solution: ContactSolution) -> dict[str, float]:
+    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing without."""
+    known = solution.permanent_stick_edges is not None
+    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
+
+
+def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """What a person wants to know first, as (quantity, value): how the solution ended, its size, its largest values."""
+    scene, apart = solution.scene, solution.dissipation_uncertainty
+    load, (_, length, stress), work = load_unit(scene), units(scene), energy_unit(scene)
+    dissipation = _or_none(solution.dissipation)
+    if not np.isnan(apart):
+        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
+        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
+    # A path that does not repeat is one cycle.
+    cycle = "of the whole path" if scene.load.path().period is None else "of the last cycle"
+    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
+    rows = [
+        ("engine", name_of(solution.engine)),
+        ("how it ended", solution.record.message),
+        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
+        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
+        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
+    ]
+    if beside := of_bulk(solution):
+        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
+        rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
+    return [*rows, (f"dissipation {cycle} [{work}]", dissipation)]
+
+
+def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
+    rows, beside, checks, work = first_rows(solution), of_bulk(solution), certificates(solution), energy_unit(solution.scene)
+    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
+        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
+    if np.isfinite(solution.loop_work):
+        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
+        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
+        if beside.get("bulk_work"):
+            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
+        if (normal := normal_work(solution)) is not None:
+            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
+            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
+    if cycles := load_cycles(solution):
+        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
+        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
+    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.extend(("note", note) for note in solution.record.notes)
+    # What the engine counted of its own work is in the file beside it, and on the page.
+    rows.extend((f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
+    return rows
+
+
+def _or_none(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.10g}"
+
+
+def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
+    """What is worth keeping of one solution beside its fields."""
+    record, work = solution.record, solution.work
+    names = ("engine", "dissipation", "dissipation_uncertainty", "dissipation_drift", "loop_work", "cycle_dissipation")
+    return {
+        **{name: getattr(solution, name) for name in (*names, "permanent_stick_half_width", "steady_from", "settings", "versions")},
+        **of_bulk(solution),
+        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
+        "largest_half_width": np.nanmax(solution.contact_half_width),
+        "largest_pressure": np.max(solution.pressure),
+        **{name: getattr(record, name) for name in ("converged", "termination", "message", "notes")},
+        "certificates": {
+            check.label: {"value": check.value, "limit": check.limit, "holds": check.holds, "worst_at": check.time}
+            for check in checks
+        },
+        "counts": work.counts,
+        "skipped": {name: {"count": count, "reason": reason} for name, (count, reason) in work.skipped.items()},
+        "seconds": work.seconds,
+        "mesh_quality": {
+            name: dict(body.quality) for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+        },
+    }

@@ -16,10 +16,9 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, Segments
+from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, Segments, limits
 from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, colour_scale
 from reports.charts.publication import pixels_of
-from reports.charts.scale import limits
 from reports.field_output.files import contact_line
 from reports.field_output.pictures import Skin, gap_share, outermost, rendered, round_down, state_blocks
 from reports.units import load_unit, minus, number, units

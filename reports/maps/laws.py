@@ -21,7 +21,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
-from reports.charts.table import table_text
+from reports.charts.templating import table_text
 from reports.sweep.study import Point, expand, load_study
 from scenes import InputError
 

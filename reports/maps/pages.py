@@ -14,10 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, Dot, Mark, Note
+from reports.charts.marks import Axis, Curve, Dot, Mark, Note, labels
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
-from reports.charts.scale import labels
-from reports.charts.table import markdown_table
+from reports.charts.templating import markdown_table
 from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
@@ -196,7 +195,7 @@ def answer(asked: Map, folder: Path) -> str:
     if asked.name == "loop":
         return _worst_loops(tables["loop"])
     if asked.name == "limits":
-        return PAGE_WORDS["limits"].format(said="; ".join(_ladder(study, table) for study, table in tables.items()))
+        return PAGE_WORDS["limits"].format(said="; ".join(_mesh_refinement(study, table) for study, table in tables.items()))
     return " ".join(_read_off(chart, tables[chart.study]) for chart in asked.charts)
 
 
@@ -218,8 +217,8 @@ def reading_at(line: Line, s: float) -> tuple[float, float] | None:
     return along(line, s) if inside else None
 
 
-def _ladder(study: str, table: pd.DataFrame) -> str:
-    """How far apart the engines are along a ladder, and where least."""
+def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
+    """How far apart the engines are over a mesh refinement, and where least."""
     error, name = np.abs(errors(table, "error.dissipation")[0]), table.columns[0]
     span = f"{100 * error.max():.2g} to {100 * error.min():.2g} %"
     return f"{study.removeprefix('limits-')}: {span}, least at {name} = {table[name].iloc[int(np.argmin(error))]}"

@@ -1,1 +1,4 @@
-"""The page: what it shows (content.py), and the folder that it is written into with its data (writing.py)."""
+"""The page: its figures (figures.py), the page and its folder (writing.py), and what a notebook shows (notebook.py).
+
+Offered to the rest of reports: `write`, and `published`, the picture of a published scene.
+"""

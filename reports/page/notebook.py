@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve
+from reports.charts.marks import Axis, Curve, limits
 from reports.charts.plate import Panel, Plate
-from reports.charts.scale import limits
-from reports.comparison.content import of_bulk
-from reports.comparison.words import bulk_and_tilt
+from reports.comparison.words import bulk_and_tilt, first_rows
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
@@ -50,7 +48,7 @@ def scene_html(scene: Scene) -> str:
         ("load", scene.load.kind.replace("_", " ")),
         ("P", f"{normal.min():.6g} to {normal.max():.6g}"),
         ("Q", f"{tangential.min():.6g} to {tangential.max():.6g}"),
-        *([("beside P and Q", beside.removeprefix("; "))] if (beside := bulk_and_tilt(scene)) else []),
+        *([("beside P and Q", beside)] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
     return _table_html(scene.title or scene.name or "Scene", rows, _loop_svg(normal, tangential, "P", "Q"))
@@ -59,22 +57,8 @@ def scene_html(scene: Scene) -> str:
 def solution_html(solution: ContactSolution) -> str:
     """How a solution ended, its size and its figures, and the loop of Q over the shift in the last cycle."""
     steps = solution.last_cycle
-    rows = [
-        ("engine", solution.engine),
-        ("ended", solution.record.message),
-        ("instants, points", f"{len(solution.time)}, {len(solution.x)}"),
-        ("largest pressure", _figure(float(np.max(solution.pressure)))),
-        ("largest contact half-width", _figure(float(np.nanmax(solution.contact_half_width)))),
-        ("permanent stick half-width", _figure(solution.permanent_stick_half_width)),
-        ("dissipation of the last cycle", _figure(solution.dissipation)),
-        *((words.replace("_", " "), _figure(value)) for words, value in of_bulk(solution).items()),
-    ]
     picture = _loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
-    return _table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)
-
-
-def _figure(value: float) -> str:
-    return "none" if np.isnan(value) else f"{value:.6g}"
+    return _table_html(solution.scene.title or solution.scene.name or "Solution", first_rows(solution), picture)
 
 
 # Of the states 0 to 3, on white: open, stick, forward slip, reverse slip; apart in grey too.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.charts.marks import Arrow, Axis, Band, Curve, Dot, Mark, Note
 from reports.charts.plate import Key, Panel, Plate
-from reports.charts.table import Table
+from reports.charts.templating import Table
 from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
 from reports.paper.tables import WORDS, filled_in
 from scenes import SurfaceState

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.charts.publication import write_plots
-from reports.charts.table import table_text
-from reports.charts.templating import script, template
+from reports.charts.templating import script, table_text, template
 from reports.console import Stages
 from reports.folder import filled
 from reports.paper.cases import Paper, paper

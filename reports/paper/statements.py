@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.charts.style import STATE_NAMES
+from reports.charts.templating import STATE_NAMES
 from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Formulas, Paper, total
 from reports.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState

@@ -30,9 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.charts.marks import Axis, Curve, Dot, Mark, Rule
+from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, limits
 from reports.charts.plate import Key, Panel, Plate, worded
-from reports.charts.scale import limits
 from reports.charts.templating import script, template
 from reports.checking import check_path
 from reports.comparison.words import question
@@ -529,7 +528,7 @@ def plates(found: LoopScore) -> tuple[Plate, ...]:
 
 def write(found: LoopScore, out: str | Path, command: str) -> Path:
     """The page, loop.json and the CSV of each figure; returns the path of the page."""
-    from reports.comparison.content import strict
+    from reports.comparison.words import strict
 
     program, digest = script()
     drawings, (heads, rows) = plates(found), table(found)

@@ -16,11 +16,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reports.charts import marks
-from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule
+from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule, labels, limits
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
-from reports.charts.scale import labels, limits
-from reports.charts.style import shades
-from reports.charts.templating import script, template
+from reports.charts.templating import script, shades, template
 from reports.sweep.solving import is_error, label_of
 from reports.sweep.store import STATUS, Locks, Store, done
 from reports.sweep.study import Axis, study_of

@@ -25,8 +25,8 @@ from typing import Any
 
 import pandas as pd
 
-from reports.charts.table import table_text
-from reports.staging import fcntl, remove_left_behind, replace_file
+from reports.charts.templating import table_text
+from reports.folder import fcntl, remove_left_behind, replace_file
 from scenes import InputError
 from scenes.errors import shown
 from scenes.files import parsed_json

@@ -387,10 +387,9 @@ def _settings(preset: str, given: Mapping[str, Mapping[str, Any]]) -> tuple[Mesh
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-    start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[preset]()
     kinds = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
     made: list[Any] = []
-    for name, base in (("mesh", start), ("solver", SolverSettings())):
+    for name, base in (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings())):
         for key, value in given[name].items():
             if key not in asdict(base):
                 raise InputError(f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}")

@@ -24,8 +24,7 @@ from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
 from reports.charts.templating import template
 from reports.comparison import Comparison, Report
-from reports.comparison.content import strict
-from reports.comparison.words import value_of
+from reports.comparison.words import strict, value_of
 from reports.console import Stages
 from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping

@@ -1,8 +1,8 @@
 """The published reports, reports/published/: one page for each scene of the library, their figures, and the numbers of both.
 
-    make publish            (python -m reports.publishing, some minutes)
+    make publish            (python benchmarks/publishing.py, some minutes)
     make publish PAGES=1    (... --pages: the pages alone, from the numbers that are there)
-    python -m reports.publishing NAME ...   (the named scenes; all others stay as they are)
+    python benchmarks/publishing.py NAME ...   (the named scenes; all others stay as they are)
 
 Two columns, kept apart. *External*: a closed form, a value with 30 digits or a published one, with its tolerance; nothing
 that we compute goes into it. *Frozen*: our own figures of last time, of both engines with their default settings; they say
@@ -20,21 +20,21 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.charts.table import markdown_table
-from reports.charts.templating import template
-from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
+from reports.charts.templating import markdown_table, template
 from reports.comparison import words
+from reports.comparison.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
+from reports.comparison.laws import QUANTITIES
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.console import say
-from reports.staging import replace_text
-from reports.units import energy_unit, minus, units
+from reports.folder import replace_text
+from reports.units import minus
 from scenes import Expected, InputError, Scene, load_scene, scene_names
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
 
-FOLDER = Path(__file__).with_name("published")
-_TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
+FOLDER = Path(__file__).parents[1] / "reports" / "published"
+_TRUTHS = Path(__file__).with_name("regress.json")
 ROLLER = _TRUTHS.with_name("roller.json")
 # Largest difference from the frozen values before they count as stale, before the defaults of `difference`.
 _STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
@@ -43,20 +43,12 @@ _EXACT = 1e-12  # tolerance of half-plane theory
 
 @dataclass(frozen=True)
 class External:
-    """A figure that somebody else's mathematics gives.
+    """A figure that somebody else's mathematics gives."""
 
-    Attributes
-    ----------
-    key : the figure of ours that it judges
-    value : as text, with every digit there is
-    tolerance : of the difference over the value; over A f^2 P^2 where the value is 0
-    source : where it comes from
-    """
-
-    key: str
-    value: str
-    tolerance: float
-    source: str
+    key: str  # the figure of ours that it judges
+    value: str  # as text, with every digit there is
+    tolerance: float  # of the difference over the value; over A f^2 P^2 where the value is 0
+    source: str  # where it comes from
 
 
 # Rigid parabola on a bonded layer (no half-plane): tests/layer_truth.py, Fourier integrals; a is 1 mm by the choice of the load.
@@ -91,8 +83,7 @@ def half_plane_findings(name: str) -> Findings:
 def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its own points."""
     from reports.comparison import Report
-    from reports.comparison.content import as_json
-    from reports.comparison.expected import measure
+    from reports.comparison.words import as_json
 
     name = comparison.scene.name
     both, alone = of_content(json.loads(as_json(Report(comparison))), name), half_plane_findings(name)
@@ -101,7 +92,7 @@ def findings(comparison: Comparison) -> Findings:
     kept = {key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")}
     for one in comparison.scene.expected:
         if one.engine == "finite elements":
-            kept.setdefault(f"halfplane_fe.{one.quantity}", measure(comparison.result, one.quantity))
+            kept.setdefault(f"halfplane_fe.{one.quantity}", QUANTITIES[one.quantity].of(comparison.result))
     return Findings(name, both.scene, kept | dict(alone.figures), {**both.engines, **alone.engines})
 
 
@@ -188,21 +179,6 @@ def values() -> dict[str, Any]:
 
 # ------------------------------------------------------------------------------------------------------------ the pages
 
-_QUANTITIES = {
-    "dissipation": "dissipation of the last cycle",
-    "loop_work": "closed integral of Q dU",
-    "bulk_work": "of it by bulk stress, −closed integral of m_q dε",
-    "permanent_stick_half_width": "permanent stick half-width",
-    "permanent_stick_left": "left end of permanent stick",
-    "permanent_stick_right": "right end of permanent stick",
-    "largest_half_width": "largest contact half-width",
-    "largest_pressure": "largest pressure at the points",
-    "stick_centre": "middle of the permanent stick zone",
-    "contact_left": "left edge of the contact",
-    "contact_right": "right edge of the contact",
-    "moment": "moment of the pressure about x = 0",
-    "lower_face_displacement": "displacement of the lower face's middle along y",
-}
 _ENGINES = ("semi_analytic", "halfplane_fe")
 
 
@@ -266,7 +242,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
         engine, _, quantity = external.key.partition(".")
         off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
         yield (
-            f"{_QUANTITIES[quantity]}, {name_of(engine)}",
+            f"{QUANTITIES[quantity].words}, {name_of(engine)}",
             _number(stored["frozen"][external.key]),
             external.value if len(external.value) < 20 else f"{external.value[:20]}…",
             minus(f"{off:+.1e}"),
@@ -315,13 +291,12 @@ def _per_cent(share: float) -> str:
 
 
 def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[tuple[str, ...]]:
-    _, length, stress = units(scene)
-    unit = dict.fromkeys(("dissipation", "loop_work", "bulk_work"), energy_unit(scene)) | {"largest_pressure": stress}
     pulled = any(value for key, value in figures.items() if key.endswith(".bulk_work"))
-    for quantity, named in (_QUANTITIES | ({"loop_work": "closed integral of Q dU − m_q dε"} if pulled else {})).items():
-        keys = [f"{engine}.{quantity}" for engine in _ENGINES]
+    for name, quantity in QUANTITIES.items():
+        keys = [f"{engine}.{name}" for engine in _ENGINES]
         if any(key in figures for key in keys):
-            yield f"{named} [{unit.get(quantity, length)}]", *(_number(figures.get(key)) for key in keys)
+            named = "closed integral of Q dU − m_q dε" if pulled and name == "loop_work" else quantity.words
+            yield f"{named} [{words.shown_unit(scene, quantity.kind)[1]}]", *(_number(figures.get(key)) for key in keys)
     for count in COUNTS:
         keys = [f"{engine}.counts.{count.replace(' ', '_')}" for engine in _ENGINES]
         if any(key in figures for key in keys):
@@ -377,9 +352,6 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 def main(arguments: Sequence[str]) -> int:
     """Publish the whole library or the scenes named; with --pages write the pages again from values.json."""
-    if not _TRUTHS.exists():
-        say("reports are published from a checkout: benchmarks/regress.json is not there")
-        return 2
     if list(arguments) == ["--pages"]:
         _write_pages(values()["scenes"])
         return 0

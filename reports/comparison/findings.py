@@ -15,8 +15,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from reports.comparison.laws import OF_UNSYMMETRIC
 from reports.comparison.metrics import Verdict, energy_scale, verdict_on
-from reports.staging import replace_text
+from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import first_line, present_names
 from scenes.files import parsed_json, text_of
@@ -32,7 +33,6 @@ COUNTS = (
     *("slip quadratures", "quadrature nodes"),
 )
 _OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
-_OF_BULK = ("bulk_work", "permanent_stick_left", "permanent_stick_right")  # of scenes with bulk stress, tilt or unequal sides
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
 _DEFAULTS: tuple[tuple[str, float], ...] = (
     ("*.counts.*", 0.05),  # rounding decides whether an increment is halved, and the next ones follow
@@ -49,24 +49,16 @@ SAME, DIFFERS, ONLY_A, ONLY_B = "same", "differs", "only in A", "only in B"
 
 @dataclass(frozen=True)
 class Findings:
-    """The figures of a run or of a baseline.
+    """The figures of a run or of a baseline."""
 
-    Attributes
-    ----------
-    source : where they were read, as the user named it
-    scene : the question
-    figures : key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a comparison are
-        "metric.<key>", figures of an engine "<engine>.<quantity>" in the scene's units, counts "<engine>.counts.<name>"
-    engines : engine -> {"settings": ..., "versions": ...}
-    unfinished : sentences of engines that did not converge
-    tolerances : pattern of keys -> largest admitted difference, kept with a baseline
-    """
-
-    source: str
-    scene: Scene
+    source: str  # where they were read, as the user named it
+    scene: Scene  # the question
+    # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a comparison are "metric.<key>",
+    # figures of an engine "<engine>.<quantity>" in the scene's units, counts "<engine>.counts.<name>"
     figures: Mapping[str, float | None]
-    engines: Mapping[str, Mapping[str, Any]]
-    unfinished: tuple[str, ...] = ()
+    engines: Mapping[str, Mapping[str, Any]]  # engine -> {"settings": ..., "versions": ...}
+    unfinished: tuple[str, ...] = ()  # sentences of engines that did not converge
+    # pattern of keys -> largest admitted difference, kept with a baseline
     tolerances: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -83,38 +75,75 @@ def read_findings(source: str | Path) -> Findings:
     path = Path(source)
     if not path.exists():
         raise InputError(f"{source}: there is no such file or folder")
-    if path.is_dir() and not (path / "comparison.json").exists():
-        return _of_answers(path, str(source))
-    if path.suffix != ".nc":
-        return of_content(_json(path / "comparison.json" if path.is_dir() else path, source), str(source))
-    try:
-        return of_solution(ContactSolution.load(path), str(source))
-    except (OSError, KeyError, ValueError, TypeError) as reason:
-        raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
+    if path.suffix == ".nc" and not path.is_dir():
+        try:
+            return of_solution(ContactSolution.load(path), str(source))
+        except (OSError, KeyError, ValueError, TypeError) as reason:
+            raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
+    whole = path / "comparison.json" if path.is_dir() else path
+    if whole.exists():
+        return of_content(_json(whole, source), str(source))
+    contents = [_json(file, file) for file in sorted(path.glob("*.json"))]
+    answers = [content for content in contents if str(content.get("format")).startswith("halfplane solution ")]
+    if not answers:
+        raise InputError(f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an engine")
+    parts = [of_content(content, str(source)) for content in answers if content["converged"]]
+    if not parts:
+        raise InputError(f"{source}: it holds only the steps before an engine failed: {answers[0].get('message')}")
+    if any(_physics(part.scene) != _physics(parts[0].scene) for part in parts):
+        raise InputError(f"{source}: the engines in this folder answer different scenes; name the file of one of them")
+    figures, engines = ({k: v for part in parts for k, v in getattr(part, name).items()} for name in ("figures", "engines"))
+    return Findings(str(source), parts[0].scene, figures, engines)
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
     """The findings in what comparison.json, <engine>.json or a baseline hold."""
-    readers = {"baseline": _of_baseline, "comparison": _of_comparison, "solution": _of_answer}
     stated = content.get("format")
     found = _FORMAT.fullmatch(stated) if isinstance(stated, str) else None
     if found is None:
-        raise InputError(f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {', '.join(readers)}")
+        kinds = "baseline, comparison, solution"
+        raise InputError(f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {kinds}")
     if int(found[2]) > _NEWEST:
         raise InputError(f"{source}: format is {stated!r}, of a later version; update halfplane, or run the scene again")
     try:
-        return readers[found[1]](content, source)
+        return _read(found[1], content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
         raise InputError(f"{source}: this says it is a {stated}, but can't be read as one: {first_line(reason)}") from reason
 
 
+def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
+    """Of content of that kind; whatever is missing or no number raises."""
+    scene, figures = Scene.model_validate(present_names(content["scene"])), dict[str, float | None]()
+    answers, tolerances, engines, unfinished = dict[str, Mapping[str, Any]](), {}, {}, []
+    if kind == "baseline":
+        figures = {str(key): _number(value) for key, value in content["figures"].items()}
+        tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
+        engines = {str(key): _made_by(value) for key, value in content["engines"].items()}
+    elif kind == "comparison":
+        for key, metric in content["metrics"].items():
+            figures[f"metric.{key}"] = _number(metric["value"])
+            # JSON has no NaN: without this a value that is none and one that is no number would look alike.
+            figures |= {} if metric["finite"] else {f"metric.{key}.finite": 0.0}
+        same = content["reference"]["engine"] == content["result"]["engine"]
+        answers = {role if same else _slug(content[role]["engine"]): content[role] for role in ("reference", "result")}
+    else:
+        answers = {_slug(content["engine"]): content}
+    for name, answer in answers.items():
+        keys = (*_OF_AN_ENGINE, *(key for key in OF_UNSYMMETRIC if key in answer))
+        figures |= {f"{name}.{key}": _number(answer[key]) for key in keys}
+        figures |= {f"{name}.counts.{_slug(key)}": _number(answer["counts"][key]) for key in COUNTS if key in answer["counts"]}
+        engines[name] = _made_by(answer)
+        unfinished += [] if answer["converged"] else [f"{name}: {answer['message']}"]
+    return Findings(source, scene, figures, engines, tuple(unfinished), tolerances)
+
+
 def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
-    from reports.comparison.content import solution_content, strict
+    from reports.comparison.words import solution_content, strict
 
-    return _of_answer({**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}, source)
+    return _read("solution", {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}, source)
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
@@ -152,60 +181,8 @@ def _json(path: Path, source: str | Path) -> dict[str, Any]:
     return content
 
 
-def _of_answers(folder: Path, source: str) -> Findings:
-    """Of a folder with engines' own answers."""
-    contents = [_json(path, path) for path in sorted(folder.glob("*.json"))]
-    answers = [content for content in contents if str(content.get("format")).startswith("halfplane solution ")]
-    if not answers:
-        raise InputError(f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an engine")
-    parts = [of_content(content, source) for content in answers if content["converged"]]
-    if not parts:
-        raise InputError(f"{source}: it holds only the steps before an engine failed: {answers[0].get('message')}")
-    if any(_physics(part.scene) != _physics(parts[0].scene) for part in parts):
-        raise InputError(f"{source}: the engines in this folder answer different scenes; name the file of one of them")
-    return _together(source, parts, {})
-
-
-def _together(source: str, parts: Sequence[Findings], figures: Mapping[str, float | None]) -> Findings:
-    """Findings of several engines, after other figures of the same scene."""
-    whole, engines = dict(figures), dict[str, Mapping[str, Any]]()
-    for part in parts:
-        whole |= part.figures
-        engines |= part.engines
-    return Findings(source, parts[0].scene, whole, engines, tuple(words for part in parts for words in part.unfinished))
-
-
-def _of_baseline(content: Mapping[str, Any], source: str) -> Findings:
-    return Findings(
-        source,
-        Scene.model_validate(present_names(content["scene"])),
-        {str(key): _number(value) for key, value in content["figures"].items()},
-        {str(key): {"settings": dict(v["settings"]), "versions": dict(v["versions"])} for key, v in content["engines"].items()},
-        tolerances={str(key): float(value) for key, value in content["tolerances"].items()},
-    )
-
-
-def _of_comparison(content: Mapping[str, Any], source: str) -> Findings:
-    metrics = {f"metric.{key}": _number(metric["value"]) for key, metric in content["metrics"].items()}
-    # JSON has no NaN: without this a value that is none and one that is no number would look alike.
-    metrics |= {f"metric.{key}.finite": 0.0 for key, metric in content["metrics"].items() if not metric["finite"]}
-    answers = {role: content[role] for role in ("reference", "result")}
-    same = answers["reference"]["engine"] == answers["result"]["engine"]
-    parts = [_of_answer({**answer, "scene": content["scene"]}, source, role if same else "") for role, answer in answers.items()]
-    return _together(source, parts, metrics)
-
-
-def _of_answer(content: Mapping[str, Any], source: str, name: str = "") -> Findings:
-    name = name or _slug(content["engine"])
-    figures = {f"{name}.{key}": _number(content[key]) for key in (*_OF_AN_ENGINE, *(key for key in _OF_BULK if key in content))}
-    figures |= {f"{name}.counts.{_slug(key)}": _number(content["counts"][key]) for key in COUNTS if key in content["counts"]}
-    return Findings(
-        source,
-        Scene.model_validate(present_names(content["scene"])),
-        figures,
-        {name: {"settings": dict(content["settings"]), "versions": dict(content["versions"])}},
-        () if content["converged"] else (f"{name}: {content['message']}",),
-    )
+def _made_by(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    return {name: dict(content[name]) for name in ("settings", "versions")}
 
 
 def _number(value: Any) -> float | None:
@@ -243,25 +220,16 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------------------- differences
 @dataclass(frozen=True)
 class Row:
-    """One figure of two findings.
+    """One figure of two findings."""
 
-    Attributes
-    ----------
-    key : of the figure
-    a, b : its values; None for "no such thing"
-    difference : B less A; None where there is nothing to subtract
-    kind : "absolute", or "relative": over the larger of |A| and |B|
-    tolerance : largest admitted |difference|
-    verdict : same, differs, only in A, only in B
-    """
-
-    key: str
+    key: str  # of the figure
+    # a, b: its values; None for "no such thing"
     a: float | None
     b: float | None
-    difference: float | None
-    kind: str
-    tolerance: float
-    verdict: str
+    difference: float | None  # B less A; None where there is nothing to subtract
+    kind: str  # "absolute", or "relative": over the larger of |A| and |B|
+    tolerance: float  # largest admitted |difference|
+    verdict: str  # same, differs, only in A, only in B
 
 
 @dataclass(frozen=True)
