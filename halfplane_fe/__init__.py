@@ -11,7 +11,7 @@ In the order in which a scene passes through::
     mirror.py                              symmetric faces on one half
     law.py                                 Signorini and Coulomb as one projection: return mapping
     contact.py                             one increment: active set, semismooth Newton
-    systems.py                             its linear systems, of like and unlike bodies: Woodbury updates, cached
+    systems.py                             its linear systems for many sets of node states: Woodbury updates of a few, cached
     tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
     stepping.py                            along a stretch of the path, to each touch and release
     run.py                                 over the whole path; shakedown and ratcheting: what revolutions have left to go

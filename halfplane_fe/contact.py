@@ -6,7 +6,6 @@ All in scaled variables: lengths over the half-width, forces over the largest lo
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -28,8 +27,10 @@ ROUNDING = 1e-11
 # Stiffness against tilt, scaled, that is rounding: of two nodes it is the square of their distance.
 _LEAST_STIFFNESS = 1e-12
 # Rounding of one node's force, against zero or the cone: it is a hundredth of the load and less, of which the laws are met to 1e-9.
-_LEAST_FORCE = 1e-12
+_LEAST_FORCE = 1e-13
 
+# Force or gap that is the last digit of an answer, and not left by an event.
+_LAST_DIGIT = 1e-15
 # Bytes of rates that are kept: a cycle meets the same sets of nodes again.
 _RATE_BYTES = 50_000_000
 
@@ -108,13 +109,6 @@ class InterfaceState:
         return replace(self, values=freeze(values), state=self.state if state is None else freeze(state, np.int8))
 
 
-def untouched(height: Array, time: float, loads: tuple[float, ...] = (0.0, 0.0)) -> InterfaceState:
-    """The bodies at rest, touching where the gap is least."""
-    gap, none = height - height.min(), np.zeros_like(height)
-    values = np.concatenate([[height.min(), 0.0, 0.0], none, none, none, gap])
-    return InterfaceState(time, loads, freeze(values), freeze(np.where(gap <= ROUNDING, STICK, OPEN), np.int8))
-
-
 class BesideTheFaces(InputError):
     """The line of action of the loads does not meet the side that may touch."""
 
@@ -152,25 +146,26 @@ class ContactProblem:
 
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
-        self._rates: dict[bytes, dict[int, Array]] = {}
-        self._by_tilt: tuple[bytes, Array] = (b"", np.empty(0))
+        self._rates: dict[bytes, Array] = {}
+        # The latest history and states, and what the one lacks of the others.
+        self._latest: tuple[tuple[InterfaceState, bytes] | None, Array | float] = None, 0.0
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.tangential and self.interface.coupling is not None
         self._share = 1.0 if coupled else min(1.0, self.friction)
 
-    def at_rest(self, time: float, loads: tuple[float, ...], line: float) -> InterfaceState:
-        """The bodies before they carry anything, with the bulk stresses that there are.
+    def at_rest(self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0) -> InterfaceState:
+        """The bodies before they carry anything, touching where the gap is least, with the bulk stresses that there are.
 
         Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the first place of the resultant.
         """
-        if len(loads) == 2:
-            return untouched(self.height, time)
-        tilt = self._resting_tilt(line) if self.moment_given else loads[4]
-        gap, slip = self.offsets(np.array([*loads[2:4], tilt]))
-        approach = float(((self.height + gap) / self.interface.normals[1]).min())
+        tilt = 0.0 if len(loads) == 2 else self._resting_tilt(line) if self.moment_given else loads[4]
+        gap, slip = self.offsets(np.array([*loads[2:4], tilt] if loads[2:] else np.zeros(3)))
+        gap, none = self.height + gap, np.zeros_like(self.height)
+        approach = float((gap / self.interface.normals[1]).min())
         nearer, along = self.interface.moved(approach, 0.0)
-        rest = untouched(self.height + gap + nearer, time, (0.0, 0.0, *loads[2:]))
-        return rest.changed(slip=slip + along, approach=approach, tilt=tilt)
+        values = np.concatenate([[approach, 0.0, tilt], slip + along, none, none, gap + nearer])
+        states = np.where(gap + nearer <= ROUNDING, STICK, OPEN)
+        return InterfaceState(time, (0.0, 0.0, *loads[2:]), freeze(values), freeze(states, np.int8))
 
     def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState, int]:
         """The state at `loads` that follows `history` in one increment (active set), and its iterations.
@@ -183,7 +178,7 @@ class ContactProblem:
         >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
         >>> flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
         >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(none, none))
-        >>> pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 1.0, (3.0, 0.0))
+        >>> pressed, _ = problem.equilibrium(problem.at_rest(), 1.0, (3.0, 0.0))
         >>> sheared, _ = problem.equilibrium(pressed, 2.0, (3.0, 1.2))
         >>> pressed.pressure.tolist(), sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second node slips at f p
         ([2.0, 1.0], [0.7, 0.5], [1, 2])
@@ -200,35 +195,58 @@ class ContactProblem:
             )
         return answer, iterations
 
-    def holding(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
-        """The state at `loads` if no node touched, let go, or changed between stick and slip: `history` plus its rates."""
-        change = [load - before for load, before in zip(loads, history.loads, strict=True)]
-        moving = [number for number, by in enumerate(change) if by or number < 2]
-        rates = self.rates(history.state, len(loads), moving)
-        values = history.values.copy()
-        for number in moving:
-            values += change[number] * rates[number]
-        return InterfaceState(time, loads, values, history.state)
+    def following(self, history: InterfaceState, time: float, loads: tuple[float, ...], states: States) -> InterfaceState:
+        """The state at `loads` that follows `history` if its nodes have these states (the linear step of the active set).
 
-    def rates(self, states: States, n_loads: int, wanted: Sequence[int]) -> dict[int, Array]:
-        """(3 + 4 n,) derivatives of the values by those loads while the nodes keep their states: kept, as far as there is room."""
-        key, none = states.tobytes(), np.zeros_like(self.height)
-        if (found := self._rates.get(key)) is None:
-            if 64 * len(none) * len(self._rates) > _RATE_BYTES:
-                self._rates.clear()
-            found = self._rates[key] = {}
-            self.work["rates"] += 1
-        for number in wanted:
-            if number not in found:
-                loads = tuple(float(number == other) for other in range(n_loads))
-                try:
-                    found[number] = self._values(states, none, none, loads)
-                except SingularSet:
-                    if not self.moment_given:
-                        raise
-                    # One node is left: the upper body rolls over it, to where another touches. Nothing foresees it.
-                    found[number] = np.zeros(3 + 4 * len(none))
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        lacking, rates = self._lacking(history, states), self.rates(states, len(loads))
+        values = history.values + lacking + np.subtract(loads, history.loads) @ rates
+        if self.moment_given and len(loads) > 2:  # what nodes lacked adds to the moment: turning the upper body takes it away
+            values += (loads[4] - self._moments(values)) * rates[4]
+        # To the last digit.
+        slip, pressure, shear, gap = nodal(values)
+        sticks, is_open = (states == STICK) & self.tangential, states == OPEN
+        slip[sticks], pressure[is_open], gap[~is_open] = history.slip[sticks], 0.0, 0.0
+        shear[:] = np.where(sticks, shear, slip_sign(states) * self.friction * pressure)
+        values.flags.writeable = False
+        return InterfaceState(time, loads, values, freeze(states, np.int8))
+
+    def rates(self, states: States, n_loads: int) -> Array:
+        """(n_loads, 3 + 4 n) derivatives of the values by the loads while the nodes keep their states: kept, if there is room."""
+        if (found := self._rates.get(states.tobytes())) is None:
+            found = self._kept_rates(states, self._systems.answers(states, n_loads))
         return found
+
+    def _kept_rates(self, states: States, by_load: Array) -> Array:
+        self.work["rates"] += 1
+        if self.moment_given and len(by_load) > 2:
+            moments = self._moments(by_load)
+            if not moments[4] < -_LEAST_STIFFNESS:
+                raise SingularSet("one node alone holds no moment")
+            by_load = by_load - np.outer([*moments[:4], moments[4] - 1], by_load[4]) / moments[4]
+        if len(self._rates) * by_load.nbytes > _RATE_BYTES:
+            self._rates.clear()
+        return self._rates.setdefault(states.tobytes(), by_load)
+
+    def _lacking(self, history: InterfaceState, states: States) -> Array | float:
+        """(3 + 4 n,) what `history` lacks of the equalities of states: of nodes that change sides, or did so in an event."""
+        _, pressure, shear, gap = nodal(history.values)
+        slide = shear - slip_sign(states) * self.friction * pressure
+        lacking = np.concatenate([np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, slide)])
+        rows = np.flatnonzero(np.abs(lacking) > _LAST_DIGIT * np.repeat([1.0, self._share], len(states)))
+        if not len(rows):
+            return 0.0
+        key = history, states.tobytes()
+        if self._latest[0] != key:
+            found = self._systems.answers(states, len(history.loads), rows, -lacking[rows])
+            if key[1] not in self._rates:
+                self._kept_rates(states, found[:-1].copy())
+            self._latest = key, found[-1]
+        return self._latest[1]
 
     def _active_set(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState | None, int, int]:
         """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree.
@@ -239,29 +257,18 @@ class ContactProblem:
         seen: set[bytes] = set()
         changing, before = 0, slip_sign(history.state)
         try:
-            held = self.holding(history, time, loads)
-            states = self._wanted(held, history)
-            if not self.moment_given and np.array_equal(states, history.state) and history.pressure.any():
-                # A node that an event has put on its new side keeps what was left there of its force or gap: that takes a solution.
-                left = np.where(history.closed, history.gap, history.pressure)
-                if max(left.max(), -left.min()) <= _LEAST_FORCE:
-                    self.work["slip iterations"] += 0
-                    # On the cone to the last digit, as an answer of the equations is.
-                    _, pressure, shear, _ = nodal(held.values)
-                    pressure[states == OPEN] = 0.0
-                    shear[:] = np.where(states == STICK, shear, before * self.friction * pressure)
-                    held.values.flags.writeable = False
-                    return held, 1, 0
-            for iteration in range(1, self.max_iterations + 1):
-                answer = self._with_states(states, history, time, loads)
+            states = history.state
+            for iteration in range(self.max_iterations + 1):
+                answer = self.following(history, time, loads, states)
                 wanted = self._wanted(answer, history)
                 changing = int(np.count_nonzero(wanted != states))
-                self.work["slip iterations"] += not np.array_equal(slip_sign(wanted), before)
+                self.work["slip iterations"] += iteration > 0 and not np.array_equal(slip_sign(wanted), before)
                 if not changing:
-                    return answer, iteration, 0
+                    return answer, max(iteration, 1), 0
                 if wanted.tobytes() in seen:
                     return None, iteration, changing
-                seen.add(wanted.tobytes())
+                if iteration:
+                    seen.add(wanted.tobytes())
                 states = wanted
         except SingularSet:
             return None, max(len(seen), 1), changing
@@ -276,7 +283,7 @@ class ContactProblem:
         themselves in the whole system, that system's answer is taken. Like bodies need one turn.
         """
         self.work["alternating solves"] += 1
-        coupling = np.zeros_like(self._systems.normal) if self.interface.coupling is None else self.interface.coupling
+        coupling = np.zeros_like(self.interface.normal) if self.interface.coupling is None else self.interface.coupling
         n_x = self.interface.normals[0]
         shear, shift, closed, changing = history.shear, history.shift, history.closed, 0
         imposed = replace(history, loads=loads).imposed
@@ -297,7 +304,7 @@ class ContactProblem:
                 shear, shift, states = shear_at_known_pressure(systems, pressed, known_slip, carried, ROUNDING)
             if not np.any(states == STICK):
                 continue
-            answer = self._with_states(states, history, time, loads)
+            answer = self.following(history, time, loads, states)
             changing = int(np.count_nonzero(self._wanted(answer, history) != states))
             if not changing:
                 return answer, turn, 0
@@ -361,31 +368,6 @@ class ContactProblem:
         gap, slip = np.moveaxis(np.tensordot(imposed, self.interface.imposed, (-1, -1)), -2, 0)
         return gap, slip
 
-    def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
-        """Forces that meet the equalities of the given states (the linear step of the active set)."""
-        values = self._values(states, self.height, history.slip, loads)
-        return InterfaceState(time, loads, freeze(values), freeze(states, np.int8))
-
-    def _values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Array:
-        """(3 + 4 n,) values of given states over an initial gap, sticking nodes at a known slip."""
-        if len(loads) == 2:
-            return self._systems.values(states, height, slip, (loads[0], loads[1]))
-        found = self._imposed_values(states, height, slip, loads, 0.0 if self.moment_given else loads[4])
-        if not self.moment_given:
-            return found
-        # The equations are linear: what is missing of the moment comes from turning the upper body.
-        key, none = states.tobytes(), np.zeros_like(height)
-        if key != self._by_tilt[0]:
-            self._by_tilt = key, self._imposed_values(states, none, none, (0.0,) * 4, 1.0)
-        moments = [-self.interface.work_of_imposed(*nodal(values)[1:3])[2] for values in (found, self._by_tilt[1])]
-        if not -moments[1] > _LEAST_STIFFNESS:
-            raise SingularSet("one node alone holds no moment")
-        return np.asarray(found + (loads[4] - moments[0]) / moments[1] * self._by_tilt[1])
-
-    def _imposed_values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...], tilt: float) -> Array:
-        """The same with bulk stresses, the third and fourth load, and a known tilt."""
-        gap, along = self.offsets(np.array([*loads[2:4], tilt]))
-        found = self._systems.values(states, height + gap, slip - along, (loads[0], loads[1]))
-        found[2] = tilt
-        nodal(found)[0] += along
-        return found
+    def _moments(self, values: Array) -> Array:
+        """(...) of the forces in values (..., 3 + 4 n)."""
+        return np.asarray(-self.interface.work_of_imposed(*nodal(values)[1:3])[..., 2])

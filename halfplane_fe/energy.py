@@ -119,9 +119,8 @@ def increment_energies(
         rows = np.flatnonzero(factor.any(axis=1))
         for i, j in np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist():
             area = enclosed[i, j, rows]
-            one, other = (
-                np.stack([problem.rates(states[row].state, len(enclosed), (i, j))[k] for row in rows.tolist()]) for k in (i, j)
-            )
+            rates = [problem.rates(states[row].state, len(enclosed)) for row in rows.tolist()]
+            one, other = (np.stack([found[load] for found in rates]) for load in (i, j))
             (s_i, p_i, *_), (s_j, p_j, *_) = nodal(one), nodal(other)
             curve[rows] += factor[rows] * (p_i * s_j - p_j * s_i) * area[:, None]
             loop[rows] -= (_normal_work(problem, i, j, one, other) - _normal_work(problem, j, i, other, one)) * area

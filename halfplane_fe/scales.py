@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal, untouched
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import contact_edges, stick_edges, visible_states
 from halfplane_fe.interface import (
     Interface,
@@ -205,7 +205,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     size = min(start, pair.room)
     for _ in range(400):
         problem = pair.problem(size, tangential=False)
-        pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 0.0, (1.0, 0.0))
+        pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
         fraction = 1.0 if pressed.closed.all() else float(np.abs(problem.interface.x[pressed.closed]).max())
         if _FRACTION[0] <= fraction <= _FRACTION[1] or (size == pair.room and _FRACTION[1] < fraction < 1):
             return size

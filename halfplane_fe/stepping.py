@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import step_errors
 from halfplane_fe.path import Stretch, scaled_loads
+from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 
 Array = NDArray[np.float64]
@@ -27,6 +28,8 @@ LoadsAt = Callable[[float], tuple[float, ...]]
 
 # Gap and nodal force within which a node counts as met by an event, scaled.
 _LANDED = 1e-9
+# The same within which it is met for good, and share of the increment by which its end may move for that.
+_MET, _NEAR = 1e-14, 1e-3
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
 _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
@@ -126,6 +129,9 @@ def _attempt(
     event, time = next_event(problem, history, loads_at, end)
     try:
         solved, iterations = problem.equilibrium(history, time, loads_at(time))
+        if event != "regular" and (met := _met(problem, history, loads_at, solved, event, end)) != time:
+            solved, more = problem.equilibrium(history, met, loads_at(met))
+            iterations += more
     except ConvergenceError:
         if time - history.time < _SHORTEST * (stretch.ends[0] - stretch.start):
             raise
@@ -141,7 +147,10 @@ def _attempt(
 
 def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
-    held = problem.holding(history, end, loads_at(end))
+    try:
+        held = problem.following(history, end, loads_at(end), history.state)
+    except SingularSet:  # one node is left: the upper body rolls over it, to where another touches, and nothing foresees it
+        return "regular", end
     touch = _first_crossing(history.gap, held.gap, ~history.closed)
     release = _first_crossing(history.pressure, held.pressure, history.closed)
     event: Event = "touch" if touch <= release else "release"
@@ -159,8 +168,8 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
 
     else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
         moving = np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
-        rates, part = problem.rates(history.state, len(history.loads), moving), 3 if event == "touch" else 1
-        by_load = [float(nodal(rates[number])[part, node]) for number in moving]
+        part = 3 if event == "touch" else 1
+        by_load = nodal(problem.rates(history.state, len(history.loads))[moving])[part, :, node]
         before = float(nodal(history.values)[part, node])
 
         def left(time: float) -> float:
@@ -168,6 +177,24 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
 
     time = _zero(left, history.time, end, share, before)
     return (event, time) if history.time < time < end else ("regular", end)
+
+
+def _met(
+    problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, solved: InterfaceState, event: Event, end: float
+) -> float:
+    """When the event that `solved` meets to `_LANDED` is met to rounding: nodes that start or end to slide bend the way to it."""
+    meets = _marginal(solved) & (history.closed == (event == "release"))
+    left = np.where(meets, np.where(solved.closed, solved.pressure, solved.gap), 0.0)
+    node, start, time = int(np.argmax(np.abs(left))), history.time, solved.time
+    if abs(left[node]) <= _MET:
+        return time
+    by_load = nodal(problem.rates(solved.state, len(solved.loads)))[1 if solved.closed[node] else 3, :, node]
+
+    def missed(at: float) -> float:
+        return float(left[node] + np.subtract(loads_at(at), solved.loads) @ by_load)
+
+    met = _zero(missed, start, end, (time - start) / (end - start), missed(start))
+    return met if abs(met - time) < _NEAR * (time - start) else time
 
 
 def _zero(function: Callable[[float], float], low: float, high: float, share: float, at_low: float) -> float:

@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve
 from scipy.optimize import brentq
 
-from halfplane_fe.systems import Systems
+from halfplane_fe.systems import SingularSet, Systems
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError
 
 Array = NDArray[np.float64]
@@ -41,15 +42,24 @@ def pressure_at_known_shear(
     ([2.0, 1.0], 2.0, [True, True])
     """
 
+    approach, n_y = 0.0, systems.interface.normals[1]
+
     def step(closed: Mask) -> tuple[Array, Array, Mask]:
-        pressure, approach = systems.pressure_alone(closed, height, load)
+        nonlocal approach
+        if not closed.any():
+            raise SingularSet("no node holds the normal load")
+        by_height, by_approach = solve(
+            systems.normal[np.ix_(closed, closed)], np.stack([-height[closed], n_y[closed]], axis=1), assume_a="pos"
+        ).T
+        approach = (load - n_y[closed] @ by_height) / (n_y[closed] @ by_approach)
+        pressure = np.zeros_like(height)
+        pressure[closed] = by_height + approach * by_approach
         gap = height - n_y * approach + systems.normal @ pressure
         wrong = np.where(closed, -pressure, -gap)
         return pressure, wrong, np.where(wrong > rounding, ~closed, closed)
 
-    n_y = systems.interface.normals[1]
     pressure, closed = _settled(step, closed)
-    return pressure, systems.pressure_alone(closed, height, load)[1], closed
+    return pressure, float(approach), closed
 
 
 def shear_at_known_pressure(
@@ -93,7 +103,8 @@ def _bounded(systems: Systems, limit: Array, known: Array, states: States, round
         stick = states == STICK
         shear = sum((value * limit * (states == state) for state, value in sign.items()), np.zeros_like(limit))
         if stick.any():
-            shear[stick] = systems.held(stick, (-known - systems.tangential @ shear)[stick])
+            known_there = (-known - systems.tangential @ shear)[stick]
+            shear[stick] = solve(systems.tangential[np.ix_(stick, stick)], known_there, assume_a="pos")
         slip = -systems.tangential @ shear - known
         forward, reverse = states == SLIP_FORWARD, states == SLIP_REVERSE
         wrong = np.where(stick, np.abs(shear) - limit, np.where(forward, -slip, np.where(reverse, slip, -np.inf)))

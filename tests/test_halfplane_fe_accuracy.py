@@ -265,27 +265,27 @@ def moving_edges(elements, cured=True):
     return rms(found)
 
 
-def ladder(function, sizes):
+def refinement(function, sizes):
     return lambda: (sizes, [function(round(1 / size)) for size in sizes])
 
 
 HALVED, THREE = [1 / 8, 1 / 16, 1 / 32], [1 / n for n in (48, 96, 192)]
-LADDERS = {
+REFINEMENTS = {
     **{
-        f"hertz {name}, quadratic": ladder(lambda n, name=name: hertz_errors(n, 2)[name], HALVED)
+        f"hertz {name}, quadratic": refinement(lambda n, name=name: hertz_errors(n, 2)[name], HALVED)
         for name in ("middle", "L2", "edge", "approach")
     },
     **{
-        f"hertz {name}, linear": ladder(lambda n, name=name: hertz_errors(n, 1)[name], [*HALVED, 1 / 64])
+        f"hertz {name}, linear": refinement(lambda n, name=name: hertz_errors(n, 1)[name], [*HALVED, 1 / 64])
         for name in ("L2", "approach")
     },
     **{
-        f"mindlin {name}": ladder(lambda n, name=name: mindlin_errors(n)[name], HALVED)
+        f"mindlin {name}": refinement(lambda n, name=name: mindlin_errors(n)[name], HALVED)
         for name in ("shear", "stick edge", "dissipation")
     },
-    "moving edges": ladder(moving_edges, HALVED),
-    "end_of_step work": ladder(lambda n: excess(n, "end_of_step", "interface"), THREE),
-    "external_end_of_step work": ladder(lambda n: excess(n, "external_end_of_step", "external"), THREE),
+    "moving edges": refinement(moving_edges, HALVED),
+    "end_of_step work": refinement(lambda n: excess(n, "end_of_step", "interface"), THREE),
+    "external_end_of_step work": refinement(lambda n: excess(n, "external_end_of_step", "external"), THREE),
     "step": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density)),
     "stiff punch": lambda: ([1e-2, 1e-3], stiff_punch()),
     **{
@@ -295,25 +295,25 @@ LADDERS = {
 }
 VARIANTS = {
     **{
-        f"penalty, {quantity}": ("penalty", ladder(functools.partial(layered, quantity), [1e-2, 1e-3, 1e-4]))
+        f"penalty, {quantity}": ("penalty", refinement(functools.partial(layered, quantity), [1e-2, 1e-3, 1e-4]))
         for quantity in ("penetration", "elastic_slip", "creep", "dissipation")
     },
 }
 _SLOW = ("idealisation", "stiff", "external")
-COSTLY = [name for name in (*LADDERS, *VARIANTS) if name.startswith(_SLOW)]
+COSTLY = [name for name in (*REFINEMENTS, *VARIANTS) if name.startswith(_SLOW)]
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in COSTLY else []) for name in (*LADDERS, *VARIANTS)]
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in COSTLY else []) for name in (*REFINEMENTS, *VARIANTS)]
 )
 def test_every_error_falls_at_its_order(name):
-    order, sequence = VARIANTS[name] if name in VARIANTS else (name, LADDERS[name])
+    order, sequence = VARIANTS[name] if name in VARIANTS else (name, REFINEMENTS[name])
     check_order(order, *sequence())
 
 
 def test_a_sequence_of_another_order_would_fail_that_test():
     """First-order faults in W, the mesh's part of N - T among them; the step's error with the pressure at an increment's end."""
-    sizes, sequence = LADDERS["mindlin dissipation"]()
+    sizes, sequence = REFINEMENTS["mindlin dissipation"]()
     for name, at, spoilt in (
         ("mindlin dissipation", sizes, [error + 0.3 * h for error, h in zip(sequence, sizes, strict=True)]),
         ("moving edges", HALVED, [moving_edges(n, cured=False) for n in (8, 16, 32)]),

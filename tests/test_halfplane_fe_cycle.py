@@ -14,7 +14,7 @@ import halfplane_fe
 import halfplane_fe.run
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
-from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import Pace, run_path, trend
 from halfplane_fe.systems import Layer
@@ -33,6 +33,7 @@ from scenes import (
     Materials,
     PolygonLoad,
     Scene,
+    SurfaceState,
     TimeSeriesLoad,
     load_scene,
     scene_names,
@@ -303,6 +304,17 @@ def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(monkeypatch:
     assert len(failed) == 3
     assert halved.dissipation == pytest.approx(plain.dissipation, rel=1e-10)
     np.testing.assert_allclose(halved.shear[-1], plain.shear[-1], atol=1e-9 * plain.pressure.max())
+
+
+def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() -> None:
+    """One that let go has slid for all of the increment, or stuck, whatever it slipped before; one that touches was open."""
+    closed, opened = SurfaceState.STICK, SurfaceState.OPEN
+    history = untouched(np.zeros(4), 0.0).changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
+    solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
+    told = [SurfaceState.STICK, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE, SurfaceState.OPEN]
+    assert stepping.up_to_event(history, solved).tolist() == told
+    far = solved.changed(gap=np.ones(4))
+    assert stepping.up_to_event(history, far).tolist() == far.state.tolist()
 
 
 @pytest.mark.parametrize("stiffer", [0.0, 1e-5])

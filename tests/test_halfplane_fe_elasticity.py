@@ -15,7 +15,7 @@ from halfplane_fe import elasticity
 from halfplane_fe.elasticity import condense, displacement_fields
 from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
 from meshes import MeshSettings, SurfaceGrading, half_disc, solid
-from problems import COARSE, FEW_STEPS, drawn_inwards, hertz_pressure, mindlin_dissipation, pressed_in
+from problems import COARSE, FEW_STEPS, drawn_inwards, fe_run, hertz_pressure, mindlin_dissipation, pressed_in
 from scenes import Block, Cylinder, Elastic, Hertz, InputError, Materials, Pad, load_scene
 from tolerances import check, check_order
 
@@ -293,3 +293,19 @@ def test_linear_elements_are_refused_in_a_sentence():
         halfplane_fe.solve(scene_at(0.499), MeshSettings(order=1), FEW_STEPS)
     body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 8, 1 / 8, 6.0), 0.4, 1)
     assert condense(body, Elastic(young_modulus=1.0, poisson_ratio=0.45), 1.0).order == 1
+
+
+def test_stress_in_an_incompressible_body():
+    """On the axis against the closed form, which knows no nu but in s_zz: the mean stress is that of r."""
+    scene = load_scene("hertz-normal")
+    body = Elastic(young_modulus=scene.material.lower.young_modulus * (1 - 0.4999**2) / 0.91, poisson_ratio=0.4999)
+    answer = fe_run(scene.vary(material=Materials(lower=body, upper=body)))
+    (snapshot,) = halfplane_fe.fields(answer, [1.0])
+    p0, a = answer.pressure[-1].max(), answer.contact_half_width[-1]
+    lower = snapshot.bodies[0]
+    axis = np.flatnonzero((np.abs(lower.points[:, 0]) < 1e-9) & (np.abs(lower.points[:, 1]) < 2 * a) & (lower.points[:, 1] != 0))
+    z = -lower.points[axis, 1] / a
+    m = np.sqrt(1 + z**2)
+    xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
+    exact = np.stack([xx, yy, 0 * z, 0.4999 * (xx + yy)], axis=1)
+    check("incompressible stress", float(np.abs(lower.stress[axis] - exact).max() / p0))

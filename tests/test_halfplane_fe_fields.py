@@ -10,7 +10,7 @@ import pytest
 
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
-from halfplane_fe.contact import untouched
+from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
     contact_edges,
     contact_uncertainty,
@@ -123,6 +123,22 @@ def von_mises(stress):
     xx, yy, xy, zz = stress.T
     mean = (xx + yy + zz) / 3
     return np.sqrt(1.5 * ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2 * xy**2))
+
+
+def test_stress_on_both_faces_is_the_traction_between_them():
+    """s_yy = -p and s_xy = q on either face: the shear along +x on the lower body is a stress of the same sign in both."""
+    answer = fe_run(load_scene("cattaneo-mindlin"), FINE)
+    step = int(np.argmax(answer.tangential_load))
+    (snapshot,) = fields(answer, [answer.time[step]])
+    p0 = answer.pressure[step].max()
+    inside = np.abs(answer.x) < 0.5 * answer.stick_half_width[step]
+    for body in snapshot.bodies:
+        surface = np.flatnonzero(body.points[:, 1] == 0)
+        surface = surface[np.argsort(body.points[surface, 0])]
+        normal, shear = (np.interp(answer.x, body.points[surface, 0], body.stress[surface, k]) for k in (1, 2))
+        check("stress on the face", float(np.abs(normal + answer.pressure[step])[inside].max() / p0))
+        check("stress on the face", float(np.abs(shear - answer.shear[step])[inside].max() / p0))
+        assert np.abs(answer.shear[step])[inside].min() > 0.05 * p0
 
 
 def test_nearest_step_is_taken_and_instants_outside_are_refused():
@@ -319,12 +335,14 @@ CREEP = {
 @pytest.mark.parametrize(("loads", "slip", "seen"), CREEP.values(), ids=CREEP.keys())
 def test_what_only_creeps_sticks(loads, slip, seen):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
-    rest, slip = untouched(np.zeros(2), 0.0), np.array(slip)
+    rest, slip = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8)), np.array(slip)
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
     before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
     after = replace(before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1]))
     states = [rest, before, after]
     assert visible_states(states, [], 0.5)[2].tolist() == list(seen)
+    first = rest.changed(state=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
+    assert visible_states([first, before, after], [], 0.5)[0].tolist() == [SurfaceState.OPEN, STICK]
 
 
 def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:

@@ -19,11 +19,11 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from halfplane_fe.contact import ContactProblem, untouched
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
 from halfplane_fe.interface import body_forces, couple
 from halfplane_fe.mortar import Side, mortar
-from halfplane_fe.systems import Layer
+from halfplane_fe.systems import Layer, Systems
 from meshes import BodyMesh, SurfaceGrading, solid
 from scenes import Block, Elastic, Hertz, SurfaceState
 from tolerances import order_of
@@ -86,7 +86,7 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     zero = np.zeros_like(interface.x)
     contact = ContactProblem(interface, zero, 0.4, Layer(zero, zero))
     pressure, shear = 1.5, share * 0.4 * 1.5
-    state, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (pressure * BLOCK, shear * BLOCK))
+    state, _ = contact.equilibrium(contact.at_rest(), 1.0, (pressure * BLOCK, shear * BLOCK))
     weights = contact.interface.weights
     np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
     np.testing.assert_allclose(state.pressure / weights, pressure, rtol=1e-11)
@@ -360,12 +360,14 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     gap, slip = along[1] - along[0]
     zero, (n_x, n_y) = np.zeros_like(interface.x), interface.normals
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
-    # A sticking node keeps the slip of the history: with minus what the other boundaries do, the faces meet as they were made, once
-    # the upper body has come back by the shift that is planted here.
-    start = untouched(problem.height, 0.0).changed(slip=n_y * SHIFT - slip, state=np.full(len(zero), SurfaceState.STICK))
-    wanted = PRESSURE * interface.weights
-    state, _ = problem.equilibrium(start, 1.0, interface.carried(wanted, 0 * wanted))
-    assert np.all(state.state == SurfaceState.STICK)
+    # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were made, once the upper body has
+    # come back by the shift that is planted here.
+    wanted, rest, sticks = PRESSURE * interface.weights, problem.at_rest(), np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
+    lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
+    systems = Systems(interface, Layer(zero, zero), 0.5)
+    loads = interface.carried(wanted, 0 * wanted)
+    values = rest.values + np.array([*loads, 1.0]) @ systems.answers(sticks, 2, np.arange(2 * len(zero)), lacking)
+    state = InterfaceState(1.0, loads, values, sticks)
     np.testing.assert_allclose(state.pressure / interface.weights, PRESSURE, rtol=1e-9)
     np.testing.assert_allclose(state.shear / interface.weights, 0.0, atol=1e-9 * PRESSURE)
     np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)

@@ -1,4 +1,4 @@
-"""Where errors come from: mesh ladders with known answers, terms that add up, uncertainties that cover, three verdicts."""
+"""Where errors come from: mesh refinements with known answers, terms that add up, uncertainties that cover, three verdicts."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from reports.charts.templating import marked
 from reports.cli.solving import exit_code, verdict_shown
 from reports.comparison import Comparison, Report, compare
 from reports.comparison import budget as budgets
-from reports.comparison.budget import Budget, Ladders, Rung, Term, climb, coarser, error_budget, mesh_ratio, with_budget
-from reports.comparison.convergence import Ladder, extrapolate, kind_of, observed_order
+from reports.comparison.budget import Budget, Refinements, Run, Term, climb, coarser, error_budget, mesh_ratio, with_budget
+from reports.comparison.convergence import Refinement, extrapolate, kind_of, observed_order
 from reports.comparison.words import as_json, how_judged, lead, share, verdict
 from reports.console import show
 from reports.page.writing import render
@@ -28,14 +28,14 @@ from scenes import InputError, load_scene
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
 
 
-# --------------------------------------------------------------------------------------------------------------- ladders
-def ladder(of, sizes=DOUBLING, **more) -> Ladder:
-    return Ladder(sizes, tuple(float(of(h)) for h in sizes), **more)
+# --------------------------------------------------------------------------------------------------------------- refinements
+def refinement(of, sizes=DOUBLING, **more) -> Refinement:
+    return Refinement(sizes, tuple(float(of(h)) for h in sizes), **more)
 
 
 def test_example_of_nasa_to_every_digit():
     """Examining Spatial (Grid) Convergence, NPARC Alliance: values, ratio 2, safety factor 1.25."""
-    nasa = Ladder((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178))
+    nasa = Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178))
     found = extrapolate(nasa)
     numbers = (found.order, found.value, found.uncertainty / 0.97050)
     assert [f"{number:.6f}" for number in numbers] == ["1.786170", "0.971300", "0.001031"]
@@ -45,9 +45,9 @@ def test_example_of_nasa_to_every_digit():
 @pytest.mark.parametrize("order", [0.7, 1.0, 1.5, 2.0])
 @pytest.mark.parametrize("sizes", [(1.0, 2.0, 4.0), DOUBLING, (1.0, 1.3, 2.1, 4.0, 5.0)])
 def test_powers_are_found_whatever_the_ratios(order, sizes):
-    """On such a curve the uncertainty is a quarter more than the error of the finest rung, and falls with it."""
+    """On such a curve the uncertainty is a quarter more than the error of the finest run, and falls with it."""
     for finer in (1.0, 0.5):
-        found = extrapolate(ladder(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
+        found = extrapolate(refinement(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
         assert found.kind == "monotone"
         assert (found.order, found.value) == pytest.approx((order, 3), abs=1e-6)
         assert found.uncertainty == pytest.approx(1.25 * 0.02 * finer**order, rel=1e-4)
@@ -70,28 +70,28 @@ def test_powers_are_found_whatever_the_ratios(order, sizes):
     ],
 )
 def test_kinds(values, kind):
-    assert kind_of(Ladder(DOUBLING[: len(values)], values)) == kind
+    assert kind_of(Refinement(DOUBLING[: len(values)], values)) == kind
 
 
 def test_rules_for_what_is_no_clean_power():
     """Which rule, which value, which uncertainty."""
-    two = extrapolate(Ladder((1.0, 2.0), (1.1, 1.2)))
+    two = extrapolate(Refinement((1.0, 2.0), (1.1, 1.2)))
     assert two.kind == "too few"
     assert abs(two.value - 1.0) <= two.uncertainty
-    nowhere = extrapolate(Ladder((1.0, 2.0, 4.0), (1.0, 1.4, 1.3)))
+    nowhere = extrapolate(Refinement((1.0, 2.0, 4.0), (1.0, 1.4, 1.3)))
     assert (nowhere.value, nowhere.uncertainty) == (1.0, pytest.approx(1.2))  # three times the spread
-    steep = extrapolate(ladder(lambda h: 1 + 0.01 * h**4))
+    steep = extrapolate(refinement(lambda h: 1 + 0.01 * h**4))
     assert steep.order == pytest.approx(4, abs=1e-3)
     assert "taken for granted" in steep.rule
     assert abs(steep.value - 1) <= steep.uncertainty
-    assert "Roache" in extrapolate(ladder(lambda h: 1 + 0.01 * h**4, formal_order=4.0)).rule
-    exact = extrapolate(Ladder(DOUBLING, (1.0, 1.0 + 1e-13, 1.0, 1.0), rounding=1e-12))
+    assert "Roache" in extrapolate(refinement(lambda h: 1 + 0.01 * h**4, formal_order=4.0)).rule
+    exact = extrapolate(Refinement(DOUBLING, (1.0, 1.0 + 1e-13, 1.0, 1.0), rounding=1e-12))
     assert (exact.kind, exact.value, exact.uncertainty) == ("exact", 1.0, 1e-12)
-    scattered = extrapolate(Ladder(DOUBLING, (1.011, 1.018, 1.042, 1.079)))
+    scattered = extrapolate(Refinement(DOUBLING, (1.011, 1.018, 1.042, 1.079)))
     assert ("least squares" in scattered.rule, scattered.kind) == (True, "monotone")
     assert scattered.value == pytest.approx(1.0, abs=2e-3)
     # Mixed orders: the lowest decides.
-    turned = ladder(lambda h: 1 + 0.01 * h**2 + 0.01 * h - 4e-5 * h**4)
+    turned = refinement(lambda h: 1 + 0.01 * h**2 + 0.01 * h - 4e-5 * h**4)
     orders = [observed_order(turned.sizes[i : i + 3], turned.values[i : i + 3]) for i in (0, 1)]
     assert orders[0] > orders[1]
     found = extrapolate(turned)
@@ -101,14 +101,14 @@ def test_rules_for_what_is_no_clean_power():
 
 @pytest.mark.parametrize(("noise", "least"), [(1e-4, 1.0), (3e-3, 0.9), (3e-2, 0.9), (1.0, 0.95)])
 @pytest.mark.parametrize("order", [1.0, 2.0])
-def test_scattered_ladders_cover_the_truth(order, noise, least):
-    """Four rungs, the noise from far below to far above the trend of 0.01; of 400 draws 94 % to 100 % are covered."""
+def test_scattered_refinements_cover_the_truth(order, noise, least):
+    """Four runs, the noise from far below to far above the trend of 0.01; of 400 draws 94 % to 100 % are covered."""
     rng = np.random.default_rng(20)
-    found = [extrapolate(ladder(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1))) for _ in range(100)]
+    found = [extrapolate(refinement(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1))) for _ in range(100)]
     assert np.mean([abs(one.value - 1) <= one.uncertainty for one in found]) >= least
 
 
-def test_ladders_that_are_none():
+def test_refinements_that_are_none():
     assert observed_order((1.0, 2.0, 4.0), (1.0, 1.3, 1.4)) is None
     assert observed_order((1.0, 2.0, 4.0), (1.0, 1.0, 1.4)) is None
     for sizes, values, words in (
@@ -117,7 +117,7 @@ def test_ladders_that_are_none():
         ((1.0, 2.0), (1.0, float("nan")), "not finite"),
     ):
         with pytest.raises(ValueError, match=words):
-            Ladder(sizes, values)
+            Refinement(sizes, values)
 
 
 # ---------------------------------------------------------------------------------------------------------------- budget
@@ -141,21 +141,21 @@ def compared(name: str, mesh: MeshSettings = MESH, settings: SolverSettings = ST
 
 @pytest.fixture(scope="module")
 def paper():
-    """hertz-paper on a coarse mesh with few steps, and its ladders."""
+    """hertz-paper on a coarse mesh with few steps, and its refinements."""
     comparison = compared("hertz-paper")
     return comparison, climb(comparison, MESH, STEPS, silent)
 
 
-def invented(comparison: Comparison, slope: float, limit: float) -> Ladders:
-    """Ladders on which every metric is `limit` + `slope` h, and nothing comes of the far field."""
-    mesh = tuple(Rung(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING)
-    return Ladders(mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0)
+def invented(comparison: Comparison, slope: float, limit: float) -> Refinements:
+    """Refinements on which every metric is `limit` + `slope` h, and nothing comes of the far field."""
+    mesh = tuple(Run(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING)
+    return Refinements(mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0)
 
 
 def test_terms_and_rest_add_up_to_the_metric(paper):
     """And the uncertainty covers the known error; the step of W is theory on the polygon − theory on the smooth path."""
-    comparison, ladders = paper
-    budget = error_budget(comparison, ladders, plain_seconds=1.0)
+    comparison, refinements = paper
+    budget = error_budget(comparison, refinements, plain_seconds=1.0)
     wanted = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
     assert wanted <= {one.metric.key for one in budget.budgets}
     for one in budget.budgets:
@@ -182,12 +182,12 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
 
 @pytest.mark.parametrize(("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)])
 def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(paper, stated, kept):
-    """Rungs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of the mesh and the steps."""
-    comparison, ladders = paper
+    """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of the mesh and the steps."""
+    comparison, refinements = paper
     values = (0.0, 1e-3, -1e-3)
-    rungs = tuple(Rung(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True))
+    runs = tuple(Run(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True))
     result = replace(comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation)
-    found = error_budget(replace(comparison, result=result), replace(ladders, mesh=rungs), 1.0).budget("dissipation")
+    found = error_budget(replace(comparison, result=result), replace(refinements, mesh=runs), 1.0).budget("dissipation")
     mesh = found.terms[0]
     assert mesh.uncertainty == pytest.approx(6e-3 if kept else stated)
     assert mesh.value is None
@@ -198,9 +198,9 @@ def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_ans
 
 
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
-    comparison, ladders = paper
-    fallen = tuple(replace(rung, values={}, failure=f"{rung.label} did not converge") for rung in ladders.mesh[1:])
-    found = error_budget(comparison, replace(ladders, mesh=(ladders.mesh[0], *fallen)), 1.0).budget("dissipation")
+    comparison, refinements = paper
+    fallen = tuple(replace(run, values={}, failure=f"{run.label} did not converge") for run in refinements.mesh[1:])
+    found = error_budget(comparison, replace(refinements, mesh=(refinements.mesh[0], *fallen)), 1.0).budget("dissipation")
     mesh = found.terms[0]
     assert (mesh.value, mesh.uncertainty, mesh.measured) == (None, None, False)
     assert mesh.how.startswith("not measured: 2h did not converge")
@@ -213,8 +213,8 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
 
 
 def test_honesty_is_written_into_the_comparison_page_and_file(paper):
-    comparison, ladders = paper
-    budget = error_budget(comparison, ladders, ladders.seconds)
+    comparison, refinements = paper
+    budget = error_budget(comparison, refinements, refinements.seconds)
     found = with_budget(comparison, budget)
     assert found.budget is budget
     assert found.honest.startswith(f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics")
@@ -237,16 +237,16 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
     comparison, _ = paper
     metric = replace(comparison.metric("dissipation"), value=0.0100)
 
-    def rung(label: str, value: float | None, failure: str = "") -> Rung:
-        return Rung(label, 1.0, {} if value is None else {"dissipation": value}, failure)
+    def run(label: str, value: float | None, failure: str = "") -> Run:
+        return Run(label, 1.0, {} if value is None else {"dissipation": value}, failure)
 
-    def step(*rungs: Rung) -> Term:
-        return budgets._step(metric, Ladders((rung("h", 0.01),), (), (), "4h", {}, 1.0, rungs))
+    def step(*runs: Run) -> Term:
+        return budgets._step(metric, Refinements((run("h", 0.01),), (), (), "4h", {}, 1.0, runs))
 
-    found = step(rung("4h", 0.0100), rung("4h, halved", 0.0097))
+    found = step(run("4h", 0.0100), run("4h, halved", 0.0097))
     assert (found.value, found.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
     assert "halved increments" in found.how
-    for lost in (step(), step(rung("4h", 0.01), rung("4h, halved", None, "4h, halved did not converge"))):
+    for lost in (step(), step(run("4h", 0.01), run("4h, halved", None, "4h, halved did not converge"))):
         assert not lost.measured
         assert "no answer on the polygon" in lost.how
     # Theory that refuses its polygon: never of a scene without bulk stress and tilt.
@@ -278,7 +278,7 @@ def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper)
     assert any(count for name, count in whole.work.counts.items() if name.startswith("coarse"))
     assert mesh_ratio(MeshSettings.coarse()) == 2.0
     assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(2.5 ** (1 / 3))
-    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None  # no room for a ladder
+    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None  # no room for a refinement
     soft = SolverSettings(method="penalty", normal_stiffness=50.0, tangential_stiffness=20.0)
     mesh, settings = coarser(MESH, soft, 4.0)
     assert (settings.normal_stiffness, settings.tangential_stiffness) == (200.0, 80.0)
@@ -322,11 +322,11 @@ CASES = (
 
 def planted(paper, error: float, doubt: float | None) -> Report:
     """The report with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0."""
-    comparison, ladders = paper
+    comparison, refinements = paper
     size = comparison.metric("dissipation").tolerance
     values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
     metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
-    whole = error_budget(replace(comparison, metrics=metrics), ladders, 1.0)
+    whole = error_budget(replace(comparison, metrics=metrics), refinements, 1.0)
     doubts = {"dissipation": None if doubt is None else doubt * size}
     budgets = (replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),)) for one in whole.budgets)
     return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))

@@ -9,13 +9,14 @@ import pytest
 from scenes import (
     CallableProfile,
     FlatRounded,
+    HarmonicLoad,
     Hertz,
     PowerLaw,
     Tabulated,
     TimeSeriesLoad,
     load_scene,
 )
-from semi_analytic import FIELDS, solve
+from semi_analytic import FIELDS, fields, solve
 from semi_analytic.friction_work import work_error
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Records
@@ -98,6 +99,37 @@ def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, 
     assert set(solution.record.errors) == {"pressure", "pressure at the edge"}
     solution.save(tmp_path / "solution.nc")
     assert type(solution).load(tmp_path / "solution.nc").record.errors == solution.record.errors
+
+
+X0_TO_2, TURNS = np.linspace(0, 2.1, 30), 3 * 2 * np.pi + np.linspace(0, 2 * np.pi, 25)
+ALL_BUT_ELLIPSE = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(0.999, 0.0)], tangential_harmonics=[(0.02, 90.0)])
+# What is made rough, the scene, points and instants, the field, the least true error and the largest that may be stated.
+ROUGHER = {
+    "no rule beside P = 0": (  # Gauss' rule alone there costs 2e-9 of the slip
+        ("_beside_no_load", lambda half, a, *rest: np.zeros(len(a), dtype=bool)),
+        (make_scene(ellipse(1.0, 1 - 1e-4, 0.0, 0.9 * np.sqrt(2e-4), 90.0)), {"x": X0_TO_2, "time": TURNS}),
+        ("slip", 1e-10, 1e-5),
+    ),
+    "four nodes a step": (  # next to P_x, where the root is
+        ("_SPANS", ((math.inf, 4),)),
+        (make_scene(ALL_BUT_ELLIPSE).vary(profile=PowerLaw(exponent=3.5, length=1.0, rise=0.6)), {"x": np.linspace(0, 1, 9)}),
+        ("shear", 1e-12, 1e-3),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROUGHER)
+def test_what_a_rougher_rule_loses_is_stated(name, monkeypatch):
+    """Not below the true error, where next to none was stated; and in a note where it counts."""
+    rough, (scene, asked), (field, least, most) = ROUGHER[name]
+    good = solve(scene, **asked, fields=(field, "pressure"))
+    assert good.record.errors.get(field, 0.0) < 1e-12
+    monkeypatch.setattr(fields, *rough)
+    poor = solve(scene, **asked, fields=(field,))
+    size = np.max(np.abs(good.slip)) if field == "slip" else scene.friction.coefficient * np.max(good.pressure)
+    off = np.max(np.abs(getattr(poor, field) - getattr(good, field))) / size
+    assert least < off <= poor.record.errors[field] < most
+    assert any(note.startswith(f"{field}: quadratures and rounding") for note in poor.record.notes)
 
 
 def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():

@@ -55,6 +55,7 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     wanted = 2 * f * p0 * math.sqrt(share)
     assert edge_tension(scene, 2.0)[0] == pytest.approx(wanted, rel=1e-12)
     assert edge_tension(pressed, 2.0)[0] == edge_tension(scene, 2.0)[0]
+    assert edge_tension(scene, 3.0)[0] == pytest.approx(-wanted, rel=1e-12)  # after the reversal slip goes the other way
     for body, sign in (("lower", 1), ("upper", -1)):
         edges = stress(scene, [-a, a], 0.0, 2.0, body=body)[0]
         np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)  # a itself is rounded

@@ -51,6 +51,7 @@ TOLERANCES = {
         2.1e-6, 1e-5, "the arc carries tractions in the interface's compliance and moves as prescribed in the fields"
     ),
     "stress": Tolerance(2.2e-3, 4e-3, "linear in each element and averaged at its nodes, a/24 and larger below; over p0"),
+    "stress on the face": Tolerance(4.6e-4, 1e-3, "the same, all elements below it; over p0"),
     "shear stress": Tolerance(1.8e-3, 3.5e-3, "half the difference of two of those; over p0"),
     "tension at the trailing edge": Tolerance(
         1.8e-3, 2.5e-3, "at Q = 0.1 f P, whose slip zone has four nodes at a/40; of theory's"
@@ -65,6 +66,7 @@ TOLERANCES = {
     "incompressible dissipation": Tolerance(3.2e-3, 6e-3, EDGE),
     "incompressible pressure": Tolerance(3.2e-3, 6e-3, EDGE),
     "incompressible rocking": Tolerance(6.4e-4, 1.5e-3, MESH + "; worst node of the inner half, over p0"),
+    "incompressible stress": Tolerance(2.6e-2, 4e-2, "means over the elements of a node, a/12 and larger below; over p0"),
     # What is said of the edges' uncertainty, median over the path, in elements of a/60 (nodes stand half an element apart).
     "contact edge uncertainty": Tolerance(0.19, 0.3, "three tenths of the distance of two nodes, and the second estimate"),
     "stick edge uncertainty": Tolerance(0.5, 0.7, "the distance of two nodes, less where the edge is fitted"),

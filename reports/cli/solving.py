@@ -292,8 +292,10 @@ def _compared(scene: Scene, options: Options, stages: Stages, tolerances: dict[s
             report = Report(replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found)
         if measured:
             plain = time.process_time() - begun
-            ladders = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)  # every rung a stage of its own
-            report = with_budget(report.comparison, error_budget(report.comparison, ladders, plain))
+            refinements = climb(
+                found, *options.settings(), stages.stage, 3 if options.budget else 2
+            )  # every run a stage of its own
+            report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
         if options.third:
             from reports.third.calculix import solve_with_calculix
             from reports.third.deck import DeckSettings

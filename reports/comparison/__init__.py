@@ -9,7 +9,7 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
                     `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    convergence.py  order and value at size zero of a ladder of solutions: `Ladder` `Extrapolation` `extrapolate`
+    convergence.py  mesh-refinement study: order, value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
                     `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`
     words.py        all of that in sentences: `headline` `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`

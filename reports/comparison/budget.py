@@ -1,7 +1,7 @@
 """Where an error comes from, metric by metric: mesh, penalty, steps, far field, solver, half-plane theory's own, idealisation.
 
 They add up to the metric. Every term is measured by itself, everything else fixed, on runs beside the run: coarser meshes, other
-far fields, the contact law without a layer. These runs (rungs) are compared with half-plane theory on the polygon of their own
+far fields, the contact law without a layer. These runs are compared with half-plane theory on the polygon of their own
 increments, so that no step error is in them. What is left over is the idealisation; for half-planes there is none by construction,
 and what is left over must be less than its own uncertainty, which tests the whole budget.
 """
@@ -17,7 +17,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from reports.comparison import Comparison, Report, compare
-from reports.comparison.convergence import Ladder, extrapolate, plausible
+from reports.comparison.convergence import Refinement, extrapolate, plausible
 from reports.comparison.metrics import Metric, are_half_planes
 from scenes import ContactSolution, ConvergenceError, InputError
 
@@ -49,8 +49,8 @@ _LEAST_RATIO = 1.2
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
-    """One run of a ladder."""
+class Run:
+    """One run of a refinement study: one size changed, everything else fixed."""
 
     label: str  # "2h", "L/2": what is different from the run
     size: float  # that size over the run's; of the far field 1/L
@@ -62,19 +62,19 @@ class Rung:
 
 
 @dataclass(frozen=True, eq=False)
-class Ladders:
-    """Every rung by the term that it measures."""
+class Refinements:
+    """Every run by the term that it measures."""
 
-    mesh: tuple[Rung, ...]  # at h and coarser
-    far_field: tuple[Rung, ...]  # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
+    mesh: tuple[Run, ...]  # at h and coarser
+    far_field: tuple[Run, ...]  # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
     # (with the layer, without) on the run's own mesh and on the next coarser one; empty where the law is met exactly
-    penalty: tuple[tuple[Rung, Rung], ...]
-    coarse: str  # label of the mesh on which all but the mesh ladder stand
+    penalty: tuple[tuple[Run, Run], ...]
+    coarse: str  # label of the mesh on which all but the mesh refinement stand
     not_measured: Mapping[str, str]  # term -> why
-    seconds: float  # CPU time of all rungs but the run's own
+    seconds: float  # CPU time of all but the run itself
     # with the increments of the run and with halved ones, on the coarse mesh, where theory has no answer on the polygon of the
     # increments, so that no value is without their error; None where it has
-    step: tuple[Rung, ...] | None = None
+    step: tuple[Run, ...] | None = None
 
 
 def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
@@ -107,7 +107,7 @@ def _values(comparison: Comparison) -> dict[str, float | None]:
 
 
 def mesh_ratio(mesh: MeshSettings) -> float | None:
-    """Ratio of neighbouring rungs: 2, or what three coarsenings leave room for; None where that is less than 1.2.
+    """Ratio of neighbouring runs: 2, or what three coarsenings leave room for; None where that is less than 1.2.
 
     >>> from meshes import MeshSettings
     >>> mesh_ratio(MeshSettings()), mesh_ratio(MeshSettings(element_size=0.2, edge_element_size=0.2))
@@ -126,25 +126,25 @@ def coarser(mesh: MeshSettings, settings: SolverSettings, factor: float) -> tupl
     return replace(mesh, element_size=middle, edge_element_size=edges), settings
 
 
-def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: _Stage, coarsenings: int = 3) -> Ladders:
-    """Solve every rung of a run that was cut by `mesh` and iterated by `settings`.
+def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: _Stage, coarsenings: int = 3) -> Refinements:
+    """Solve all that measures the errors of a run that was cut by `mesh` and iterated by `settings`.
 
-    With three coarser meshes, their size ratio r, the rungs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they
+    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they
     cost a third of that. The far field is measured at r^2 h, a penalty layer at h and r h.
     """
     begun = time.process_time()
     missing: dict[str, str] = {}
     ratio = mesh_ratio(mesh)
     on_polygon = comparison.polygon_reference is not None
-    own = Rung("h", 1.0, without_steps(comparison), "", len(comparison.result.time), len(comparison.result.x))
+    own = Run("h", 1.0, without_steps(comparison), "", len(comparison.result.time), len(comparison.result.x))
     if ratio is None:
         why = "the run's own elements leave no room for three coarser meshes"
-        return Ladders(
+        return Refinements(
             (own,), (), (), "none", dict.fromkeys(("mesh", "far field", "penalty"), why), 0.0, None if on_polygon else ()
         )
     scene, scales = comparison.scene, getattr(comparison.result, "scales", None)
 
-    def solved(label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Rung:
+    def solved(label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
         import halfplane_fe
         import semi_analytic
 
@@ -152,17 +152,17 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
             try:
                 result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
             except ConvergenceError as failure:
-                return Rung(label, size, {}, f"{label} did not converge: {failure}")
+                return Run(label, size, {}, f"{label} did not converge: {failure}")
             reference = theory_on_steps(result) if on_polygon else semi_analytic.solve(scene, x=result.x, time=result.time)
         if reference is None:
-            return Rung(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
+            return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         values = _values(compare(reference, result))
-        return Rung(label, size, values, "", len(result.time), len(result.x))
+        return Run(label, size, values, "", len(result.time), len(result.x))
 
     sizes = [ratio**power for power in range(1, coarsenings + 1)]
     meshes = (own, *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes))
     middle = meshes[2]
-    far_field: tuple[Rung, ...] = ()
+    far_field: tuple[Run, ...] = ()
     if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind):
         radius, (cut, law) = mesh.far_radius, coarser(mesh, settings, ratio**2)
         if 4 <= radius <= 500:
@@ -173,7 +173,7 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
             far_field = (large, replace(middle, size=1.0), small)
         else:
             missing["far field"] = f"a half-disc of radius {radius:g} a leaves no room for one of half and one of twice"
-    step: tuple[Rung, ...] | None = None
+    step: tuple[Run, ...] | None = None
     if not on_polygon:
         cut, law = coarser(mesh, settings, ratio**2)
         step = middle, solved(f"{middle.label}, halved increments", middle.size, cut, finer_steps(law))
@@ -182,10 +182,10 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
         # With the layer and without it, on the run's own mesh and the next: the second shows what the mesh does to the difference.
         # On coarser ones that says nothing: where edges stand in their elements moves W by more than the layer does.
         exact = replace(settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3)
-        for rung in meshes[:2]:
-            cut, _ = coarser(mesh, settings, rung.size)
-            pairs.append((rung, solved(f"{rung.label}, law met exactly", rung.size, cut, exact)))
-    return Ladders(meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun, step)
+        for run in meshes[:2]:
+            cut, _ = coarser(mesh, settings, run.size)
+            pairs.append((run, solved(f"{run.label}, law met exactly", run.size, cut, exact)))
+    return Refinements(meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun, step)
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class Term:
     how: str  # by what it was measured, or why not
     # the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
     bound: bool = False
-    # order, kind: of the ladder, where it has one
+    # order, kind: of the refinement, where it has one
     order: float | None = None
     kind: str = ""
 
@@ -252,16 +252,16 @@ class Budget:
 
 @dataclass(frozen=True, eq=False)
 class ErrorBudget:
-    """Budgets of all metrics, the rungs they rest on, and CPU seconds of the plain run and of the rungs."""
+    """Budgets of all metrics, the runs they rest on, and CPU seconds of the plain run and of these."""
 
     budgets: tuple[Budget, ...]
-    ladders: Ladders
+    refinements: Refinements
     plain_seconds: float
 
     @property
     def cost(self) -> float:
         """CPU time of the run with its budget over that of the plain run."""
-        return 1 + self.ladders.seconds / self.plain_seconds
+        return 1 + self.refinements.seconds / self.plain_seconds
 
     def budget(self, key: str) -> Budget:
         """The budget of a metric; KeyError where it has none."""
@@ -276,16 +276,20 @@ class ErrorBudget:
         return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
 
 
-def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
+def error_budget(comparison: Comparison, refinements: Refinements, plain_seconds: float) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
     half_planes, solver = are_half_planes(comparison.scene), _solver(comparison)
 
     def terms(metric: Metric) -> tuple[Term, ...]:
-        mesh, penalty, step = _mesh(metric, comparison, ladders), _penalty(metric, comparison, ladders), _step(metric, ladders)
-        return mesh, penalty, step, _far_field(metric, comparison, ladders), solver, _theory(metric, comparison)
+        mesh, penalty, step = (
+            _mesh(metric, comparison, refinements),
+            _penalty(metric, comparison, refinements),
+            _step(metric, refinements),
+        )
+        return mesh, penalty, step, _far_field(metric, comparison, refinements), solver, _theory(metric, comparison)
 
     known = (one for one in comparison.metrics if one.key not in _PARTS and one.value is not None and math.isfinite(one.value))
-    return ErrorBudget(tuple(Budget(metric, terms(metric), half_planes) for metric in known), ladders, plain_seconds)
+    return ErrorBudget(tuple(Budget(metric, terms(metric), half_planes) for metric in known), refinements, plain_seconds)
 
 
 def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
@@ -295,34 +299,34 @@ def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
     return Report(replace(comparison, metrics=metrics), budget)
 
 
-def _known(metric: Metric, rungs: Iterable[Rung]) -> list[tuple[float, float]]:
-    """Size and value of the rungs that have a finite one."""
-    found = ((rung.size, rung.values.get(metric.key)) for rung in rungs)
+def _known(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
+    """Size and value of the runs that have a finite one."""
+    found = ((run.size, run.values.get(metric.key)) for run in runs)
     return [(size, value) for size, value in found if value is not None and math.isfinite(value)]
 
 
-def _not_measured(name: str, rungs: Iterable[Rung] = (), why: str = "", before: str = "") -> Term:
-    """A term that nothing is known of: why, or what the rungs failed by."""
-    why = why or "; ".join(rung.failure for rung in rungs if rung.failure) or "a rung has no finite value"
+def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: str = "") -> Term:
+    """A term that nothing is known of: why, or what the runs failed by."""
+    why = why or "; ".join(run.failure for run in runs if run.failure) or "a run has no finite value"
     return Term(name, None, None, f"not measured: {before}{why}")
 
 
-def _extrapolated(name: str, metric: Metric, ladders: Ladders, rungs: tuple[Rung, ...], order: float) -> Term:
-    """phi - phi_0 of the run's own rung, which its ladder must hold: size 1; no value where the ladder only scatters."""
-    known = dict(_known(metric, rungs))
-    if name in ladders.not_measured or len(known) < 3 or 1.0 not in known:
-        return _not_measured(name, rungs, ladders.not_measured.get(name, ""))
-    found = extrapolate(Ladder(tuple(known), tuple(known.values()), order, ROUNDING))
+def _extrapolated(name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], order: float) -> Term:
+    """phi - phi_0 of the run itself, which is that of size 1; no value where the values only scatter."""
+    known = dict(_known(metric, runs))
+    if name in refinements.not_measured or len(known) < 3 or 1.0 not in known:
+        return _not_measured(name, runs, refinements.not_measured.get(name, ""))
+    found = extrapolate(Refinement(tuple(known), tuple(known.values()), order, ROUNDING))
     value = None if found.kind in ("oscillating", "diverging") else known[1.0] - (found.value or 0.0)
     return Term(name, value, found.uncertainty, found.rule, order=found.order, kind=found.kind)
 
 
-def _mesh(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """phi(h) - phi(0); no less doubtful than the run itself says."""
-    found = _extrapolated("mesh", metric, ladders, ladders.mesh, 2.0)
+    found = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
     if found.uncertainty is None:
         return found
-    how = f"{', '.join(rung.label for rung in ladders.mesh if not rung.failure)}: {found.kind}; {found.how}"
+    how = f"{', '.join(run.label for run in refinements.mesh if not run.failure)}: {found.kind}; {found.how}"
     least, result, scales = metric.uncertainty or 0.0, comparison.result, comparison.scales
     stated = getattr(result, f"{metric.key}_uncertainty", None)  # of the edges, at the instant of the metric
     if stated is not None and metric.time is not None:
@@ -339,50 +343,52 @@ def _mesh(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
     return replace(found, how=how)
 
 
-def _step(metric: Metric, ladders: Ladders) -> Term:
+def _step(metric: Metric, refinements: Refinements) -> Term:
     """What the metric loses when theory steps through the same polygon as the result: exact, for every metric.
 
     Where theory has no answer on it, what halved increments change: 4/3 of that by the second order of increments, as uncertain as
     all of it.
     """
-    if ladders.step is not None:
-        known = [value for _, value in _known(metric, ladders.step)]
+    if refinements.step is not None:
+        known = [value for _, value in _known(metric, refinements.step)]
         if len(known) < 2:
             before = "half-plane theory has no answer on the polygon of the steps, and "
-            return _not_measured("step", ladders.step, before=before)
+            return _not_measured("step", refinements.step, before=before)
         change = known[0] - known[1]
-        how = f"halved increments at {ladders.coarse}, second order; half-plane theory has no answer on the polygon of the steps"
+        how = (
+            f"halved increments at {refinements.coarse}, second order; half-plane theory has no answer on the polygon of the steps"
+        )
         return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how)
-    polygon = _known(metric, ladders.mesh[:1])
+    polygon = _known(metric, refinements.mesh[:1])
     if not polygon or metric.value is None:
         return _not_measured("step", why="theory on the polygon of the steps has no such value")
     how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
     return Term("step", metric.value - polygon[0][1], ROUNDING, how, bound=True)
 
 
-def _penalty(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         return Term("penalty", None, 0.0, "none by construction: the law is met exactly", bound=True)
-    pairs = [[value for _, value in _known(metric, pair)] for pair in ladders.penalty]
+    pairs = [[value for _, value in _known(metric, pair)] for pair in refinements.penalty]
     shares = [pair[0] - pair[1] for pair in pairs if len(pair) == 2]
-    if "penalty" in ladders.not_measured or len(shares) < 2:
-        return _not_measured("penalty", chain(*ladders.penalty), ladders.not_measured.get("penalty", ""))
+    if "penalty" in refinements.not_measured or len(shares) < 2:
+        return _not_measured("penalty", chain(*refinements.penalty), refinements.not_measured.get("penalty", ""))
     how = "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
 
 
-def _far_field(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """phi(L) - phi(infinity) on the coarse mesh."""
     if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
-    found = _extrapolated("far field", metric, ladders, ladders.far_field, 4.0)
+    found = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
     if found.uncertainty is None:
         return found
-    how = f"radius 2 L, L, L/2 on the mesh of {ladders.coarse}: {found.kind}"
+    how = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {found.kind}"
     if found.kind == "exact" or plausible(found.order, 4.0):
         return replace(found, how=how)
-    heights = [value for _, value in _known(metric, ladders.far_field)]
+    heights = [value for _, value in _known(metric, refinements.far_field)]
     how += "; not resolved: the scatter between meshes is as large"
     return replace(found, value=None, uncertainty=max(heights) - min(heights), how=how)
 

@@ -600,11 +600,11 @@ def _judgement(budget: Budget) -> str:
 
 
 def cost(budget: ErrorBudget) -> str:
-    """What the rungs were and what they took, in a sentence."""
-    ladders = budget.ladders
-    pairs = [rung for pair in ladders.penalty for rung in pair]
-    rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
-    return in_template("budget_cost", budget.cost, list(rungs.values()), ladders.not_measured)
+    """What the runs were and what they took, in a sentence."""
+    refinements = budget.refinements
+    pairs = [run for pair in refinements.penalty for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
 
 
 def _honest_of(report: Report, metric: Metric) -> str:

@@ -195,7 +195,7 @@ def answer(asked: Map, folder: Path) -> str:
     if asked.name == "loop":
         return _worst_loops(tables["loop"])
     if asked.name == "limits":
-        return PAGE_WORDS["limits"].format(said="; ".join(_ladder(study, table) for study, table in tables.items()))
+        return PAGE_WORDS["limits"].format(said="; ".join(_mesh_refinement(study, table) for study, table in tables.items()))
     return " ".join(_read_off(chart, tables[chart.study]) for chart in asked.charts)
 
 
@@ -217,8 +217,8 @@ def reading_at(line: Line, s: float) -> tuple[float, float] | None:
     return along(line, s) if inside else None
 
 
-def _ladder(study: str, table: pd.DataFrame) -> str:
-    """How far apart the engines are along a ladder, and where least."""
+def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
+    """How far apart the engines are over a mesh refinement, and where least."""
     error, name = np.abs(errors(table, "error.dissipation")[0]), table.columns[0]
     span = f"{100 * error.max():.2g} to {100 * error.min():.2g} %"
     return f"{study.removeprefix('limits-')}: {span}, least at {name} = {table[name].iloc[int(np.argmin(error))]}"

@@ -34,7 +34,7 @@ from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, worded
 from reports.charts.templating import STATE_NAMES, Table
 from reports.comparison import Comparison, Report
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
-from reports.comparison.convergence import Ladder, extrapolate
+from reports.comparison.convergence import Refinement, extrapolate
 from reports.comparison.laws import LIMIT, Certificate
 from reports.comparison.metrics import Cycle, Event, are_half_planes, bulk_strain, bulk_work, events, loop_work, missing, name_of
 from reports.comparison.words import bodies_in_words, bulk_and_tilt, value_of
@@ -123,7 +123,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
         _distances(report.study) if report.study is not None else None,
     ]
     if report.budget is not None:
-        drawings += [_bars(report.budget), _ladders(report.budget)]
+        drawings += [_bars(report.budget), _mesh_refinement(report.budget)]
     if meshes := getattr(result, "bodies", ()):
         from reports.field_output.pictures import mesh
 
@@ -674,18 +674,18 @@ def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterato
             yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
 
 
-def _ladders(budget: ErrorBudget) -> Plate | None:
+def _mesh_refinement(budget: ErrorBudget) -> Plate | None:
     """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where no metric converges."""
-    rungs, curves = [rung for rung in budget.ladders.mesh if not rung.failure], {}
+    runs, curves = [run for run in budget.refinements.mesh if not run.failure], {}
     for one in budget.budgets:
-        values = [(rung.size, rung.values.get(one.metric.key)) for rung in rungs]
+        values = [(run.size, run.values.get(one.metric.key)) for run in runs]
         points = [(size, float(value)) for size, value in values if value is not None and math.isfinite(value)]
         if one.metric.definition.headline and len(points) >= 3:
-            found = extrapolate(Ladder(tuple(size for size, _ in points), tuple(value for _, value in points), 2.0, ROUNDING))
+            found = extrapolate(Refinement(tuple(size for size, _ in points), tuple(value for _, value in points), 2.0, ROUNDING))
             if found.kind == "monotone" and found.value is not None:
                 curves[one.metric.label] = [(size, abs(value - found.value)) for size, value in points if value != found.value]
     words = "element size, over that of the run", "distance from the value at size zero"
-    return _convergence("ladders", words, curves, [rung.size for rung in rungs])
+    return _convergence("mesh_refinement", words, curves, [run.size for run in runs])
 
 
 def _distances(study: Study) -> Plate | None:

@@ -10,7 +10,6 @@ history.py         which instant is which on the scene's load path
 solution.py        units and signs that can't be; the result as a ContactSolution: states, edges, friction work, by the same
                    rule in the reference
 against.py         the score
-flaws.py           two bodies on a grid with soft penalties, or that end too near
 diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in words
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 study.py           a folder of meshes: orders, and what no mesh removes

@@ -12,11 +12,10 @@ the rest looked at again, so that two faults at once are both found.
 
 Faults of the file (a sign, two columns swapped, a factor) act on the reference's arrays. Faults of the question (wrong modulus or
 friction, no memory, not yet steady, other instants) have the exact answer of a neighbouring scene. A mesh too coarse at the edges
-and bodies that are not alike are recognised by where the discrepancy lies. Soft penalties and bodies that end too near are those of
-the model of `flaws`: what moves the edges of contact moves square roots, of which a grid knows little. So where a flaw does that,
-half-plane theory with another E*/R takes the part that such a change can take, exactly, and the grid adds the rest:
+and bodies that are not alike are recognised by where the discrepancy lies. Soft penalties and bodies that end too near are solved
+by the project's own finite elements on a mesh of moderate size, whose errors drop out of the difference:
 
-    predicted = theory(m) + model(flaw) - model(m)
+    predicted = theory(m) + elements(flaw) - elements(m)      m: the E*/R that fits best, 1 for creep
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ import contextlib
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from importlib import resources
 from itertools import chain
 from typing import Any
@@ -33,12 +32,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import halfplane_fe
 import semi_analytic
+from halfplane_fe.dundurs import dundurs
+from halfplane_fe.scales import Scales
+from meshes import MeshSettings
 from reports.comparison import Comparison
-from reports.comparison.metrics import Verdict, compliance, norm, over, shares, verdict_on
+from reports.comparison.metrics import Verdict, norm, over, shares, verdict_on
 from reports.measured import noise_of
-from reports.scoring.flaws import SAME_LOAD, Model, NotSettledError
-from scenes import InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
+from scenes import Bodies, ConvergenceError, InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -72,6 +74,8 @@ NOTHING = 1e30
 # mesh keeps the infinite shear of bonded faces finite, as a large f does.
 FACTORS = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
 OF_FRICTION, NO_SLIP = tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0])), tuple(np.log([15.0, 50.0, 300.0]))
+# Loads that differ by less than this share of the largest P are one: those of one revolution and the next differ by rounding.
+SAME_LOAD = 1e-9
 # Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at their ends.
 MOST_STEPS = 64
 # Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and its neighbour.
@@ -80,28 +84,28 @@ REACH = 2.0
 # stick edges, up to 1.2 of that on meshes of a/5 to a/24, pressure up to 0.36, its edge being found to a part of an element. A soft
 # layer or a short body moves the pressure's edge by 0.7 to 1.5 of that.
 MOST = (0.4, 1.0)
-# Half-length of the grid over the largest half-width of the reference: soft layers widen a contact.
-ROOM = 1.35
-# Elements over the largest half-width, where nothing travels and where edges do; for what an edge leaves within one
-# thin layer, FINEST. A layer thinner than THIN of the FINE elements is not seen by them.
-COARSE, FINE, FINEST, THIN = 20, 80, 320, 2.0
-# Increments of a cycle that the model takes; and of a smooth path, for thin layers, whose trace lies where an edge stopped: at
-# k = 240 E*/a on hertz-paper 32 explain 0.70 of the discrepancy, 128 0.76, 256 0.77.
-INCREMENTS, SMOOTH = 32, 256
-# A body that ends sends back P and Q alike, both by the order of 1/L^2 of its size: neither bend is many times the other.
-ALIKE = 4.0
-# Sizes looked for: logarithms of layers over a/E*, bends over 1/(E* a^2). Beyond, nothing is left of the scene's contact.
-LAYERS = tuple(np.log([1e-3, 1e-2, 0.1, 1.0, 3.0]))
-SHEAR_LAYERS = tuple(np.log([1e-3, 1e-2, 0.1, 1.0, 10.0, 30.0]))
-BENDS = (-0.4, -0.1, 0.0, 0.1, 0.4)
-# Of the range of sizes: a fit as close as this is close enough to tell patterns apart.
-CLOSE = 0.004
+# The finite elements that flaws of a model are solved by, strong and mild ones; increments of a cycle beside the touches; stiffness
+# over E*/a of the layer without a flaw.
+MESHES = MeshSettings(1 / 12, 1 / 40, far_radius=6.0, growth=0.5), MeshSettings(1 / 12, 1 / 160, far_radius=6.0)
+INCREMENTS, STIFF = 24, 1e5
+# Segments of a loading that is not periodic, above which twenty solutions by finite elements take too long.
+MOST_LEGS = 200
+# Flaws of a model: what is fitted, its logarithms at which it is looked for first, and above which on the finer mesh: stiffnesses
+# over E*/a, heights over a.
+FLAWS: dict[str, tuple[str, tuple[float, ...], float]] = {
+    "soft_normal": ("normal_stiffness", tuple(np.log([2.0, 12.0, 70.0, 400.0])), np.log(80.0)),
+    "small_body": ("height", tuple(np.log([2.0, 4.5, 10.0, 22.0])), np.log(6.0)),
+    "elastic_slip": ("tangential_stiffness", tuple(np.log([0.5, 3.0, 18.0, 100.0, 600.0])), np.log(80.0)),
+}
+# A fit to this share of the range of the tries is close enough to tell patterns apart; where the best try explains less than the
+# second, no figure between explains half: tries are six times apart, and the effect is in proportion.
+CLOSE, PROMISING = 0.02, 0.25
 
 MODEL = {"coarse_edge", "coupling", "small_body", "soft_normal", "elastic_slip", "steps"}
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
 # Flaws that move edges of contact lean on a fitted stiffness; a coarse edge and an odd part take what they find, point by point.
 COST = 0.01
-FITTED = {"coarse_edge": 10, "coupling": 5, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
+FITTED = {"coarse_edge": 10, "coupling": 5, "small_body": 2, "soft_normal": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
 # Sentences of each fault, of other findings, and quotients of E*/R with a likely cause.
@@ -235,18 +239,19 @@ class Hypothesis:
 
 
 def fitted(
-    what: Discrepancy, predict: Callable[[float], Tractions], tries: Sequence[float], close: float = 1e-6
+    what: Discrepancy, predict: Callable[[float], Tractions], tries: Sequence[float], close: float = 1e-6, least: float = -np.inf
 ) -> tuple[float, Tractions] | None:
     """The figure that leaves least of the discrepancy, to `close` of the range of the tries (ascending), and its prediction.
 
-    Brent's search between the neighbours of the best of the tries; None where no try has a solution.
+    Brent's search between the neighbours of the best of the tries, if that explains at `least` so much; None where no try has a
+    solution.
     """
     from scipy.optimize import minimize_scalar
 
     seen: dict[float, tuple[float, Tractions]] = {}
 
     def left(figure: float) -> float:
-        with contextlib.suppress(InputError, NotSettledError):  # gross sliding, separation
+        with contextlib.suppress(InputError, ConvergenceError):  # gross sliding, separation
             tractions = predict(figure)
             seen[figure] = what.apart(tractions), tractions
         return min(seen[figure][0], NOTHING) if figure in seen else NOTHING
@@ -254,8 +259,9 @@ def fitted(
     best = int(np.argmin([left(figure) for figure in tries]))
     if not seen:
         return None
-    bounds = tries[max(best - 1, 0)], tries[min(best + 1, len(tries) - 1)]
-    minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": close * (tries[-1] - tries[0])})
+    if what.explained(seen[tries[best]][1]) >= least:
+        bounds = tries[max(best - 1, 0)], tries[min(best + 1, len(tries) - 1)]
+        minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": close * (tries[-1] - tries[0])})
     figure = min(seen, key=lambda figure: seen[figure][0])
     return figure, seen[figure][1]
 
@@ -468,36 +474,31 @@ def coarse_edge(what: Discrepancy) -> Hypothesis:
 
 
 # ----------------------------------------------------------------------------------------------------- faults of the model
-def on_grid(what: Discrepancy, increments: int, fine: int = FINE) -> Callable[..., Tractions]:
-    """p and q of the model with the flaws given, at the points and instants of the discrepancy.
+def by_elements(what: Discrepancy, mesh: MeshSettings) -> Callable[..., Tractions]:
+    """p and q of finite elements at the points and instants of the discrepancy: of half-planes, or with the flaws given.
 
-    It takes so many increments a cycle for two revolutions, turns of the path and the instants included.
+    E* times a `factor`; blocks of a `height` [a_ref], twice as wide; layers of a normal and a tangential stiffness [E*/a_ref].
     """
-    scene, cycle, path = what.scene, what.comparison.expected, what.scene.load.path()
-    # Fine elements where the edges of contact and stick travel.
-    largest = float(np.nanmax(np.abs(cycle.contact_edges)))
-    least = 0.8 * float(np.nanmin(np.abs(np.concatenate([cycle.contact_edges, cycle.stick_edges]))))
-    inner = np.linspace(0, least, max(2, int(np.ceil(least / largest * COARSE))))
-    middle = np.linspace(least, 1.1 * largest, max(2, int(np.ceil((1.1 - least / largest) * fine))))
-    ends = np.unique(np.concatenate([inner, middle, np.linspace(1.1 * largest, ROOM * largest, 7)]))
-    if path.period is None:
-        wanted, last = what.time, what.comparison.found.time[-1]
-        turns = [leg.end for leg in path.initial_loading if leg.end <= last]
-        every = [np.linspace(path.start, last, 2 * increments + 1), wanted, np.array(turns)]
-    else:
-        begin, turns = path.cycle_start, [leg.end for leg in path.legs(2)]
-        wanted = begin + (1 + what.fraction) * path.period
-        more = np.linspace(begin, begin + 2 * path.period, 2 * increments + 1)
-        every = [np.linspace(path.start, begin, max(9, increments // 4)), more, wanted, np.array(turns)]
-    shifted = np.concatenate(every) - path.start
-    times = np.unique(np.round(shifted[shifted > 0] / shifted.max(), 9)) * shifted.max() + path.start
-    loads, rows = np.transpose(path.at(times)), np.abs(times[:, None] - wanted).argmin(axis=0)
-    model = Model(ends, 2 / compliance(scene.material), scene.friction.coefficient, scene.profile.height, loads)
+    scene, half_width = what.scene.vary(bodies=Bodies()), what.comparison.scales.half_width
+    period, known = scene.load.path().period, list[Scales]()
 
     @cache
-    def answer(**flaws: float) -> Tractions:
-        answers = np.array(model.march(**flaws))[:, rows]
-        return np.apply_along_axis(lambda row: np.interp(np.abs(what.x), model.x, row), 2, answers)
+    def answer(factor: float = 1.0, height: float | None = None, **layers: float) -> Tractions:
+        law: dict[str, Any] = {"steps_per_cycle": INCREMENTS, "step_tolerance": np.inf}
+        if layers:
+            stiff = dict.fromkeys(("normal_stiffness", "tangential_stiffness"), STIFF) | layers
+            law |= {"method": "penalty"} | {name: value * mesh.edge_element_size for name, value in stiff.items()}
+        block = None if height is None else {"kind": "block", "width": 2 * height * half_width, "height": height * half_width}
+        asked = stiffer(scene if block is None else scene.vary(bodies={"lower": block, "upper": block}), factor)
+        # All on the faces' mesh of the first, so that its errors drop out.
+        scales = replace(known[0], modulus=factor * known[0].modulus) if known else None
+        found = halfplane_fe.solve(asked, mesh, halfplane_fe.SolverSettings(**law), scales=scales)
+        known.extend([] if known else [replace(found.scales, modulus=found.scales.modulus / factor)])
+        rows = np.arange(len(found.time)) if period is None else found.last_cycle
+        time, at = found.time[rows], what.time if period is None else found.time[rows[0]] + what.fraction * period
+        weight = np.array([np.interp(at, time, one) for one in np.eye(len(rows))])  # linear between the instants
+        fields = (weight.T @ getattr(found, name)[rows] for name in ("pressure", "shear"))
+        return np.array([[np.interp(what.x, found.x, row) for row in field] for field in fields])
 
     return answer
 
@@ -505,47 +506,32 @@ def on_grid(what: Discrepancy, increments: int, fine: int = FINE) -> Callable[..
 def model_faults(what: Discrepancy, stiffness: Hypothesis | None, untried: set[str]) -> Iterator[Hypothesis]:
     """Every fault of the model that the discrepancy may have; `stiffness`: the E*/R that fits best.
 
-    `untried` gets those faults whose model does not settle.
+    `untried` gets those of which no model converges; all of them on too long a path. What moves the edges of contact moves square
+    roots, of which elements know little: theory with another E*/R takes that part. Creep does not move the pressure: where that is
+    within its tolerance, soft penalties and small bodies are not looked for.
     """
-    model, half_width, modulus = on_grid(what, INCREMENTS), what.comparison.scales.half_width, 2 / compliance(what.scene.material)
-    compliant, bent = half_width / modulus, 1 / (half_width**2 * modulus)
-    exact, base = what.expected, dict[str, float]()
-    if stiffness is not None:
-        exact, base = stiffness.predicted, {"steepness": stiffness.figures["factor"]}
+    sheared = what.scene.friction.coefficient and np.any(what.expected[1])
+    models = [by_elements(what, mesh) for mesh in MESHES]
+    long, scene = len(what.scene.load.path().initial_loading) > MOST_LEGS, what.comparison.scene
+    pressed = verdict_on(what.errors()[0], scene.tolerances.limit("pressure") or 0.0) is Verdict.WITHIN
+    for key, (name, tries, mild) in FLAWS.items():
+        if pressed if key != "elastic_slip" else not sheared:
+            continue
 
-    def added(**flaws: float) -> Tractions:
-        """Theory, and what the flaws add to the model without them."""
-        return exact + model(**flaws) - model(**base)
+        exact, factor = what.expected, 1.0
+        if stiffness is not None and key != "elastic_slip":
+            exact, factor = stiffness.predicted, stiffness.figures["factor"]
 
-    try:
-        model(**base)
-    except NotSettledError:
-        untried |= {"soft_normal", "small_body", "elastic_slip"}
-        return
-    if fit := fitted(what, lambda s: added(normal_layer=np.exp(s) * compliant), LAYERS, CLOSE):
-        yield Hypothesis("soft_normal", fit[1], {"stiffness": float(np.exp(-fit[0]))})
-    bend = fitted(what.of_pressure, lambda b: added(normal_bend=b * bent), BENDS, CLOSE)
-    if bend and bend[0]:
-        known = {"normal_bend": bend[0] * bent}
-        ratios = sorted(bend[0] * ratio for ratio in (1 / ALIKE, 0.5, 1.0, 2.0, ALIKE))
-        fit = fitted(what, lambda b: added(**known, shear_bend=b * bent), ratios, CLOSE)
-        if fit and 1 / ALIKE < fit[0] / bend[0] < ALIKE:
-            yield Hypothesis("small_body", fit[1], {"normal": 2 * bend[0], "shear": 2 * fit[0]})
-    if not what.scene.friction.coefficient or not np.any(what.expected[1]):
-        return
-    exact, base = what.expected, {}  # from here on: creep does not move the pressure
+        def flawed(log: float, name: str = name, exact: Tractions = exact, factor: float = factor, number: int = 0) -> Tractions:
+            return exact - models[number](factor=factor) + models[number](**{name: float(np.exp(log))})
 
-    def creeping(log_layer: float) -> Tractions:
-        return added(shear_layer=np.exp(log_layer) * compliant)
-
-    fit = fitted(what, creeping, SHEAR_LAYERS, CLOSE)
-    if fit and np.exp(fit[0]) * FINE < THIN:  # its effect stays within elements of the edges, where they are at each increment
-        model = on_grid(what, SMOOTH, FINEST)
-        fit = fitted(what, creeping, (fit[0] - 1, fit[0], fit[0] + 1), 50 * CLOSE)
-    if fit is None:
-        untried.add("elastic_slip")
-    else:
-        yield Hypothesis("elastic_slip", fit[1], {"stiffness": float(np.exp(-fit[0]))})
+        fit = None if long else fitted(what, flawed, tries, CLOSE, PROMISING)
+        if fit and fit[0] > mild and what.explained(fit[1]) > PROMISING:
+            fit = fitted(what, partial(flawed, number=1), (fit[0] - 0.7, fit[0], fit[0] + 0.7), 10 * CLOSE)
+        if fit:
+            yield Hypothesis(key, fit[1], {name.removeprefix("normal_").removeprefix("tangential_"): float(np.exp(fit[0]))})
+        else:
+            untried.add(key)
 
 
 # ------------------------------------------------------------------------------------------------------------ which it is
@@ -596,7 +582,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         first = replace(first, evidence=(*first.evidence, words))
     if untried:
         names = ", ".join(sorted(untried)).replace("_", " ")
-        words = f"not all was tried: a model with this fault does not settle ({names})"
+        words = f"not all was tried: no model with this fault converges, or the path is too long for it ({names})"
         first = replace(first, evidence=(*first.evidence, words))
     return (first, *others)
 
@@ -653,8 +639,6 @@ def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple
 
 def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
     """The likely cause, and what to do."""
-    from halfplane_fe.dundurs import dundurs
-
     material, figures = what.comparison.scene.material, dict(one.figures)
     if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
         return str(_WORDS["others"]["own_coupling"].format(own=own, **figures))

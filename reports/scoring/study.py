@@ -17,7 +17,7 @@ import numpy as np
 
 from meshes import collected_files
 from reports.comparison import Comparison, Report
-from reports.comparison.convergence import Extrapolation, Ladder, extrapolate
+from reports.comparison.convergence import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.console import Stages
@@ -150,8 +150,8 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
-    ladder = Ladder(tuple(level.size for level in levels), tuple(values), rounding=ROUNDING)
-    return StudyRow(metric, tuple(values), extrapolate(ladder))
+    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=ROUNDING)
+    return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
