@@ -893,7 +893,7 @@ class Follower:
                 until = stop if stop - state.time < 1.2 * trial else state.time + trial
                 with np.errstate(all="ignore"):
                     found = self._to_event(state, slips, until)
-                if found is not None and self._roughness(found[0]) < _RESOLVED:
+                if found is not None and self._roughness(found[0], state) < _RESOLVED:
                     (step, event), turned = found, set()
                     step, state = self._finished(step)
                     if event is not None and event[1] == "turn":
@@ -925,10 +925,14 @@ class Follower:
             steps.append(step)
         return steps, state
 
-    def _roughness(self, step: Step) -> float:
-        """What the last coefficients of the edges leave unresolved, in half-widths: s' that a contact edge freezes loses more."""
+    def _roughness(self, step: Step, state: State) -> float:
+        """What the last coefficients of the edges leave unresolved, in half-widths: s' that a contact edge freezes loses more.
+
+        But where slip has just begun at another edge: there q* has no root yet, and its edge is known to the root of the digits.
+        """
         left = float(np.max(np.abs(_fit(step.stick.edges.T)[-2:]))) / (step.stick.width / 2)
-        return left if all(step.stick.slips) else 20 * left
+        begun = any(now and not before for now, before in zip(step.stick.slips, state.slips, strict=True))
+        return left if begun or all(step.stick.slips) else 20 * left
 
 
 def _broken(time: float, where: float, why: str) -> NotOneStickInterval:
