@@ -476,21 +476,22 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     head = flat_and_rounded(bend[0], 1.0, least) if least > 0 else power_law(bend[0], 2.0, 1.0, 0.5)
     rows = _series_of_rows(knots, bend)
 
-    def series_or_head(a: Array, values: Powers, head_function: Callable[[Array], Array]) -> Array:
+    def series_or_head(d: Array, values: Powers, head_function: Callable[[Array], Array]) -> Array:
         if not len(rows.begin):
-            return head_function(a - least)
+            return head_function(d)
+        a = d + least
         number = np.searchsorted(rows.edges, a, side="right") - 1
         found = rows.on(np.maximum(number, 0), np.sqrt(np.maximum(a - rows.begin[number], 0.0)), values)
         first = number < 0
         if np.any(first):
-            found[first] = head_function(a[first] - least)
+            found[first] = head_function(d[first])  # of d itself, which keeps its digits beside a flat
         return found
 
     def load(d: Array) -> Array:
-        return series_or_head(d + least, rows.load, head.load)
+        return series_or_head(d, rows.load, head.load)
 
     def stiffness(d: Array) -> Array:
-        return series_or_head(d + least, rows.rate, head.stiffness)
+        return series_or_head(d, rows.rate, head.stiffness)
 
     largest = float(load(np.array(extent - least)))
 

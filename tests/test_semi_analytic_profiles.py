@@ -64,6 +64,7 @@ CASES = {
     "compound, flat": (Compound(inner_radius=1.0, outer_radius=1e4, inner_half_length=1.0), (0.9, 1 + 1e-5, 3.0, 1e4)),
     "wedge": (Wedge(tip_radius=2.0, tip_half_length=1.0), (1e-3, 0.9, 1 + 1e-8, 1.1, 3.0, 1e4)),
     "table": (table(cosh_less_one, 1.0, 5), (1e-6, 0.4, 0.9)),
+    "table with a flat": (table(lambda x: np.maximum(x - 0.5, 0) ** 2 + np.maximum(x - 1, 0) ** 2, 2.0, 9), (0.75, 1.01, 1.9)),
     "table of a parabola": (table(lambda x: x * x / 4, 3.0, 13, 2), (0.2, 1.01, 2.9)),
     "function h": (CallableProfile(extent=3.0, height_function=cosh_less_one), (1e-6, 0.9, 2.9)),
     "function h'": (CallableProfile(extent=3.0, slope_function=np.sinh), (1e-6, 0.9, 2.9)),
