@@ -66,7 +66,6 @@ TOLERANCES = {
     "incompressible dissipation": Tolerance(3.2e-3, 6e-3, EDGE),
     "incompressible pressure": Tolerance(3.2e-3, 6e-3, EDGE),
     "incompressible rocking": Tolerance(6.4e-4, 1.5e-3, MESH + "; worst node of the inner half, over p0"),
-    "incompressible stress": Tolerance(2.6e-2, 4e-2, "means over the elements of a node, a/12 and larger below; over p0"),
     # What is said of the edges' uncertainty, median over the path, in elements of a/60 (nodes stand half an element apart).
     "contact edge uncertainty": Tolerance(0.19, 0.3, "three tenths of the distance of two nodes, and the second estimate"),
     "stick edge uncertainty": Tolerance(0.5, 0.7, "the distance of two nodes, less where the edge is fitted"),
