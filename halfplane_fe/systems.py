@@ -264,7 +264,7 @@ class Systems:
         if base.count > len(base.answers):  # twice the room, so that it is seldom copied
             base.answers = np.concatenate([base.answers[:first], np.empty((base.count, 3 + 4 * n))])
         base.number[rows] = first + number
-        for at, part in ((0, z[[2 * n, 2 * n + 1, 2 * n + 4]]), (3, moved[n:]), (3 + n, z[: 2 * n]), (3 + 3 * n, moved[:n])):
-            base.answers[first : base.count, at : at + len(part)] = part.T
+        for at, values in ((0, z[[2 * n, 2 * n + 1, 2 * n + 4]]), (3, moved[n:]), (3 + n, z[: 2 * n]), (3 + 3 * n, moved[:n])):
+            base.answers[first : base.count, at : at + len(values)] = values.T
         while len(self._bases) > 1 and sum(one.nbytes for one in self._bases) > _BYTES:
             self._bases.pop(0)
