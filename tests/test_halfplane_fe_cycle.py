@@ -14,7 +14,7 @@ import halfplane_fe
 import halfplane_fe.run
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import Pace, run_path, trend
 from halfplane_fe.systems import Layer
@@ -309,7 +309,8 @@ def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(monkeypatch:
 def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() -> None:
     """One that let go has slid for all of the increment, or stuck, whatever it slipped before; one that touches was open."""
     closed, opened = SurfaceState.STICK, SurfaceState.OPEN
-    history = untouched(np.zeros(4), 0.0).changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
+    rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(3 + 4 * 4), np.zeros(4, dtype=np.int8))
+    history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
     solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
     told = [SurfaceState.STICK, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE, SurfaceState.OPEN]
     assert stepping.up_to_event(history, solved).tolist() == told
