@@ -169,7 +169,6 @@ def other_body() -> must_fail.Planted:
     return mock.patch.object(must_fail.SOLVE, "condensed_pair", lambda scene, *given: make(other_nu(scene), *given))
 
 
-FOUR_STEPS = must_fail.LONG | {"steps_per_cycle": 4}
 ROUGH = functools.partial(must_fail.rough, size=MESH.edge_element_size)
 FAULTS = (
     Fault("FE: friction 1 % low", "model", lambda: must_fail.friction(0.99)),

@@ -24,15 +24,6 @@ from reports.units import minus, number, signed
 from scenes import SurfaceState
 
 # ----------------------------------------------------------------------------------------------------------------- looks
-# Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
-# The reference is a broad pale band, the result a thin dark line on it: where they agree both are seen.
-_REFERENCE, RESULT, _DIFFERENCE, QUIET = "#56B4E9", "#B33A00", "#5B2A86", "#6b6b6b"
-_STATE_COLOURS = {
-    SurfaceState.OPEN: "#f7f7f7",
-    SurfaceState.STICK: "#c4c4c4",
-    SurfaceState.SLIP_FORWARD: "#E69F00",
-    SurfaceState.SLIP_REVERSE: "#0072B2",
-}
 STATE_NAMES = {
     SurfaceState.OPEN: "open",
     SurfaceState.STICK: "stick",
