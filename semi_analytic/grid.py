@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -138,6 +137,7 @@ class Grid:
         self._compliance = self.compliance_at(self.x)
         self._coupling = dundurs / modulus * self.step * np.sign(self.x[:, None] - self.x)
         self._direction, self._touching = np.zeros(cells, dtype=int), np.zeros(cells, dtype=bool)
+        self.without_early_slip = 0  # increments whose new cells did not slip before they were touched: `_drag`
         self._shear: Array = np.zeros(cells)
         self.slip: Array = np.zeros(cells)
         self._root = _root(self._compliance)
@@ -195,8 +195,10 @@ class Grid:
         """
         start, new = self.slip, self._touching & ~earlier
         if new.any() and earlier.any():
-            with suppress(ArithmeticError):  # more than the earlier ones can carry: the new ones start from where they were
+            try:
                 start = np.where(new, start + _TOUCHED * (self._dragged(force, moved, limit, ~new, start)[1] - start), start)
+            except ArithmeticError:  # more than the earlier ones can carry: the new ones start from where they were
+                self.without_early_slip += 1
         return self._dragged(force, moved, limit, self._touching, start)
 
     def _dragged(
@@ -362,7 +364,8 @@ def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int)
     """What one grid answers, followed until a cycle repeats the one before, `least` cycles at any rate.
 
     At n instants and m points, by the names of `Followed`; `share` is q over f p, `works` that of the cycles, and `work`, `loop`,
-    `density`, `permanent` those of the last; `pieces` is the largest number of zones that stick.
+    `density`, `permanent` those of the last; `pieces` is the largest number of zones that stick,
+    `without_early_slip` how often cells that were touched in an increment did not slip before.
     """
     n, m, half, kernel, works = len(asked), len(x), grid.step / 2, grid.compliance_at(x), list[float]()
     out: dict[str, Any] = {name: np.zeros((n, m)) for name in ("share", "slip")} | {"stick_edges": np.full((n, 2), np.nan)}
@@ -402,6 +405,7 @@ def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int)
     slid = np.sum(np.where(found.state == OPEN, np.inf, slips), axis=0)
     stays = grid.x[slid <= _STAYS * float(np.max(slid, where=np.isfinite(slid), initial=0.0))]
     return out | {
+        "without_early_slip": grid.without_early_slip,
         "works": np.array(works),
         "work": works[-1],
         "loop": float(np.sum(found.loop)),
@@ -527,7 +531,8 @@ def follow_on_grid(
             "cells": cells,
             "increments": increments * count,
             "pieces": max(each["pieces"] for each in own),
-        },
+        }
+        | ({"increments without early slip": early} if (early := sum(each["without_early_slip"] for each in own)) else {}),
         errors={
             "dissipation": error("work"),
             "dissipation_density": error("density"),

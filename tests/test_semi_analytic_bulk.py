@@ -782,6 +782,14 @@ def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     assert other.shear == pytest.approx(one.shear, rel=2e-2)
 
 
+def test_increments_in_which_cells_start_without_early_slip_are_counted():
+    """Q is more than the cells in contact before carry at the new pressure, or a little."""
+    for force, counted in ((1.5, 1), (0.1, 0)):
+        grid = dense_grid.Grid(parabola, (-2.5, 2.5), 80, 1.0)
+        grid.follow(np.array([[0.1, 0.0, 0.0, 0.0], [3.0, force, 0.0, 0.0]]))
+        assert grid.without_early_slip == counted
+
+
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
     monkeypatch.setattr(dense_grid, "_TURNS", 1)
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]))
