@@ -11,7 +11,6 @@ import json
 import subprocess
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +142,7 @@ def render(
         report=report,
         in_words=words,
         units=units,
-        budget=_budget(report),
+        budget=words.budget_table(report.budget) if report.budget else None,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         measured=section(scene, (comparison.reference, comparison.result)),
@@ -152,7 +151,6 @@ def render(
         flat=flat,
         command=command,
         commit=commit(),
-        own=partial(words.without_cycle, scene=scene),
         third=third,
         script=program,
         script_hash=digest,
@@ -175,15 +173,6 @@ def commit() -> str:
     except (OSError, subprocess.SubprocessError):
         return "unknown: git does not answer"
     return done.stdout.strip().replace("-dirty", ", with changes")
-
-
-def _budget(report: Report) -> dict[str, Any] | None:
-    """Where the errors come from: the columns that say something, of the headlines and of the rest."""
-    if report.budget is None:
-        return None
-    first, others = words.rows(report.budget), words.rows(report.budget, headline=False)
-    columns, both = words.narrow(words.heads(report.budget), [*first, *others])
-    return {"heads": columns, "rows": both[: len(first)], "others": both[len(first) :]}
 
 
 def _notes(comparison: Comparison) -> list[str]:
