@@ -157,7 +157,7 @@ def render(
         live=_as_script(dict(live) if live else {"instants": 0}),
         carried=_carried(dict(live)) if live else "",
         states=STATE_KEYS,
-        step_errors=list(_step_errors(comparison)),
+        uncertain_work=words.uncertain_work(comparison),
         seconds=seconds,
     )
 
@@ -202,21 +202,6 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             "apart": "–" if np.isnan(loop) or not work else minus(f"{abs((loop + (normal or 0.0)) / work - 1):.1e}"),
             "cycles": ", ".join(shown(one, 6) for one in solution.cycle_dissipation),
         }
-
-
-def _step_errors(comparison: Comparison) -> Iterator[str]:
-    """What W is uncertain by at least, and what friction work at the end of each step would make of it: the step's own error."""
-    if said := words.uncertain_work(comparison):
-        yield said
-    for solution in (comparison.reference, comparison.result):
-        energy = solution.record.energy
-        if {"interface", "end_of_step"} <= energy.keys() and solution.dissipation > 0:
-            steps = solution.last_cycle[1:]
-            excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
-            yield (
-                f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
-                f"the interface work of the cycle would differ by {words.shown(excess)} of W."
-            )
 
 
 def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
