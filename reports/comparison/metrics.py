@@ -783,10 +783,9 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
     import semi_analytic
 
     if solution.engine == "semi_analytic":
-        try:
-            return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
-        except InputError:  # bulk stress, tilt or unequal sides that it has no stress of
-            return None
+        values, uncertain = semi_analytic.edge_tension(solution, time)
+        at = np.unravel_index(np.argmax(values), values.shape)
+        return float(max(values[at], 0.0)), float(uncertain[at])
     largest = halfplane_fe.largest_edge_tension(solution) if solution.engine == "halfplane_fe" else None
     return None if largest is None else (largest.value, largest.uncertainty)
 
