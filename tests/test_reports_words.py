@@ -17,7 +17,7 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
-from reports.charts.marks import Arrow, Curve, Note
+from reports.charts.plate import Arrow, Curve, Note
 from reports.comparison.metrics import METRICS, Metric, normal_work
 from reports.comparison.words import (
     beyond_theory,

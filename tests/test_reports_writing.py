@@ -16,8 +16,24 @@ from PIL import Image
 
 import semi_analytic
 from reports import Report, compare, write
-from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
-from reports.charts.plate import Cell, Key, Panel, Plate, stacks
+from reports.charts.plate import (
+    Arrow,
+    Axis,
+    Band,
+    Bitmap,
+    Block,
+    Cell,
+    Curve,
+    Dot,
+    Group,
+    Key,
+    Note,
+    Panel,
+    Plate,
+    Rule,
+    Segments,
+    stacks,
+)
 from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.comparison import Comparison

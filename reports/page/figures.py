@@ -13,24 +13,29 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import (
+from reports.charts.plate import (
+    STATE_KEYS,
     Arrow,
     Axis,
     Band,
     Bitmap,
     Block,
+    Cell,
     Curve,
     Dot,
     Frame,
     Group,
+    Key,
     Mark,
     Note,
+    Panel,
+    Plate,
     Rule,
     Scale,
     Segments,
     limits,
+    worded,
 )
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, worded
 from reports.charts.templating import STATE_NAMES, Table
 from reports.comparison import Comparison, Report
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, limits
-from reports.charts.plate import Panel, Plate
+from reports.charts.plate import Axis, Curve, Panel, Plate, limits
 from reports.charts.templating import template
 from reports.comparison.words import bulk_and_tilt, first_rows
 from scenes import ContactSolution, InputError, Scene, SurfaceState
