@@ -1,4 +1,4 @@
-"""Figures of the page: the bodies to scale, tractions and zones at instants, the cycle over time, loops, checks, error budget.
+"""Figures of the page: the bodies to scale, tractions and zones at instants, the cycle over time, loops, error budget.
 
 Their words are in templates/figures.txt.
 """
@@ -13,29 +13,33 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import (
+from reports.charts.plate import (
+    STATE_KEYS,
     Arrow,
     Axis,
     Band,
     Bitmap,
     Block,
+    Cell,
     Curve,
     Dot,
     Frame,
     Group,
+    Key,
     Mark,
     Note,
+    Panel,
+    Plate,
     Rule,
     Scale,
     Segments,
     limits,
+    worded,
 )
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, worded
 from reports.charts.templating import STATE_NAMES, Table
 from reports.comparison import Comparison, Report
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
 from reports.comparison.convergence import Refinement, extrapolate
-from reports.comparison.laws import LIMIT, Certificate
 from reports.comparison.metrics import Cycle, Event, are_half_planes, bulk_strain, bulk_work, events, loop_work, missing, name_of
 from reports.comparison.words import bodies_in_words, bulk_and_tilt, value_of
 from reports.profile_fit import fit_of
@@ -117,9 +121,6 @@ def draw(report: Report) -> tuple[Plate, ...]:
         dissipation_density(shown),
         errors(shown),
         _tractions(shown),
-        energy(result),
-        certificates("result", result, comparison.result_certificates),
-        certificates("reference", comparison.reference, comparison.reference_certificates),
         _distances(report.study) if report.study is not None else None,
     ]
     if report.budget is not None:
@@ -131,7 +132,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     needed = {"slip": "slip_history", "dissipation_density": "dissipation_density"}
     left_out = {needed[name] for name in needed if name in missing(result)}
     if len(shown.time) < 2:
-        left_out |= {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
+        left_out |= {"state_map", "half_widths", "slip_history", "errors"}
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
 
 
@@ -552,56 +553,6 @@ def _loop_compliance(cycle: Cycle) -> float:
     return float(load @ cycle.tangential_displacement) / square if square > 0 else 0.0
 
 
-# ------------------------------------------------------------------------------------------------ checks that need no reference
-def energy(solution: ContactSolution) -> Plate | None:
-    """Every energy that the engine recorded, summed up over the path; None if it recorded none.
-
-    `record.energy` holds what each step adds. The large ones (work of the loads, elastic energy) stand apart from the
-    friction work, which would be a flat line beside them.
-    """
-    recorded = {name: np.cumsum(series) for name, series in solution.record.energy.items()}
-    large = [name for name in recorded if name in ("external", "external_end_of_step", "elastic")]
-    looks, panels, keys = dict(zip(recorded, _LINES, strict=False)), [], []
-    for k, group in enumerate((large, [name for name in recorded if name not in large])):
-        keys += [Key(looks[name], name.replace("_", " ")) for name in group]
-        marks = [*_cycles(solution), *(Curve(solution.time, recorded[n], looks[n], n.replace("_", " ")) for n in group)]
-        if group:
-            across = Axis(*limits(solution.time, margin=0), "time")
-            up = Axis(*limits(*(recorded[n] for n in group)), f"energy since the start  [{energy_unit(solution.scene)}]")
-            panels.append(Panel(f"energy-{k}", across, up, marks, "Energies over time", height=280.0))
-    table = {"time": solution.time} | dict(solution.record.energy)
-    return worded("energy", panels, table, keys, engine=name_of(solution.engine)) if recorded else None
-
-
-def certificates(role: str, solution: ContactSolution, checks: Sequence[Certificate]) -> Plate:
-    """Violation of each law of contact at each instant of the whole path; those that are exactly 0 are only named.
-
-    `role` is "reference" or "result": engines have names that no file could have.
-    """
-    drawn = [check for check in checks if np.any(check.series != 0)]
-    finite = [float(s) for check in drawn for s in check.series if np.isfinite(s)]
-    keys = [Key(f"{css} fine", check.label) for check, css in zip(drawn, _LINES, strict=False)]
-    lines: list[Mark] = [*_cycles(solution), Rule(LIMIT, "limit")]
-    lines += [Curve(solution.time, check.series, key.css, check.label) for check, key in zip(drawn, keys, strict=True)]
-    lines.append(Note(float(solution.time[-1]), LIMIT, "limit", anchor="end", shift=(-4.0, -5.0)))
-    engine, across = name_of(solution.engine), Axis(*limits(solution.time, margin=0), "time", count=8)
-    up = Axis(1e-18, 30 * max([LIMIT, *finite]), "violation, dimensionless", log=True)
-    notes = [minus(f"largest {max(finite):.1e}, limit {LIMIT:.0e}")] if finite else []
-    panel = _broad(f"certificates-{role}", across, up, lines, f"Certificates, {engine}", notes=notes)
-    table = {"time": solution.time} | {check.label: check.series for check in checks}
-    exact = [check.label for check in checks if check not in drawn]
-    return worded(f"certificates_{role}", [panel], table, keys, columns=1, words="certificates", engine=engine, exact=exact)
-
-
-def _cycles(solution: ContactSolution) -> list[Mark]:
-    """A thin line where each cycle starts."""
-    path = solution.scene.load.path()
-    if path.period is None:
-        return []
-    starts = np.arange(path.cycle_start, solution.time[-1] + 1e-9 * path.period, path.period)
-    return [Rule(float(start), "cycle-line", upright=True) for start in starts]
-
-
 # --------------------------------------------------------------------------------------------- error budget, mesh convergence
 # Height of a row [units of a drawing]; one that is so many times as long as the middle one is cut off, so that others can be read.
 _ROW, _CUT = 44.0, 3.0
@@ -725,11 +676,7 @@ def _convergence(
 # ------------------------------------------------------------------------------------------------------------ the bodies
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
 _SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
-# Share of the sketch that a body takes at least where its label stands inside.
-_WIDE_ENOUGH = 0.62
-# What the longest line of a label in four lines needs [units of the drawing].
-_LETTERS = 122.0
-_WIDTH, _MOST, _ROOM, _SIDE = 440.0, 310.0, 62.0, 26.0
+_WIDTH, _MOST, _ROOM, _SIDE = 440.0, 310.0, 76.0, 30.0
 # Rows of a measured profile that are drawn.
 _MOST_DOTS = 400
 
@@ -744,13 +691,13 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     length = units(scene)[1]
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
     frame = _frame(outlines)
-    marks: list[Mark] = []
-    for name, side in (("lower", 1.0), ("upper", -1.0)):
-        shape = getattr(scene.bodies, name)
-        marks += [*_body(frame, outlines[name], shape, name), *_supports(frame, shape, outlines[name], side)]
     level = float(frame.y.place(0.0))
+    marks: list[Mark] = []
+    for name, points in outlines.items():
+        shape = getattr(scene.bodies, name)
+        marks += [*_body(frame, points, shape, name), *_supports(frame, shape, points, 1.0 if name == "lower" else -1.0)]
+        marks.append(Note(6.0, 16.0 if name == "upper" else frame.height - 6, _label(scene, name), "word"))
     marks.append(Curve(frame.x.place([-half_width, half_width]), [level, level], "contact-line"))
-    marks += [note for name in outlines for note in _label(frame, scene, name, outlines[name])]
     marks += _loads(frame, scene, outlines)
     columns: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
@@ -854,82 +801,51 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
-    """Hatching where a body is fixed, rollers where it is guided; what holds the upper body moves, and has no hatching."""
+    """A rigid plane along the base and along guided sides, rollers between it and the body where there are some."""
     if isinstance(shape, HalfPlane):
         return
-    half = shape.face_half_width
-    left, right = (float(v) for v in frame.x.place([-half, half]))
+    (left, right), top = frame.x.place([-shape.face_half_width, shape.face_half_width]).tolist(), float(frame.y.place(points[0, 1]))
     base = float(frame.y.place(points[np.argmax(-side * points[:, 1]), 1]))
-    rollers, guided = (getattr(shape, key, "") == word for key, word in (("base", "rollers"), ("sides", "guided")))
-    yield from _wall((left, base), (right, base), (0.0, side), rollers=rollers, hatched=side > 0)
-    if guided:
-        top = float(frame.y.place(points[0, 1]))
-        for x, outward in ((left, -1.0), (right, 1.0)):
-            yield from _wall((x, base), (x, top), (outward, 0.0), rollers=True, hatched=side > 0)
-
-
-def _wall(
-    start: tuple[float, float], end: tuple[float, float], outward: tuple[float, float], *, rollers: bool, hatched: bool
-) -> Iterator[Mark]:
-    """A rigid plane along start-end, rollers between it and the body where asked; hatched where it is at rest."""
-    first, last, normal, size = np.array(start), np.array(end), np.array(outward), 10.0
-    if rollers:
-        for share in np.linspace(0.08, 0.92, 7):
-            x, y = first + share * (last - first) + normal * size / 3
-            yield Dot(float(x), float(y), "roller", size / 3)
-        first, last = first + normal * 2 * size / 3, last + normal * 2 * size / 3
-    yield Curve([first[0], last[0]], [first[1], last[1]], "wall" if hatched else "wall moving")
-    if hatched:
+    planes = [((left, base), (right, base), (0.0, side), getattr(shape, "base", "") == "rollers")]
+    if getattr(shape, "sides", "") == "guided":
+        planes += [((x, base), (x, top), (outward, 0.0), True) for x, outward in ((left, -1.0), (right, 1.0))]
+    for start, end, outward, rollers in planes:
+        first, last, normal, size = np.array(start), np.array(end), np.array(outward), 10.0
+        if rollers:
+            for x, y in first + np.linspace(0.08, 0.92, 7)[:, None] * (last - first) + normal * size / 3:
+                yield Dot(float(x), float(y), "roller", size / 3)
+            first, last = first + normal * 2 * size / 3, last + normal * 2 * size / 3
         along = (last - first) / np.hypot(*(last - first))
         feet = first + np.linspace(0, 1, max(int(np.hypot(*(last - first)) / 8), 4))[:, None] * (last - first)
+        yield Curve([first[0], last[0]], [first[1], last[1]], "wall")
         yield Segments(np.stack([feet, feet + 0.7 * size * (normal - along)], axis=1), "curve hatch")
 
 
-def _label(frame: Frame, scene: Scene, name: str, points: Array) -> Iterator[Mark]:
-    """Kind, sizes and material in the middle of a body, or beside one that is too narrow for them."""
+def _label(scene: Scene, name: str) -> str:
+    """Kind, sizes and material of a body."""
     shape, material = getattr(scene.bodies, name), getattr(scene.material, name)
     _, length, stress = units(scene)
     size = ""
     if isinstance(shape, Cylinder):
-        size = f", R = {number(shape.radius)} {length}"
+        size = f" R = {number(shape.radius)} {length}"
     elif not isinstance(shape, HalfPlane):
-        size = f", {number(shape.width)} × {number(shape.height)} {length}"
-    lines = [f"{name}: {shape.kind.replace('_', '-')}{size}", f"E = {number(material.young_modulus)} {stress},"]
-    lines.append(f"ν = {number(material.poisson_ratio)}")
-    x, y = frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
-    wide, tall = float(np.ptp(x)), float(np.ptp(y))
-    level = float(y.min()) + tall * (0.58 if name == "lower" else 0.42)
-    place, inside = float(x.min()) + wide / 2, True
-    if wide > _WIDE_ENOUGH * frame.width:
-        lines = [lines[0], f"{lines[1]} {lines[2]}"] if tall < 90 or wide > 300 else lines
-    else:
-        lines = [*lines[0].split(", ", 1), *lines[1:]]
-        if not (wide > _LETTERS and tall > 18 * len(lines)):
-            place, inside = float(x.max()) + 14, False
-    for k, text in enumerate(lines):
-        yield Note(place, level - 8.0 * (len(lines) - 1) + 4 + 16 * k, text, "word", "middle" if inside else "start")
+        size = f" {number(shape.width)} × {number(shape.height)} {length}"
+    elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
+    return f"{name}: {shape.kind.replace('_', '-')}{size}, {elastic}"
 
 
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
-    """Arrows of P and Q at the top of the upper body, where they act; of its tilt or moment, and of bulk stress at both ends."""
-    load, top = scene.load, float(frame.y.place(outlines["upper"][:, 1].max())) - 10
+    """Arrows of P and Q at the top of the upper body; of its tilt or moment, and of bulk stress at both ends."""
+    load, top = scene.load, float(frame.y.place(outlines["upper"][:, 1].max())) - 8
     line, contact = load.line_of_action, float(frame.y.place(0.0))
-    x = float(np.clip(frame.x.place(line.x if line else 0.0), _SIDE, frame.width - _SIDE))  # the words below say where it is
+    x = float(np.clip(frame.x.place(line.x if line else 0.0), 80.0, frame.width - 80.0))  # the words below say where it is
     if line is not None:
         yield Curve([x, x], [contact - 0.3 * (contact - top), contact], "cycle-line")
     yield Arrow((x, top - 42), (x, top))
-    right = x <= frame.width / 2  # there is more room
-    yield Note(x - 9 if right else x + 9, top - 28, "P", "load", "end" if right else "start")
+    yield Note(x - 9, top - 28, "P", "load", "end")
     if np.any(_samples(scene, 1) != 0):
-        level = float(np.clip(frame.y.place(line.height), 16.0, contact - 8)) if line is not None else top - 8
-        if level > top:  # beside the upper body, or within its left end
-            left = float(frame.x.place(outlines["upper"][:, 0].min()))
-            start = left - 64 if left > 64 + _SIDE else left + 6
-            yield Note(start + 24, level - 7, "Q", "load", "middle")
-        else:
-            start = x + 14 if right else x - 74
-            yield Note(*((x + 82, level + 5) if right else (x - 82, level + 5)), "Q", "load", "start" if right else "end")
-        yield Arrow((start, level), (start + 60, level))
+        yield Arrow((x + 8, top - 8), (x + 58, top - 8))
+        yield Note(x + 63, top - 3, "Q", "load")
     if load.tilt is not None or load.moment is not None:
         # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the other way.
         middle, turn = (x - 48.0, top - 17.0), 1.0 if load.tilt is not None else -1.0

@@ -11,7 +11,6 @@ import json
 import subprocess
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +142,7 @@ def render(
         report=report,
         in_words=words,
         units=units,
-        budget=_budget(report),
+        budget=words.budget_table(report.budget) if report.budget else None,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         measured=section(scene, (comparison.reference, comparison.result)),
@@ -152,14 +151,13 @@ def render(
         flat=flat,
         command=command,
         commit=commit(),
-        own=partial(words.without_cycle, scene=scene),
         third=third,
         script=program,
         script_hash=digest,
         live=_as_script(dict(live) if live else {"instants": 0}),
         carried=_carried(dict(live)) if live else "",
         states=STATE_KEYS,
-        step_errors=list(_step_errors(comparison)),
+        uncertain_work=words.uncertain_work(comparison),
         seconds=seconds,
     )
 
@@ -175,15 +173,6 @@ def commit() -> str:
     except (OSError, subprocess.SubprocessError):
         return "unknown: git does not answer"
     return done.stdout.strip().replace("-dirty", ", with changes")
-
-
-def _budget(report: Report) -> dict[str, Any] | None:
-    """Where the errors come from: the columns that say something, of the headlines and of the rest."""
-    if report.budget is None:
-        return None
-    first, others = words.rows(report.budget), words.rows(report.budget, headline=False)
-    columns, both = words.narrow(words.heads(report.budget), [*first, *others])
-    return {"heads": columns, "rows": both[: len(first)], "others": both[len(first) :]}
 
 
 def _notes(comparison: Comparison) -> list[str]:
@@ -213,21 +202,6 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             "apart": "–" if np.isnan(loop) or not work else minus(f"{abs((loop + (normal or 0.0)) / work - 1):.1e}"),
             "cycles": ", ".join(shown(one, 6) for one in solution.cycle_dissipation),
         }
-
-
-def _step_errors(comparison: Comparison) -> Iterator[str]:
-    """What W is uncertain by at least, and what friction work at the end of each step would make of it: the step's own error."""
-    if said := words.uncertain_work(comparison):
-        yield said
-    for solution in (comparison.reference, comparison.result):
-        energy = solution.record.energy
-        if {"interface", "end_of_step"} <= energy.keys() and solution.dissipation > 0:
-            steps = solution.last_cycle[1:]
-            excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
-            yield (
-                f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
-                f"the interface work of the cycle would differ by {words.shown(excess)} of W."
-            )
 
 
 def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
