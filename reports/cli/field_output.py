@@ -153,7 +153,7 @@ def _shown(
             found.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
         of = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
         yield Sheet("Measures of fatigue", of, found, (1, 2, 3))
-        yield "linear elastic stress of the contact and of the bulk stress, on planes that contain the z axis; places beside it, in fatigue.csv"
+        yield "linear elastic stress of contact and bulk stress, planes that contain z; places beside the contact: fatigue.csv"
     yield file
 
 

@@ -1,6 +1,6 @@
 """Measures of fatigue of the stress through a cycle, at points of plane strain: critical planes, invariants, ranges.
 
-`survey` takes them beside the contact in both bodies, of both engines. The linear elastic stress of contact and bulk stress is meant.
+`survey` takes them beside the contact in both bodies, of both engines, from the linear elastic stress of contact and bulk.
 
 Arrays of stress are (n_instants, n_points, 4): s_xx, s_yy, s_xy, s_zz, tension positive. Planes are those that contain the z axis,
 a degree apart; strains are elastic. Every formula is for the history as it is, whatever its phase.
