@@ -54,7 +54,7 @@ _RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
 _BETWEEN = 1e-3
 # Powers of omega below it are left out.
 _NEGLIGIBLE = 1e-17
-# What quadrature leaves of a stress, as share of the largest pressure.
+# What quadrature leaves of a tension, as share of P/a.
 _ROUNDING = 1e-11
 
 
@@ -157,9 +157,9 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
     contact, snapshot = memory_at(scene, times)
     for k in np.flatnonzero(snapshot.load > 0).tolist():
         edge = np.atleast_1d(contact.half_width(snapshot.load[k]))
-        normal, tangential = _potentials(contact, _lines(snapshot, k), np.append(edge, 0.0), np.zeros(2))[:2]
-        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential.real[0])
-        doubt[k] = _ROUNDING * abs(normal.imag[1]) / math.pi
+        tangential = _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))[1].real[0]
+        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential)
+        doubt[k] = _ROUNDING * snapshot.load[k] / edge[0]
     return found, doubt
 
 
