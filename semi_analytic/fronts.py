@@ -25,6 +25,22 @@ Where loads turn round with bulk or tilt out of phase, slip stops at the edge of
 it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. There
 remain loads that go on in one direction, and many cycles in phase. A cycle is given only where its friction work and its closed
 integral of Q dU - m_q d eps agree to 1e-6.
+
+Several intervals were tried with the formulas of docs/bulk-stress.md, steps and Newton's method as here, and are not in yet:
+
+- What an advancing edge b freezes is the integral over time of ds'/dt = -d (A/pi) [Psi'(x) - Psi'(b)]/w(x), with Psi' of the
+  rates and without the part of F times w. Psi(b) = 0 is then not used, and tells the error: 1e-11. At the begin of a step s' ahead
+  comes from Psi less Psi(b) as well: the bounded form, as `outer_slope`, carries an error at b on, 5e-4 of s'.
+- c_j by the trapezoidal rule in ln[(x - b2)/(b3 - x)], step 0.55, is exact however close other edges are; 0.75 leaves 2e-10, and a
+  birth is lost in it. An edge 1e-12 beyond what is frozen leaves 1e-6, of U too.
+- A birth: a step of 1e-5, its inner edge where Psi' = 0; then each may be 4 times as long. C1, cycle 1 (pressed to P = 4, then
+  Q = 1.1): birth 124.46, merge 132.49 deg; the right edge turns at 152.72 at x = 0.92238, and advances to the edge of contact at
+  158.90, where a narrow zone of reverse slip follows; 203.24 to 204.35 an interval beside the growing contact. W = 0.8404559,
+  energy balanced to 8e-8 (600 cells: 0.84044). Cycle 2: slip begins inside at 139.2, at that x, where q* has a root on its left and
+  is linear on its right: the zone opens to the right only. W = 0.39409 (600 cells: 0.39408).
+- What fails: q* erred by 1e-5 where intervals merged, and an edge that came there was lost (cycle 3, 125.47 deg; not tried again
+  without such slivers); an edge that stops to advance is known to 1e-6 only: cycle 2 does not always end. A
+  cycle takes 8 to 25 s. No steady state was reached.
 """
 
 from __future__ import annotations
