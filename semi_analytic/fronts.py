@@ -1058,8 +1058,8 @@ class Followed:
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
-    Geometric where the last two ratios of changes are below a half and alike. Else they may fall as slowly as k^-4, however fast
-    the first ones were: k/3 times the last.
+    Geometric where the last two ratios of changes are below a half, alike and not rising. Else they may fall as slowly as k^-4,
+    however fast the first ones were: k/3 times the last.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1071,7 +1071,7 @@ def remainder_of(works: Sequence[float]) -> float:
     if len(changes) < 2 or changes[-1] == 0:
         return float(changes[-1]) if len(changes) else math.inf
     before, ratio = np.append(1.0, changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny))[-2:].tolist()
-    if ratio < 0.5 and abs(ratio - before) < ratio / 4:
+    if ratio < 0.5 and 0.8 * before < ratio < 1.05 * before:
         return float(changes[-1]) * ratio / (1 - ratio)
     return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
 
