@@ -19,7 +19,7 @@ from reports import compare, write
 from reports.comparison import Comparison, Report
 from reports.comparison.metrics import METRICS, events, last_cycle, markdown, sample
 from reports.comparison.words import as_json, unit_of
-from reports.page.figures import draw
+from reports.page.writing import draw
 from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields

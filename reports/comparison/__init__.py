@@ -9,9 +9,9 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
                     `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    convergence.py  mesh-refinement study: order, value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
-                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`
+                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
+                    mesh-refinement study of one value, its order and value at size zero: `Refinement` `Extrapolation` `extrapolate`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline` `lead` `verdict` `how_judged`
                     `standing` `uncertain_work` `question` `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
                     `SUPPORT_WORDS` `sentence` `cost`; in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
