@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,58 +47,46 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 
 @dataclass(frozen=True)
-class PathCheck:
+class NearestToSliding:
     """How near a load path comes to gross sliding."""
 
     ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    # time, normal_load, tangential_load, part: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
+    # part, time, normal_load, tangential_load: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
+    part: str
     time: float
     normal_load: float
     tangential_load: float
-    part: str
-    reason: str  # "" for an admissible path, else "gross sliding" or "separation"
-    first_time: float | None  # when the path first leaves the admissible region; None if it never does
 
 
-def check_path(scene: Scene) -> PathCheck:
+def nearest_to_sliding(scene: Scene) -> NearestToSliding:
     """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst sample refined.
 
     >>> from scenes import load_scene
-    >>> check = check_path(load_scene("cattaneo-mindlin"))
-    >>> round(check.ratio, 12), check.reason
-    (0.6, '')
+    >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
+    0.6
     """
-    friction, legs = scene.friction.coefficient, _deciding_legs(scene)
-    worst = [_worst_of(leg, friction) for leg, _ in legs]
+    legs = _deciding_legs(scene)
+
+    def of(leg: LoadSegment) -> tuple[float, float]:
+        return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
+
+    worst = [of(leg) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
-    normal, tangential = (float(load) for load in legs[place][0].loads(time))
-    admissible = ratio <= 1 + _ROUNDING
-    return PathCheck(
-        ratio,
-        time,
-        normal,
-        tangential,
-        legs[place][1],
-        "" if admissible else "separation" if normal <= 0 else "gross sliding",
-        None
-        if admissible
-        else next(_first_of(leg, friction) for (leg, _), (r, _) in zip(legs, worst, strict=True) if r > 1 + _ROUNDING),
-    )
+    return NearestToSliding(ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time)))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The legs of the initial loading and of one cycle, or of a path that does not repeat, and which of them each is part of.
 
-    Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
-    admissible region, that with the worst ratio and that with the largest P, all of which are at rows.
+    Of the rows of a record, which may be millions, those steps alone that decide, block by block: that with the worst ratio and
+    that with the largest P, both of which are at rows.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        return [(leg, "initial loading" if path.cycle else "path") for leg in path.initial_loading] + [
-            (leg, "cycle") for leg in path.cycle
-        ]
+        first = "initial loading" if path.cycle else "path"
+        return [(leg, first) for leg in path.initial_loading] + [(leg, "cycle") for leg in path.cycle]
     first, later = ("initial loading", "cycle") if load.repeats else ("path", "path")
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
@@ -105,8 +94,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
         block = rows[begin : begin + _BLOCK + 1]
         normal, tangential = (np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2))
         ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
-        outside = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
-        for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
+        for k in np.unique([np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
             leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
             legs.append((leg, later if begin + k > 0 else first))
@@ -115,28 +103,30 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
 
 def require_admissible(scene: Scene, source: str) -> None:
     """InputError naming `source`, the instant, the loads and the rule if the path leaves the admissible region."""
-    check = check_path(scene)
-    if not check.reason or check.first_time is None:
-        return
-    if check.reason == "separation" and largest_normal_load(scene) <= 0:
-        raise InputError(
-            f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
-            "turn its sign if compression is negative in this record"
-        )
-    worst = (check.time, check.normal_load, check.tangential_load)
-    fault = InadmissibleLoadError(
-        check.reason, check.first_time, *worst[1:], scene.friction.coefficient, worst, where=f"worst in the {check.part}"
-    )
-    raise InputError(f"{source}: {fault}{_other_initial_loading(scene)}")
+    try:
+        _check(scene)
+    except InadmissibleLoadError as fault:
+        if largest_normal_load(scene) <= 0:
+            raise InputError(
+                f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
+                "turn its sign if compression is negative in this record"
+            ) from fault
+        hint = ""
+        if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
+            with suppress(InadmissibleLoadError):  # the parabola alone is at fault
+                _check(scene.vary(load={"initial_loading": "straight"}))
+                hint = '; or write load.initial_loading = "straight", which is admissible'
+        raise InputError(f"{source}: {fault}{hint}") from fault
 
 
-def _other_initial_loading(scene: Scene) -> str:
-    """What to write where the parabola alone is at fault."""
-    load = scene.load
-    if not isinstance(load, EllipseLoad) or load.initial_loading != "parabola":
-        return ""
-    straight = scene.vary(load={"initial_loading": "straight"})
-    return "" if check_path(straight).reason else '; or write load.initial_loading = "straight", which is admissible'
+def _check(scene: Scene) -> None:
+    from semi_analytic.history import check
+    from semi_analytic.load_series import check_rows
+
+    if isinstance(scene.load, TimeSeriesLoad):
+        return check_rows(scene.load.series(), scene.friction.coefficient)
+    path = scene.load.path()
+    return check([*path.initial_loading, *path.cycle], scene.friction.coefficient)
 
 
 def largest_normal_load(scene: Scene) -> float:
@@ -159,11 +149,6 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
-def _worst_of(leg: LoadSegment, friction: float) -> tuple[float, float]:
-    """(largest ratio, its time) on one leg."""
-    return _highest(leg, lambda time: _ratio(*leg.loads(time), friction))
-
-
 def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
     """(largest value, its time) on one leg: the best sample, then twice the best of samples close around it."""
     time = sampled(leg, _SAMPLES)
@@ -175,18 +160,6 @@ def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, flo
             break
         time = np.linspace(time[place - 1], time[place + 1], _SAMPLES)
     return found
-
-
-def _first_of(leg: LoadSegment, friction: float) -> float:
-    """When a leg that leaves the admissible region first does so: the first sample outside, of ever closer samples."""
-    time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
-    for _ in range(6):  # 512 samples between two, so often: below the last digit of a time
-        outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])
-        if outside == 0:
-            return float(time[0])
-        time = np.linspace(time[outside - 1], time[outside], _SAMPLES)
-    # A line from P = Q = 0 that slides does so from its start on, where the ratio itself is 0/0.
-    return leg.start if time[-1] - leg.start < _ROUNDING * (leg.end - leg.start) else float(time[-1])
 
 
 @dataclass(frozen=True)
