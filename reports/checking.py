@@ -47,7 +47,7 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 
 @dataclass(frozen=True)
-class NearestToSliding:
+class _NearestToSliding:
     """How near a load path comes to gross sliding."""
 
     ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
@@ -58,7 +58,7 @@ class NearestToSliding:
     tangential_load: float
 
 
-def nearest_to_sliding(scene: Scene) -> NearestToSliding:
+def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst sample refined.
 
     >>> from scenes import load_scene
@@ -73,7 +73,7 @@ def nearest_to_sliding(scene: Scene) -> NearestToSliding:
     worst = [of(leg) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
-    return NearestToSliding(ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time)))
+    return _NearestToSliding(ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time)))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
@@ -163,7 +163,7 @@ def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, flo
 
 
 @dataclass(frozen=True)
-class Engines:
+class _Engines:
     """Why each engine does not take a scene; "" for one that does."""
 
     half_plane: str
@@ -181,7 +181,7 @@ class Engines:
         return ""
 
 
-def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
+def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _Engines:
     """Which engines take a scene whose load path is admissible; finite elements can be asked where theory refuses alone.
 
     Raises
@@ -215,11 +215,11 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
             if not scene.bodies.half_planes:
                 alone = f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
                 raise InputError(f"{source}: {fault}; {alone}") from fault
-    return Engines(theory, elements)
+    return _Engines(theory, elements)
 
 
 @dataclass(frozen=True)
-class LargestContact:
+class _LargestContact:
     """The contact at the largest normal load of the path, by half-plane theory."""
 
     normal_load: float  # P [force per thickness]
@@ -230,7 +230,7 @@ class LargestContact:
     ratios: dict[str, float]  # a over the radii of the profile, its half-length over a, sizes of the bodies over a
 
 
-def largest_contact(scene: Scene, source: str) -> LargestContact:
+def largest_contact(scene: Scene, source: str) -> _LargestContact:
     """What theory says of the largest load; InputError naming `source` where it can't press the profile together with it.
 
     That is a table or a function which ends within the contact, a shape under which the contact would split, a tilt of a profile
@@ -267,11 +267,11 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[:, 0] / (2e-6 * np.abs(ends))
     slope, mean = float(np.max(slopes)), load / (2 * half)
     strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)
-    return LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
+    return _LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
 
 
 @dataclass(frozen=True)
-class BulkAndTilt:
+class _BulkAndTilt:
     """What bulk stress and tilt do to a contact, from the loads alone."""
 
     strain: float  # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
@@ -284,7 +284,7 @@ class BulkAndTilt:
     centre: float | None
 
 
-def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
+def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     """The bulk strain of a scene's path and what it does; None without bulk stress and tilt."""
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -304,7 +304,7 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
         places = places / np.sqrt(4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material)))
         centre = float(places[np.argmax(np.abs(places))])
     amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
-    return BulkAndTilt(
+    return _BulkAndTilt(
         float(np.max(np.abs(strain))),
         found.value if found is not None and np.isfinite(found.value) else None,
         (amplitude / limit if limit else np.inf) if amplitude else None,
@@ -312,7 +312,7 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     )
 
 
-def bulk_in_words(found: BulkAndTilt) -> str:
+def bulk_in_words(found: _BulkAndTilt) -> str:
     """The same as a sentence or two."""
     said = []
     if found.strain:
@@ -345,7 +345,7 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
     return found
 
 
-def in_words(scene: Scene, found: LargestContact) -> str:
+def in_words(scene: Scene, found: _LargestContact) -> str:
     """The same in sentences."""
     _, length, stress = units(scene)
     finite = np.isfinite(found.peak_pressure)
@@ -363,7 +363,7 @@ def in_words(scene: Scene, found: LargestContact) -> str:
     return " ".join(said)
 
 
-def remarks(scene: Scene, found: LargestContact) -> list[str]:
+def remarks(scene: Scene, found: _LargestContact) -> list[str]:
     """Sentences about numbers that are no fault but look like one; none where all is as usual."""
     said, (force, length, stress) = [], units(scene)
     pascal = stress_in_pascal(stress)
