@@ -61,8 +61,7 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
     """
     if result.time is not None:
         try:
-            found = _by_time(result, result.time, scene)
-            return found if sure_of_times else replace(found, guess=_other_instants(result, found, scene))
+            return _by_time(result, result.time, scene)
         except InputError as fault:
             if sure_of_times:
                 raise
@@ -75,24 +74,6 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
     if result.normal_load is not None and result.tangential_load is not None:
         return _by_loads(result, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
     return _by_resultants(result, scene)
-
-
-def _other_instants(result: SurfaceResult, found: History, scene: Scene) -> str:
-    """A sentence where the shear does not add up to Q at times that nobody vouches for, and does at other instants of the path."""
-    own, limit = resultants(result)[1], 4 * INTEGRATED * float(np.max(found.normal_load))
-    off, turned = (np.abs(sense * own - found.tangential_load) for sense in (1, -1))
-    if not result.sheared or off.max() <= limit or turned.max() <= limit:  # turned: the oddities name it
-        return ""
-    try:
-        matched(replace(result, time=None), scene)
-    except InputError:
-        return ""
-    k = int(np.argmax(off))
-    return (
-        f"the file's times lie on the scene's path and were used, but at instant {k + 1} its shear adds up to {own[k]:.4g} "
-        f"where the scene's Q is {found.tangential_load[k]:.4g}, and its tractions fit other instants of the path: "
-        "times counted within each step of the file are a likely cause (times of a mapping state those of the path)"
-    )
 
 
 def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
