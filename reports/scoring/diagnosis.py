@@ -45,49 +45,49 @@ Tractions = Array
 """(2, k, n): pressure and shear at instants and points [stress]."""
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
-LEAST_EXPLAINED = 0.5
+_LEAST_EXPLAINED = 0.5
 # What explains this much is exact but for rounding and the points taken; and for the rounding alone.
-CLEAR, EXACT = 0.999, 1 - 1e-12
+_CLEAR, _EXACT = 0.999, 1 - 1e-12
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
-ROUNDS = 3
+_ROUNDS = 3
 # A rival this much weaker than the winner is not worth a line.
-LEAST_STRENGTH = 0.05
+_LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
-REST = 2.0
+_REST = 2.0
 UNKNOWN, NOISE = "unknown", "noise"
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law still be kept.
-BY_NOISE = 5.0
+_BY_NOISE = 5.0
 # A steady cycle has some ten features (turning points, ends of full stick); three instants to each are enough to tell faults apart.
-MOST_INSTANTS = 32
+_MOST_INSTANTS = 32
 # A fitted factor counts as the round one that it is near: a mesh does not move a resultant by more. A factor of a hundred or more
 # is one of units even farther off: what is left of it is another fault.
-NEAR, NEAR_OF_UNITS = 0.02, 0.25
+_NEAR, _NEAR_OF_UNITS = 0.02, 0.25
 # Below this a factor is no fault of a file: modulus, radius or loads explain it better. A factor of p alone has no rival: no
 # elastic contact has another pressure and the same width and shear.
-LEAST_FACTOR, LEAST_OF_PRESSURE = 0.01, 1e-3
+_LEAST_FACTOR, _LEAST_OF_PRESSURE = 0.01, 1e-3
 # Of the discrepancy, where a prediction has no solution: finite, for the parabolas of a search.
-NOTHING = 1e30
+_NOTHING = 1e30
 # Logarithms of the factors of E*/R or of the loads that are looked at first, and of f; those of f at which next to nothing slips: a
 # mesh keeps the infinite shear of bonded faces finite, as a large f does.
-FACTORS = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
-OF_FRICTION, NO_SLIP = tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0])), tuple(np.log([15.0, 50.0, 300.0]))
+_FACTORS = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
+_OF_FRICTION, _NO_SLIP = tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0])), tuple(np.log([15.0, 50.0, 300.0]))
 # Loads that differ by less than this share of the largest P are one: those of one revolution and the next differ by rounding.
-SAME_LOAD = 1e-9
+_SAME_LOAD = 1e-9
 # Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at their ends.
-MOST_STEPS = 64
+_MOST_STEPS = 64
 # Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and its neighbour.
-REACH = 2.0
+_REACH = 2.0
 # A traction that leaves the edge as a root has an error of about sqrt(2 h/a) of its peak over the element with the edge: shear, at
 # stick edges, up to 1.2 of that on meshes of a/5 to a/24, pressure up to 0.36, its edge being found to a part of an element. A soft
 # layer or a short body moves the pressure's edge by 0.7 to 1.5 of that.
-MOST = (0.4, 1.0)
+_MOST = (0.4, 1.0)
 # Of the discrepancy that two plainer faults behind each other leave, above which the model is at fault: two planted ones leave a
 # thousandth, soft layers, creep and small bodies 0.05 to 0.9. Least share that is even in x: of unlike bodies it is 0.3 at most.
-UNACCOUNTED, EVEN = 0.04, 0.9
+_UNACCOUNTED, _EVEN = 0.04, 0.9
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
 # A coarse edge and an odd part take what they find, point by point.
-COST = 0.01
-FITTED = {"coarse_edge": 10, "coupling": 5} | dict.fromkeys(
+_COST = 0.01
+_FITTED = {"coarse_edge": 10, "coupling": 5} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times"), 1
 )
 # Sentences of each fault, of other findings, and quotients of E*/R with a likely cause.
@@ -185,7 +185,7 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     usable = np.flatnonzero(comparison.judged if comparison.judged.any() else comparison.touching)
     if not len(usable):
         return None
-    rows = usable[np.unique(np.linspace(0, len(usable) - 1, min(len(usable), MOST_INSTANTS)).round().astype(int))]
+    rows = usable[np.unique(np.linspace(0, len(usable) - 1, min(len(usable), _MOST_INSTANTS)).round().astype(int))]
     expected, found = (np.array([side.pressure[rows], side.shear[rows]]) for side in (comparison.expected, comparison.found))
     sheared = not np.isnan(found[1]).all()
     if not sheared:  # a file without shear: it counts for nothing
@@ -220,7 +220,7 @@ class Hypothesis:
         return replace(what, expected=self.predicted, scene=self.scene)
 
 
-def fitted(
+def _fitted(
     what: Discrepancy, predict: Callable[[float], Tractions], tries: Sequence[float], close: float = 1e-6
 ) -> tuple[float, Tractions] | None:
     """The figure that leaves least of the discrepancy, to `close` of the range of the tries (ascending), and its prediction.
@@ -235,7 +235,7 @@ def fitted(
         with contextlib.suppress(InputError):  # gross sliding, separation
             tractions = predict(figure)
             seen[figure] = what.apart(tractions), tractions
-        return min(seen[figure][0], NOTHING) if figure in seen else NOTHING
+        return min(seen[figure][0], _NOTHING) if figure in seen else _NOTHING
 
     best = int(np.argmin([left(figure) for figure in tries]))
     if not seen:
@@ -264,7 +264,7 @@ def theory(
 
 
 # --------------------------------------------------------------------------------------------------------- faults of the file
-def file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+def _file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """A sign, two columns swapped, a factor of both or of the pressure alone: k = <found, expected>/<expected, expected>.
 
     Widths set a factor apart from loads k times too large: no elastic contact carries k times the load on the same width.
@@ -281,13 +281,13 @@ def file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         yield Hypothesis("swapped", expected[::-1], mend=lambda found: found[::-1])
         yield Hypothesis("frictionless", _pair(1, 0) * expected)
     k, of_p = (one.product(one.found, expected) / one.product(expected, expected) for one in (what, what.of_pressure))
-    if k > 0 and abs(k - 1) >= LEAST_FACTOR:
+    if k > 0 and abs(k - 1) >= _LEAST_FACTOR:
         order = round(np.log10(k))
         off = abs(k / 10.0**order - 1)
-        unit = order != 0 and off < (NEAR_OF_UNITS if abs(order) >= 2 else NEAR)
-        factor = 10.0**order if unit and off >= NEAR else k
+        unit = order != 0 and off < (_NEAR_OF_UNITS if abs(order) >= 2 else _NEAR)
+        factor = 10.0**order if unit and off >= _NEAR else k
         yield times("units" if unit else "traction_factor", factor, factor, factor=10.0**order if unit else k)
-    if sheared and of_p > 0 and abs(of_p - 1) > LEAST_OF_PRESSURE:
+    if sheared and of_p > 0 and abs(of_p - 1) > _LEAST_OF_PRESSURE:
         yield times("pressure_factor", of_p, 1, factor=of_p)
 
 
@@ -303,23 +303,23 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
     return scene.vary(friction=coefficient)
 
 
-def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+def _question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """Every fault of the question that the discrepancy may have."""
     scene, path, half_width, alone = what.scene, what.scene.load.path(), what.comparison.scales.half_width, what.of_pressure
     # Bulk stress, or tilt, of the other sign; left out.
     for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
         stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
-        wrong = {"sign": {key: turned(value) for key, value in stated.items()}, "left_out": dict.fromkeys(stated)}
+        wrong = {"sign": {key: _turned(value) for key, value in stated.items()}, "left_out": dict.fromkeys(stated)}
         for how, changes in wrong.items() if stated else ():
             with contextlib.suppress(InputError):
                 other = scene.vary(load=changes)
                 yield Hypothesis(f"{name}_{how}", theory(what, other), scene=other)
     # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
     # are the same with m = 1/k and every traction times k, by linearity: their resultants are k times too large.
-    if fit := fitted(alone, lambda m: theory(what, stiffer(scene, np.exp(m))), FACTORS):
+    if fit := _fitted(alone, lambda m: theory(what, stiffer(scene, np.exp(m))), _FACTORS):
         m = float(np.exp(fit[0]))
         yield Hypothesis("stiffness", fit[1], {"factor": m}, scene=stiffer(scene, m))
-    if fit := fitted(alone, lambda k: np.exp(k) * theory(what, stiffer(scene, np.exp(-k))), FACTORS):
+    if fit := _fitted(alone, lambda k: np.exp(k) * theory(what, stiffer(scene, np.exp(-k))), _FACTORS):
         k = float(np.exp(fit[0]))
         yield Hypothesis("half_model" if min(abs(k / 2 - 1), abs(2 * k - 1)) < 0.03 else "loads", fit[1], {"factor": k})
     # p(x - d), q(x - d); d is looked for around what the centroid of the pressure has moved by.
@@ -327,7 +327,7 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     centres = [moment / total if total > 0 else 0.0 for total, moment in sums]
     centre = float(np.clip(centres[0] - centres[1], -2 * half_width, 2 * half_width))
     places = [centre + half_width * step for step in (-0.1, -0.02, 0.0, 0.02, 0.1)]
-    fit = fitted(alone, lambda d: theory(what, scene, offset=d), places)
+    fit = _fitted(alone, lambda d: theory(what, scene, offset=d), places)
     if fit and abs(fit[0]) > 1e-4 * half_width:
         yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
     if scene.friction.coefficient and np.any(what.expected[1]):
@@ -338,12 +338,12 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         def late(delay: float) -> Tractions:
             return theory(what, scene, start + np.mod(what.fraction - delay, 1.0) * period)
 
-        fit = fitted(what, late, np.linspace(-0.5, 0.5, 21).tolist())
+        fit = _fitted(what, late, np.linspace(-0.5, 0.5, 21).tolist())
         if fit and abs(fit[0]) > 1e-3:
             yield Hypothesis("other_times", fit[1], {"delay": fit[0]})
 
 
-def turned(value: Any) -> Any:
+def _turned(value: Any) -> Any:
     """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
 
     >>> turned(0.5), turned((0.0, 2.0)), turned(LineOfAction(x=1.0, height=3.0))
@@ -352,10 +352,10 @@ def turned(value: Any) -> Any:
     match value:
         case Wave():
             phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
-            return value.vary(mean=-value.mean, phase_degrees=phase, initial_loading=turned(value.initial_loading))
+            return value.vary(mean=-value.mean, phase_degrees=phase, initial_loading=_turned(value.initial_loading))
         case WaveSum():
             waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
-            return value.vary(mean=-value.mean, harmonics=waves, initial_loading=turned(value.initial_loading))
+            return value.vary(mean=-value.mean, harmonics=waves, initial_loading=_turned(value.initial_loading))
         case LineOfAction():
             return value.vary(x=-value.x, height=-value.height)
         case tuple():
@@ -372,10 +372,10 @@ def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     def of_friction(log_factor: float) -> Tractions:
         return theory(what, with_friction(scene, f * np.exp(log_factor)))
 
-    if fit := fitted(what, of_friction, OF_FRICTION, 1e-4):
+    if fit := _fitted(what, of_friction, _OF_FRICTION, 1e-4):
         factor = float(np.exp(fit[0]))
         yield Hypothesis("friction", fit[1], {"factor": factor}, scene=with_friction(scene, f * factor))
-    if fit := fitted(what, of_friction, NO_SLIP, 1e-2):
+    if fit := _fitted(what, of_friction, _NO_SLIP, 1e-2):
         yield Hypothesis("full_stick", fit[1])
     # Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
     normal, tangential = (np.asarray(load)[:, None] for load in path.at(what.time))
@@ -405,9 +405,9 @@ def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
         wanted = path.cycle_start + (1 + what.fraction) * period
     times = np.unique(times[times > path.start])
     yield Hypothesis("steps", theory(what, what.scene, wanted, steps=times), steps)
-    if what.unsymmetric or len(own.time) - 1 > MOST_STEPS:
+    if what.unsymmetric or len(own.time) - 1 > _MOST_STEPS:
         return
-    points, ends, least = [(0.0, 0.0)], [], SAME_LOAD * float(np.max(path.at(times)[0]))
+    points, ends, least = [(0.0, 0.0)], [], _SAME_LOAD * float(np.max(path.at(times)[0]))
     for normal, tangential in np.transpose(path.at(times)).tolist():
         rises = normal > points[-1][0]
         for point in ((normal, points[-1][1]), (normal, tangential)) if rises else ((normal, tangential),):
@@ -419,22 +419,22 @@ def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
 
 
 # ----------------------------------------------------------------------------------------- faults told by where they lie
-def odd_part(what: Discrepancy) -> Tractions:
+def _odd_part(what: Discrepancy) -> Tractions:
     """Of found less expected, what turns round with x."""
     off = what.found - what.expected
     return (off - np.apply_along_axis(lambda row: np.interp(-what.x, what.x, row), 2, off)) / 2
 
 
-def unlike_bodies(what: Discrepancy) -> Iterator[Hypothesis]:
+def _unlike_bodies(what: Discrepancy) -> Iterator[Hypothesis]:
     """The odd part of the discrepancy in x: of p and q of like, symmetric bodies there is none, whatever else is wrong.
 
     It is 0.73 to 0.99 of what unlike materials change, and 0 of every other fault of a model (measured on the planted faults).
     """
     if what.scene.friction.coefficient and np.any(what.found[1]) and not what.unsymmetric:
-        yield Hypothesis("coupling", what.expected + odd_part(what))
+        yield Hypothesis("coupling", what.expected + _odd_part(what))
 
 
-def coarse_edge(what: Discrepancy) -> Hypothesis:
+def _coarse_edge(what: Discrepancy) -> Hypothesis:
     """The part of the discrepancy within two spacings of an edge, as far as the spacing can account for its size.
 
     An elastic traction leaves the edge of contact as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of
@@ -450,26 +450,27 @@ def coarse_edge(what: Discrepancy) -> Hypothesis:
         inner = np.nanmax(cycle.stick_edges[:, 0]), np.nanmin(cycle.stick_edges[:, 1])
         places += inner if what.unsymmetric else (-least, least)
     with np.errstate(invalid="ignore"):
-        near = np.any([np.broadcast_to(np.abs(x - edge) <= REACH * spacing, what.expected[0].shape) for edge in places], axis=0)
-    most = _pair(*MOST) * np.sqrt(2 * spacing / scales.half_width) * what.units
+        near = np.any([np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, what.expected[0].shape) for edge in places], axis=0)
+    most = _pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * what.units
     part = np.where(near, np.clip(what.found - what.expected, -most, most), 0.0)
     edge = float(np.median(spacing[near.any(axis=0)])) / scales.half_width if near.any() else float("nan")
     return Hypothesis("coarse_edge", what.expected + part, {"spacing": edge})
 
 
 # ----------------------------------------------------------------------------------------------------- faults of the model
-def model_fault(what: Discrepancy, best: Hypothesis, left: float) -> Iterator[Diagnosis]:
+def _model_fault(what: Discrepancy, best: Hypothesis, left: float) -> Iterator[Diagnosis]:
     """The fault of the model that a discrepancy looks like which plainer faults, `best` first, `left` in part.
 
-    Creep of faces that should stick does not move the pressure. Faces that sink into each other make the contact wider than that of
-    half-planes, as bodies less stiff do, but end the pressure without a root; a base too near makes it narrower, and holds shear
-    and pressure back unlike. Theory of other stiffness explains 0.6 to 0.9 of either.
+    Creep of faces that should stick does not move the pressure, and nor do long steps, which have a fit of their own. Faces that
+    sink into each other make the contact wider than that of half-planes, as bodies less stiff do, but end the pressure without a
+    root; a base too near makes it narrower, and holds shear and pressure back unlike. Theory of other stiffness explains 0.6 to
+    0.9 of either.
     """
-    even = what.explained(what.found - odd_part(what))
-    if what.unsymmetric or even < EVEN:
+    even = what.explained(what.found - _odd_part(what))
+    if what.unsymmetric or even < _EVEN:
         return
     pressed = verdict_on(what.errors()[0], what.comparison.scene.tolerances.limit("pressure") or 0.0) is Verdict.WITHIN
-    if pressed and what.scene.friction.coefficient and np.any(what.found[1]):
+    if pressed and best.fault != "steps" and what.scene.friction.coefficient and np.any(what.found[1]):
         fault, trace = "elastic_slip", "the pressure is right"
     elif not pressed and best.fault == "stiffness":
         factor = best.figures["factor"]
@@ -504,27 +505,27 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         return tuple(_by_work(comparison))
     found: list[Diagnosis] = []
     rest, winners, left = whole, list[Hypothesis](), list[float]()
-    for number in range(ROUNDS):
+    for number in range(_ROUNDS):
         taken = {one.fault for one in found}
         ranked = _ranked(rest, taken)
         best, winner = ranked[0]
         winners.append(winner)
-        if best < LEAST_EXPLAINED:
+        if best < _LEAST_EXPLAINED:
             break
         left.append(1 - rest.explained(winner.predicted))
         for explained, one in ranked if number == 0 else ranked[:1]:  # rivals are weaker by what the two leave unexplained
             rival = 1.0 if one is winner else min((1 - best) / max(1 - explained, 1e-12), 1.0)
             strength = max(explained, 0.0) * rival * 0.9**number
-            if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH and one.fault not in taken:
+            if explained >= _LEAST_EXPLAINED and strength >= _LEAST_STRENGTH and one.fault not in taken:
                 found.append(Diagnosis(one.fault, sentence_of(one, rest), tuple(_evidence(rest, one, explained, number)), strength))
         rest = winner.mended(rest)
-        if rest.within(REST):
+        if rest.within(_REST):
             break
     pressure, shear = whole.errors()
     size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
     noise = [] if found else list(scatter(whole))
-    if math.prod(left[:2]) > UNACCOUNTED and not noise:
-        found += model_fault(whole, winners[0], math.prod(left[:2]))
+    if math.prod(left[:2]) > _UNACCOUNTED and not noise:
+        found += _model_fault(whole, winners[0], math.prod(left[:2]))
     known = sorted(found, key=lambda one: -one.strength) or noise
     first, *others = known or [Diagnosis(UNKNOWN, _WORDS["others"][UNKNOWN], (size,), 0.0)]
     if whole.unsymmetric:
@@ -541,13 +542,13 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
     sigma = [noise_of((off / scale)[inside]) for off, scale in pairs]
     whole = sum(float(np.mean((off / scale)[inside] ** 2)) for off, scale in pairs)
     share = sum(one**2 for one in sigma) / whole if whole else 0.0
-    if share < LEAST_EXPLAINED:
+    if share < _LEAST_EXPLAINED:
         return
     evidence = [f"noise from point to point makes {min(share, 1.0):.0%} of the square of the discrepancy"]
     if len(pairs) > 1:
         every, touching = what.comparison.found, what.comparison.expected.pressure > 1e-3 * scales.pressure  # at all instants
         beyond = (np.abs(every.shear) / scales.shear - every.pressure / scales.pressure)[touching]
-        count, most, limit = int(np.sum(beyond > 0)), float(np.max(beyond)), BY_NOISE * sum(one**2 for one in sigma) ** 0.5
+        count, most, limit = int(np.sum(beyond > 0)), float(np.max(beyond)), _BY_NOISE * sum(one**2 for one in sigma) ** 0.5
         kept = "no more than noise makes: no fault of the contact law" if most <= limit else "more than noise alone makes"
         evidence.insert(
             0, f"{count} of {len(beyond)} points in contact exceed the Coulomb limit, by {most:.2g} of f p_ref at most: {kept}"
@@ -562,12 +563,12 @@ def _ranked(what: Discrepancy, taken: set[str]) -> list[tuple[float, Hypothesis]
     Behind a fault of mesh or steps, an odd rest is what its prediction left.
     """
     best: dict[str, tuple[float, Hypothesis]] = {}
-    odd = () if taken & {"coarse_edge", "coupling", "steps"} else unlike_bodies(what)
-    for one in chain(file_faults(what), question_faults(what), [coarse_edge(what)], odd):
+    odd = () if taken & {"coarse_edge", "coupling", "steps"} else _unlike_bodies(what)
+    for one in chain(_file_faults(what), _question_faults(what), [_coarse_edge(what)], odd):
         explained = what.explained(one.predicted)
-        pair = explained - COST * FITTED.get(one.fault, 0), one
+        pair = explained - _COST * _FITTED.get(one.fault, 0), one
         best[one.fault] = max(best.get(one.fault, pair), pair, key=lambda pair: pair[0])
-        if explained >= EXACT:
+        if explained >= _EXACT:
             break
     return sorted(best.values(), key=lambda pair: -pair[0])
 
