@@ -33,7 +33,7 @@ from reports.comparison import findings as baseline
 from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
 from reports.comparison.words import as_json
 from reports.maps.laws import PUBLISHED
-from reports.page.figures import published
+from reports.page.writing import published
 from scenes import InputError, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 

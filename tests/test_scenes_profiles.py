@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.checking import largest_contact
-from reports.page.figures import fit_residuals
+from reports.page.writing import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty
 from scenes import (
     Block,

@@ -10,9 +10,8 @@ goes on to the verdict, where it fails.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
@@ -134,40 +133,31 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     """
     error: dict[str, float] = {}
     if len(cycle.fraction) != len(like.fraction) or not np.allclose(cycle.fraction, like.fraction, rtol=0, atol=1e-9):
-        cycle, error = _at_instants(cycle, like)
+        cycle, error = _resampled(cycle, "fraction", like.fraction, (*FIELDS, *_EDGES, *cycle.series))
+        cycle = replace(cycle, time=like.time)
     if len(cycle.x) != len(like.x) or not np.allclose(cycle.x, like.x, rtol=0, atol=1e-12 * np.ptp(like.x)):
-        _refuse_cut_contact(cycle, like, engine)
-        cycle, in_x = _at_points(cycle, like)
+        carries = np.max(cycle.pressure[:, [0, -1]], axis=0) > 1e-12 * np.max(cycle.pressure)
+        beyond = like.x[0] < cycle.x[0], like.x[-1] > cycle.x[-1]
+        if any(carries[side] and beyond[side] for side in (0, 1)):
+            raise InputError(
+                f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it still carries pressure, "
+                "short of the points that it is compared at; give it points out to the largest contact"
+            )
+        cycle, in_x = _resampled(cycle, "x", like.x, (*FIELDS, "dissipation_density"))
         error = {name: error.get(name, 0.0) + value for name, value in in_x.items()}
     return replace(cycle, interpolation=error)
 
 
-def _refuse_cut_contact(cycle: Cycle, like: Cycle, engine: str) -> None:
-    carries = np.max(cycle.pressure[:, [0, -1]], axis=0) > 1e-12 * np.max(cycle.pressure)
-    beyond = like.x[0] < cycle.x[0], like.x[-1] > cycle.x[-1]
-    if any(carries[side] and beyond[side] for side in (0, 1)):
-        raise InputError(
-            f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it still carries pressure, "
-            "short of the points that it is compared at; give it points out to the largest contact"
-        )
-
-
-def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *_EDGES)}
-    nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
-    linear: dict[str, Any] = {
-        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *_EDGES, *cycle.series)
-    }
-    return replace(cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear), error
-
-
-def _at_points(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    names = (*FIELDS, "dissipation_density")
-    error = {name: _halving(cycle.x, getattr(cycle, name).T) for name in names}
-    nearest = np.abs(cycle.x[:, None] - like.x).argmin(axis=0)
-    state = np.where((like.x < cycle.x[0]) | (like.x > cycle.x[-1]), 0, cycle.state[:, nearest])
-    linear: dict[str, Any] = {name: freeze(_linear(like.x, cycle.x, getattr(cycle, name).T).T) for name in names}
-    return replace(cycle, x=like.x, state=freeze(state, np.int8), **linear), error
+def _resampled(cycle: Cycle, along: str, to: Array, names: Iterable[str]) -> tuple[Cycle, dict[str, float]]:
+    """Those of a cycle at other places of `along`, which is "fraction" or "x", and the error of that for its fields and edges."""
+    at, across = getattr(cycle, along), along == "x"
+    turned = {name: getattr(cycle, name).T if across else getattr(cycle, name) for name in names}
+    nearest = np.abs(at[:, None] - to).argmin(axis=0)
+    state = np.where((to < at[0]) | (to > at[-1]), 0, cycle.state[:, nearest]) if across else cycle.state[nearest]
+    linear: dict[str, Any] = {name: _linear(to, at, values) for name, values in turned.items()}
+    fields: dict[str, Any] = {along: to} | {name: freeze(values.T if across else values) for name, values in linear.items()}
+    error = {name: _halving(at, values) for name, values in turned.items() if name not in cycle.series}
+    return replace(cycle, state=freeze(state, np.int8), **fields), error
 
 
 def _linear(to: Array, at: Array, values: Array) -> Array:
@@ -197,10 +187,6 @@ def _halving(at: Array, values: Array) -> float:
     return worst / largest
 
 
-# Instants of the last cycle that a page shows.
-_MOST_EVENTS = 6
-
-
 @dataclass(frozen=True)
 class Event:
     """An instant of the last cycle: its index in the cycle and what happens there."""
@@ -210,10 +196,9 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
-    """At most `_MOST_EVENTS` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
+    """Instants of the extremes of P, Q, Q - f P, Q + f P, at most six, in the order of time; the first one where nothing moves.
 
-    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that
-    does not move has no extremes.
+    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends.
     """
     normal, tangential = cycle.normal_load, cycle.tangential_load
     # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
@@ -232,21 +217,7 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
         if np.ptp(quantity) > 1e-9 * size:
             # The first instant, to rounding: the end of a cycle repeats its start.
             found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
-    chosen = dict(list(found.items())[:_MOST_EVENTS])
-    if len(cycle.time) == 1:
-        chosen = {0: "the only instant"}
-    while len(chosen) < min(_MOST_EVENTS, len(cycle.time) - 1):
-        chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
-    return tuple(Event(index, chosen[index]) for index in sorted(chosen))
-
-
-def _widest_gap(chosen: dict[int, str], time: NDArray[np.float64]) -> int:
-    """The instant nearest to the middle of the longest time between chosen ones, the ends of the cycle counting as such."""
-    last = len(time) - 1
-    stops = sorted({-1, *chosen, last + 1})  # the ends themselves may be chosen too
-    gaps = [(time[max(a, 0)], time[min(b, last)], np.arange(a + 1, b)) for a, b in itertools.pairwise(stops) if b - a > 1]
-    start, end, inside = max(gaps, key=lambda gap: gap[1] - gap[0])
-    return int(inside[np.argmin(np.abs(time[inside] - (start + end) / 2))])
+    return tuple(Event(index, found[index]) for index in sorted(found)) or (Event(0, "the only instant"),)
 
 
 Array = NDArray[np.float64]
@@ -812,10 +783,9 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
     import semi_analytic
 
     if solution.engine == "semi_analytic":
-        try:
-            return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
-        except InputError:  # bulk stress, tilt or unequal sides that it has no stress of
-            return None
+        values, uncertain = semi_analytic.edge_tension(solution, time)
+        at = np.unravel_index(np.argmax(values), values.shape)
+        return float(max(values[at], 0.0)), float(uncertain[at])
     largest = halfplane_fe.largest_edge_tension(solution) if solution.engine == "halfplane_fe" else None
     return None if largest is None else (largest.value, largest.uncertainty)
 
@@ -969,95 +939,67 @@ def _stick_set(pair: Pair) -> Measured:
     return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
 
 
-def _intervals(applies: _Mask, periodic: bool) -> list[NDArray[np.intp]]:
-    """The runs of at least two instants at which `applies` (k,), as indices in the order of time; none if it does always.
+def _onsets(applies: _Mask, periodic: bool) -> NDArray[np.intp]:
+    """First indices of the runs of at least two instants at which `applies` (k,); none if it does always.
 
     In a periodic cycle, whose last instant is the first of the next, a run may go on across the end.
 
-    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True, True]), True)]
-    [[2, 3, 0]]
-    >>> [run.tolist() for run in _intervals(np.array([True, False, True, True]), False)]
-    [[2, 3]]
+    >>> _onsets(np.array([True, False, True, True, True]), True), _onsets(np.array([True, False, True, True]), False)
+    (array([2]), array([2]))
     """
-    order = np.arange(len(applies) - 1 if periodic else len(applies))
-    if applies[order].all():
-        return []
-    if periodic:
-        order = np.roll(order, -int(np.argmin(applies[order])))
-    ordered = applies[order]
-    runs = np.split(order, np.flatnonzero(np.diff(ordered)) + 1)
-    return [run for run in runs if applies[run[0]] and len(run) >= 2]
-
-
-def _late(fraction: Array, expected: int, found: int, periodic: bool) -> float:
-    """How much later in the cycle `found` is than `expected`, in a periodic one the shorter way round."""
-    late = float(fraction[found] - fraction[expected])
-    return (late + 0.5) % 1 - 0.5 if periodic and abs(late) > 0.5 else late
-
-
-# Differences of instants over the length of the cycle, positive where the result is late (NaN without a counterpart); the
-# reference's instants that they belong to, as indices; how many of the reference, and of the result, have no counterpart.
-_Changes = tuple[Array, NDArray[np.intp], int, int]
-
-
-def _change(pair: Pair, changes: _Changes, none: str) -> Measured:
-    """The worst of the differences of instants; those without a counterpart are counted in the note."""
-    late, index, missing, extra = changes
-    counts = ((missing, "the reference's", "result"), (extra, "the result's", "reference"))
-    notes = [f"{count} of {whose} without a counterpart in the {other}" for count, whose, other in counts if count]
-    if not len(late):
-        return _none("; ".join([none, *notes]))
-    value, time = worst(late, np.ones(len(late), dtype=bool), pair.found.time[index])
-    step = float(np.max(np.diff(pair.found.fraction), initial=0.0))
-    return Measured(value=value, time=time, note="; ".join(notes), uncertainty=step, unmatched=bool(missing + extra))
-
-
-def _full_stick(pair: Pair, at: int, none: str) -> Measured:
-    """Starts (at = 0) or ends (at = -1) of full stick, each of the reference against the result's that shares most instants."""
-    length, fraction = pair.scales.half_width, pair.found.fraction
-    theirs, ours = (_intervals(_stick_status(cycle, length) == _FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
-    pairs = [(run, max(ours, key=lambda other: len(np.intersect1d(run, other)), default=run[:0])) for run in theirs]
-    pairs = [(run, other if len(np.intersect1d(run, other)) else other[:0]) for run, other in pairs]
-    used = {int(other[0]) for _, other in pairs if len(other)}
-    late = [_late(fraction, run[at], other[at], pair.periodic) if len(other) else np.nan for run, other in pairs]
-    index = np.array([run[at] for run, _ in pairs], dtype=np.intp)
-    missing = sum(not len(other) for _, other in pairs)
-    return _change(pair, (np.array(late), index, missing, len(ours) - len(used)), none)
-
-
-def _slip_sense(cycle: Cycle) -> NDArray[np.int8]:
-    """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
-    forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
-    return np.sign(forward - reverse).astype(np.int8)
-
-
-def _turns(senses: NDArray[np.int8], sense: int, periodic: bool) -> NDArray[np.intp]:
-    """Indices at which slip begins to go in `sense` after it last went in the other, whatever stick there was in between."""
-    slipping = np.flatnonzero(senses[:-1] if periodic else senses)
-    before = np.roll(senses[slipping], 1)
-    turned = (senses[slipping] == sense) & (before == -sense)
+    now = applies[:-1] if periodic else applies
+    before, after = np.roll(now, 1), np.roll(now, -1)
     if not periodic:
-        turned[:1] = False
-    return np.asarray(slipping[turned])
+        before[:1], after[-1:] = False, False
+    return np.flatnonzero(now & ~before & after) if not now.all() else np.zeros(0, np.intp)
 
 
-def _reversals_to(sense: int, pair: Pair) -> _Changes:
-    """First instants of slip in `sense`, in turn; NaN where there are not as many in both."""
-    theirs, ours = (_turns(_slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
-    if len(theirs) != len(ours):
-        absent, extra = max(len(theirs) - len(ours), 0), max(len(ours) - len(theirs), 0)
-        return np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra
-    starts = range(len(ours)) if pair.periodic else range(min(len(ours), 1))
-    matches = [
-        np.array([_late(pair.found.fraction, a, b, pair.periodic) for a, b in zip(theirs, np.roll(ours, k), strict=True)])
-        for k in starts
-    ]
-    return min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs, 0, 0
+def _instants(pair: Pair, of: Sequence[Callable[[Cycle], NDArray[np.intp]]], none: str) -> Measured:
+    """How late the result's instants (indices) of some kinds are, over the length of the cycle; the shorter way round if periodic.
+
+    Each of the reference's against the nearest of its kind; not finite where the result has not as many.
+    """
+    fraction, late, at, counts = pair.found.fraction, list[float](), list[int](), [0, 0]
+    for kind in of:
+        theirs, ours = kind(pair.expected), kind(pair.found)
+        counts = [counts[0] + max(len(theirs) - len(ours), 0), counts[1] + max(len(ours) - len(theirs), 0)]
+        apart = fraction[ours] - fraction[theirs][:, None]
+        apart = np.where(np.abs(apart) > 0.5, (apart + 0.5) % 1 - 0.5, apart) if pair.periodic else apart
+        lacking = len(ours) < len(theirs)
+        late += [math.nan if lacking else float(row[np.argmin(np.abs(row))]) for row in apart]
+        at += theirs.tolist()
+    whose = zip(counts, ("the reference's", "the result's"), ("result", "reference"), strict=True)
+    note = "; ".join(f"{count} of {one} without a counterpart in the {other}" for count, one, other in whose if count)
+    if not late:
+        return _none("; ".join(filter(None, (none, note))))
+    value, time = worst(np.array(late), np.ones(len(late), bool), pair.found.time[at])
+    step = float(np.max(np.diff(fraction), initial=0.0))
+    return Measured(value=value, time=time, note=note, uncertainty=step, unmatched=bool(note))
+
+
+def _full_stick(pair: Pair, *, ends: bool) -> Measured:
+    """Starts or ends of full stick."""
+
+    def at(cycle: Cycle) -> NDArray[np.intp]:
+        whole = _stick_status(cycle, pair.scales.half_width) == _FULL_STICK
+        return len(whole) - 1 - _onsets(whole[::-1], pair.periodic)[::-1] if ends else _onsets(whole, pair.periodic)
+
+    return _instants(pair, [at], f"the reference does not come {'out of' if ends else 'into'} full stick")
 
 
 def _slip_reversal(pair: Pair) -> Measured:
-    late, index, missing, extra = zip(*(_reversals_to(sense, pair) for sense in (1, -1)), strict=True)
-    return _change(pair, (np.concatenate(late), np.concatenate(index), sum(missing), sum(extra)), "slip does not reverse in either")
+    """First instants of slip in each sense after slip in the other, whatever stick there was in between."""
+
+    def turns(sense: int, cycle: Cycle) -> NDArray[np.intp]:
+        forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
+        senses = np.sign(forward - reverse)  # of the longer slip zone
+        slipping = np.flatnonzero(senses[:-1] if pair.periodic else senses)
+        turned = (senses[slipping] == sense) & (np.roll(senses[slipping], 1) == -sense)
+        if not pair.periodic:
+            turned[:1] = False
+        return np.asarray(slipping[turned])
+
+    return _instants(pair, [partial(turns, 1), partial(turns, -1)], "slip does not reverse in either")
 
 
 def _slip(pair: Pair, maximum: bool) -> Measured:
@@ -1366,10 +1308,10 @@ METRICS = {row.key: row for row in (
     _row("full_stick_start", "Start of full stick: first instant of full stick, result − reference, to a step; full stick: at "
         "least two instants whose stick edges are the contact edges; intervals that share most instants are compared",
         "of the period", _IN_CYCLE, "state whole_cycle friction",
-        partial(_full_stick, at=0, none="the reference does not come into full stick")),
+        partial(_full_stick, ends=False)),
     _row("full_stick_end", "End of full stick: last instant of full stick, result − reference, as its start",
         "of the period", _IN_CYCLE, "state whole_cycle friction",
-        partial(_full_stick, at=-1, none="the reference does not come out of full stick")),
+        partial(_full_stick, ends=True)),
     _row("slip_reversal", "Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is "
         "that of the longer slip zone", "of the period", _IN_CYCLE, "state whole_cycle friction", _slip_reversal),
     _row("slip", "Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle",

@@ -16,8 +16,7 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, Segments, limits
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, colour_scale
+from reports.charts.plate import STATE_KEYS, Axis, Cell, Curve, Dot, Key, Mark, Panel, Plate, Rule, Segments, colour_scale, limits
 from reports.charts.publication import pixels_of
 from reports.field_output.files import contact_line
 from reports.field_output.pictures import Skin, gap_share, outermost, rendered, round_down, state_blocks

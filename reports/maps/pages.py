@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, Dot, Mark, Note, labels
-from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.plate import Axis, Cell, Curve, Dot, Key, Mark, Note, Panel, Plate, colour_scale, labels
 from reports.charts.templating import markdown_table
 from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines

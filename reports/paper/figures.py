@@ -10,8 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reports.charts.marks import Arrow, Axis, Band, Curve, Dot, Mark, Note
-from reports.charts.plate import Key, Panel, Plate
+from reports.charts.plate import Arrow, Axis, Band, Curve, Dot, Key, Mark, Note, Panel, Plate
 from reports.charts.templating import Table
 from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
 from reports.paper.tables import WORDS, filled_in

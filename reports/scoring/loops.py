@@ -30,8 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, limits
-from reports.charts.plate import Key, Panel, Plate, worded
+from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, limits, worded
 from reports.charts.templating import script, template
 from reports.checking import check_path
 from reports.comparison.words import question

@@ -17,7 +17,7 @@ import numpy as np
 
 from meshes import collected_files
 from reports.comparison import Comparison, Report
-from reports.comparison.convergence import Extrapolation, Refinement, extrapolate
+from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.console import Stages

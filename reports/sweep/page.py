@@ -15,9 +15,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reports.charts import marks
-from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule, labels, limits
-from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.plate import Axis as ChartAxis
+from reports.charts.plate import Band, Block, Cell, Curve, Dot, Key, Mark, Panel, Plate, Rule, colour_scale, labels, limits
 from reports.charts.templating import script, shades, template
 from reports.sweep.solving import is_error, label_of
 from reports.sweep.store import STATUS, Locks, Store, done
@@ -180,7 +179,7 @@ class _Sheet:
         own = axis.label or axis.name if column == axis.name else ""
         return _plain(own or column) + (f" [{axis.unit}]" if own and axis.unit else "")
 
-    def axis(self, column: str, *, cells: bool = False) -> marks.Axis:
+    def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
         """An axis of numbers; its ticks stand at the values themselves where these are few and apart.
 
         With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
@@ -192,7 +191,7 @@ class _Sheet:
         ends = np.array(limits(at, margin=0.05))
         low, high = (cell_borders(values, log=log)[[0, -1]] if cells else np.exp(ends) if log else ends).tolist()
         own = tuple(zip(values.tolist(), labels([float(f"{value:.3g}") for value in values]), strict=True)) if apart else ()
-        return marks.Axis(low, high, self.label(column), log, ticks=own)
+        return ChartAxis(low, high, self.label(column), log, ticks=own)
 
     def line(self, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
         """Curves over one axis: dots with bars; of many points a band, and dots where unresolved, so that the page stays small."""
@@ -209,7 +208,7 @@ class _Sheet:
             for a, b, hollow in zip(x.tolist(), y.tolist(), self.unresolved[rows], strict=True):
                 if hollow or not many:
                     drawn.append(Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0))
-        up = marks.Axis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
+        up = ChartAxis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
         return Panel(name, self.axis(moving), up, drawn, f"{_plain(self.name)} over {self.label(moving)}", 560.0, 340.0)
 
     def map(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
@@ -233,7 +232,7 @@ class _Sheet:
             look = "faint hollow" if self.unresolved[row] else ""
             fill = "" if look else shades([share[row]])[0]
             drawn.append(Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill))
-        up = marks.Axis(*limits(self.low, self.high), self.words)
+        up = ChartAxis(*limits(self.low, self.high), self.words)
         panel = Panel(name, across, up, drawn, f"{_plain(self.name)} over {across.words}, {part}", 480.0, 340.0, _plain(part))
         return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
@@ -245,7 +244,7 @@ def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
 
 
 def heat_map(
-    axes: tuple[marks.Axis, marks.Axis],
+    axes: tuple[ChartAxis, ChartAxis],
     places: tuple[Array, Array],
     share: Array,
     names: Sequence[str],
