@@ -121,12 +121,12 @@ def frames_of(
     """Pictures (height, width, 3) of every instant, all of one size, with an even number of pixels each way."""
     for k, step in enumerate(views.steps):
         report(k, len(views.steps), f"time {solution.time[step]:.6g}")
-        frame = pixels_of(figure(solution, views, k))
+        frame = pixels_of(_figure(solution, views, k))
         yield frame[: len(frame) // 2 * 2, : frame.shape[1] // 2 * 2]
     report(len(views.steps), len(views.steps), f"{len(views.steps)} frames")
 
 
-def figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
+def _figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
     """The frame of instant `k`: both stresses with their colours, the tractions, and the point in the plane of the loads."""
     scene, step, half = solution.scene, int(views.steps[k]), views.half_width
     _, length, stress = units(scene)

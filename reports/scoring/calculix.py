@@ -282,12 +282,12 @@ def _result(
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted. `place`: x of the points, and the depth of the mesh."""
     x, depth = converted(mapping, "x", place[0]), place[1]
-    loads, said = pair_loads(printed, mapping, times, depth) if printed else ({}, [])
+    loads, said = _pair_loads(printed, mapping, times, depth) if printed else ({}, [])
     time = stated_times(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
     return surface_result(str(path), code, x, dict(fields), {"time": time, **loads}, [*notes, *said, *end])
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
+def _pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
     They are what the upper body does to the lower; the file states the force on the slave face, which is the lower body's where its
