@@ -74,6 +74,7 @@ app = App(
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
     help_epilogue=_EXAMPLES,
     help_format="plaintext",
+    default_parameter=Words(negative_iterable=()),  # no --empty-tag
     version=_version,
     suppress_keyboard_interrupt=False,
     exit_on_error=False,

@@ -9,15 +9,15 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
                     `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    convergence.py  mesh-refinement study: order, value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
-                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`
-    words.py        all of that in sentences: `headline` `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
-                    `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation` `SUPPORT_WORDS` `sentence` `cost`; in cells:
-                    `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells` `first_rows` `summary_rows` `heads` `rows`
-                    `narrow`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
+                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
+                    mesh-refinement study of one value, its order and value at size zero: `Refinement` `Extrapolation` `extrapolate`
+    words.py        all of that in sentences, whose words are in templates/words.txt: `headline` `lead` `verdict` `how_judged`
+                    `standing` `uncertain_work` `question` `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
+                    `SUPPORT_WORDS` `sentence` `cost`; in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
+                    `first_rows` `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
-                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `tolerances_of`
+                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -164,9 +164,13 @@ class Report:
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        from reports.comparison.words import comparison_html
+        from reports.charts.templating import template
+        from reports.comparison import words
 
-        return comparison_html(self)
+        heads, rows = words.first_cells(self)
+        scene, last = self.comparison.scene, " ".join((words.lead(self), words.verdict(self), words.how_judged(self)))
+        answer = {"headline": words.headline(self), "heads": heads, "rows": rows, "last": last}
+        return template("notebook.html").render(answer, title=scene.title or scene.name)
 
 
 def compare(

@@ -16,8 +16,7 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, Segments, limits
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, colour_scale
+from reports.charts.plate import STATE_KEYS, Axis, Cell, Curve, Dot, Key, Mark, Panel, Plate, Rule, Segments, colour_scale, limits
 from reports.charts.publication import pixels_of
 from reports.field_output.files import contact_line
 from reports.field_output.pictures import Skin, gap_share, outermost, rendered, round_down, state_blocks
@@ -122,12 +121,12 @@ def frames_of(
     """Pictures (height, width, 3) of every instant, all of one size, with an even number of pixels each way."""
     for k, step in enumerate(views.steps):
         report(k, len(views.steps), f"time {solution.time[step]:.6g}")
-        frame = pixels_of(figure(solution, views, k))
+        frame = pixels_of(_figure(solution, views, k))
         yield frame[: len(frame) // 2 * 2, : frame.shape[1] // 2 * 2]
     report(len(views.steps), len(views.steps), f"{len(views.steps)} frames")
 
 
-def figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
+def _figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
     """The frame of instant `k`: both stresses with their colours, the tractions, and the point in the plane of the loads."""
     scene, step, half = solution.scene, int(views.steps[k]), views.half_width
     _, length, stress = units(scene)

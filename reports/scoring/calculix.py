@@ -20,19 +20,7 @@ from numpy.typing import NDArray
 
 from reports.scoring.calculix_files import DatFile, DatTable, FrdBlock, FrdFile, read_dat, read_frd
 from reports.scoring.mapping import Mapping, converted, stated_times
-from reports.scoring.surface import (
-    SAME,
-    SurfaceResult,
-    body_of,
-    extent,
-    free_face,
-    inside_out,
-    material_above,
-    one_plane,
-    surface_result,
-    tension,
-    unbalanced,
-)
+from reports.scoring.surface import SAME, SurfaceResult, extent, material_above, one_plane, surface_result
 from scenes import InputError
 
 Array = NDArray[np.float64]
@@ -48,13 +36,13 @@ _WEDGE: _Faces = {1: (0, 1, 2), 2: (3, 4, 5), 3: (0, 1, 4, 3), 4: (1, 2, 5, 4), 
 _TETRAHEDRON: _Faces = {1: (0, 1, 2), 2: (0, 1, 3), 3: (1, 2, 3), 4: (0, 2, 3)}
 _TRIANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 0)}
 _QUADRANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 3), 6: (3, 0)}
-# By the kinds of the .frd form, linear and quadratic: shape as meshio calls it, and faces.
-_SHAPES: dict[int, tuple[str, _Faces]] = {
-    **dict.fromkeys((1, 4), ("hexahedron", _BRICK)),
-    **dict.fromkeys((2, 5), ("wedge", _WEDGE)),
-    **dict.fromkeys((3, 6), ("tetra", _TETRAHEDRON)),
-    **dict.fromkeys((7, 8), ("triangle", _TRIANGLE)),
-    **dict.fromkeys((9, 10), ("quad", _QUADRANGLE)),
+# By the kinds of the .frd form, linear and quadratic.
+_FACES: dict[int, _Faces] = {
+    **dict.fromkeys((1, 4), _BRICK),
+    **dict.fromkeys((2, 5), _WEDGE),
+    **dict.fromkeys((3, 6), _TETRAHEDRON),
+    **dict.fromkeys((7, 8), _TRIANGLE),
+    **dict.fromkeys((9, 10), _QUADRANGLE),
 }
 
 
@@ -64,17 +52,17 @@ class CalculixMesh:
     Attributes
     ----------
     numbers, points : (n_nodes,) ascending, (n_nodes, 3) [length]
-    cells : kind of the elements ("" for one without faces) and rows of their nodes, a block for each kind and count of nodes
+    above : (n_nodes,) how far the material of each node lies above it, see `material_above`
     """
 
     def __init__(self, file: FrdFile) -> None:
         self.path, order = file.path, np.argsort(file.nodes)
         self.numbers, self.points = file.nodes[order], file.points[order]
         self._elements = {element.number: element for element in file.elements}
-        alike: dict[tuple[int, str], list[tuple[int, ...]]] = {}
+        alike: dict[int, list[tuple[int, ...]]] = {}  # by the count of their nodes
         for element in file.elements:
-            alike.setdefault((len(element.nodes), _SHAPES.get(element.kind, ("",))[0]), []).append(element.nodes)
-        self.cells = [(key[1], self.rows(np.array(alike[key], np.int64))) for key in sorted(alike)]
+            alike.setdefault(len(element.nodes), []).append(element.nodes)
+        self.above = material_above(self.points, [self.rows(np.array(nodes, np.int64)) for nodes in alike.values()])
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
@@ -87,19 +75,12 @@ class CalculixMesh:
             )
         return np.asarray(at, np.int64)
 
-    @property
-    def above(self) -> Array:
-        """(n_nodes,): how far the material of each node lies above it, see `material_above`."""
-        return material_above(self.points, [rows for _, rows in self.cells])
-
     def face(self, element: int, face: int) -> tuple[Array, float]:
         """Middle of an element's face (3,), and how far the element's middle lies above it [length]."""
         found = self._elements.get(element)
-        corners = _SHAPES[found.kind][1].get(face) if found and found.kind in _SHAPES else None
+        corners = _FACES.get(found.kind, {}).get(face) if found else None
         if found is None or corners is None:
-            what = (
-                f"element {element} is not in it" if found is None else f"element {element} of kind {found.kind} has no face {face}"
-            )
+            what = f"element {element} " + (f"of kind {found.kind} has no face {face}" if found else "is not in it")
             raise InputError(f"{self.path}: {what}; it must be of the same run as the .dat file, with *NODE FILE and *EL FILE")
         rows = self.rows(np.array(found.nodes))
         middle = self.points[rows[list(corners)]].mean(axis=0)
@@ -163,13 +144,11 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             "slip": ("CSLIP1", _factor(mapping, "slip", body)),
         }
         notes = [*left_out, f"contact values stand at the slave face, that of the {body} body", _SLIP_NOTE, *notes, *curved]
-    notes += inside_out(mesh.points, mesh.cells)
     fields = {
         quantity: factor * np.array([mesh.scattered(block, name)[rows] for block in blocks])
         for quantity, (name, factor) in wanted.items()
     }
     x = mesh.points[rows, 0]
-    notes += free_face(x, fields["pressure"], fields["shear"]) if "slip" not in fields else tension(fields["pressure"])
     beside = path.with_suffix(".dat")
     printed = read_dat(beside) if beside.exists() and beside.stat().st_size else None
     times = np.array([block.time for block in blocks])
@@ -214,12 +193,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         ]
     body = _body_of_face(path, above)
     rows, _, more = one_plane(places, np.arange(len(keys)))
-    notes = [
-        f"contact values stand at the slave face, that of the {body} body",
-        *notes,
-        *more,
-        *inside_out(mesh.points, mesh.cells),
-    ]
+    notes = [f"contact values stand at the slave face, that of the {body} body", *notes, *more]
 
     def column(tables: Sequence[DatTable], k: int) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has none."""
@@ -239,7 +213,6 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         "pressure": column(tables, 0) * _factor(mapping, "pressure", body),
         "shear": column(tables, 1) * _factor(mapping, "shear", body),
     }
-    notes += tension(fields["pressure"])
     if set(slip) >= set(stress):
         fields["slip"] = column([slip[time] for time in stress], 1) * _factor(mapping, "slip", body)
         notes.append(_SLIP_NOTE)
@@ -292,8 +265,8 @@ def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, list[s
         return touched, [
             "the slave face is curved: points that never carry a contact value are left out, and x is that of the slave's nodes"
         ]
-    body = body_of(len(height), [rows for _, rows in mesh.cells])
-    return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & (body == body[touched[0]])), []
+    same_side = mesh.above * mesh.above[touched[0]] > 0
+    return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & same_side), []
 
 
 def _result(
@@ -309,13 +282,12 @@ def _result(
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted. `place`: x of the points, and the depth of the mesh."""
     x, depth = converted(mapping, "x", place[0]), place[1]
-    loads, said = pair_loads(printed, mapping, times, depth) if printed else ({}, [])
+    loads, said = _pair_loads(printed, mapping, times, depth) if printed else ({}, [])
     time = stated_times(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
-    notes = [*notes, *said, *end, *unbalanced(x, fields["pressure"], loads.get("normal_load"))]
-    return surface_result(str(path), code, x, dict(fields), {"time": time, **loads}, notes)
+    return surface_result(str(path), code, x, dict(fields), {"time": time, **loads}, [*notes, *said, *end])
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
+def _pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
     They are what the upper body does to the lower; the file states the force on the slave face, which is the lower body's where its

@@ -18,9 +18,9 @@ Loads = tuple[Array, Array]
 
 # Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file states them, printed to some
 # digits; and of resultants, which the trapezoidal rule takes from the pressures of a mesh of perhaps ten elements.
-STATED, INTEGRATED = 0.005, 0.05
-CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
-PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
+_STATED, _INTEGRATED = 0.005, 0.05
+_CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
+_PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
 _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
@@ -61,8 +61,7 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
     """
     if result.time is not None:
         try:
-            found = _by_time(result, result.time, scene)
-            return found if sure_of_times else replace(found, guess=_other_instants(result, found, scene))
+            return _by_time(result, result.time, scene)
         except InputError as fault:
             if sure_of_times:
                 raise
@@ -73,26 +72,8 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
             why = str(fault).removeprefix(f"{result.source}: ").split(";", maxsplit=1)[0]
             return replace(other, guess=f"the file's times can't be those of the scene's path and were not used ({why})")
     if result.normal_load is not None and result.tangential_load is not None:
-        return _by_loads(result, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
+        return _by_loads(result, scene, (result.normal_load, result.tangential_load), _STATED, "the loads that it states")
     return _by_resultants(result, scene)
-
-
-def _other_instants(result: SurfaceResult, found: History, scene: Scene) -> str:
-    """A sentence where the shear does not add up to Q at times that nobody vouches for, and does at other instants of the path."""
-    own, limit = resultants(result)[1], 4 * INTEGRATED * float(np.max(found.normal_load))
-    off, turned = (np.abs(sense * own - found.tangential_load) for sense in (1, -1))
-    if not result.sheared or off.max() <= limit or turned.max() <= limit:  # turned: the oddities name it
-        return ""
-    try:
-        matched(replace(result, time=None), scene)
-    except InputError:
-        return ""
-    k = int(np.argmax(off))
-    return (
-        f"the file's times lie on the scene's path and were used, but at instant {k + 1} its shear adds up to {own[k]:.4g} "
-        f"where the scene's Q is {found.tangential_load[k]:.4g}, and its tractions fit other instants of the path: "
-        "times counted within each step of the file are a likely cause (times of a mapping state those of the path)"
-    )
 
 
 def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
@@ -110,26 +91,26 @@ def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
 
     def turned(sense: float, words: str) -> History | None:
         try:
-            return _by_loads(result, scene, (normal, sense * tangential), INTEGRATED, words)
+            return _by_loads(result, scene, (normal, sense * tangential), _INTEGRATED, words)
         except InputError:
             return None
 
     sense = 1.0
     try:
-        found = _by_loads(result, scene, (normal, tangential), INTEGRATED, by)
+        found = _by_loads(result, scene, (normal, tangential), _INTEGRATED, by)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         sense, other = -1.0, turned(-1.0, f"{by}, the latter turned")
         if other is None:
             raise
         found = other
-    for _ in range(CORRECTIONS):
+    for _ in range(_CORRECTIONS):
         theory = semi_analytic.solve(scene, x=result.x, time=found.time, fields=("pressure", "shear"))
         own = (np.trapezoid(field, result.x, axis=1) for field in (theory.pressure, theory.shear))
         missed = [integral - load for integral, load in zip(own, (found.normal_load, found.tangential_load), strict=True)]
         loads = normal - integrated * missed[0], sense * tangential - missed[1]
-        found = _by_loads(result, scene, loads, INTEGRATED, f"{by}, less what that misses of theory")
-    sheared = float(np.max(np.abs(tangential))) > INTEGRATED * float(np.max(normal))
+        found = _by_loads(result, scene, loads, _INTEGRATED, f"{by}, less what that misses of theory")
+    sheared = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
     return replace(found, either_sign=sheared and turned(-sense, by) is not None)
 
 
@@ -153,9 +134,9 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
     # At the times stated, loads stated must be the scene's, and so must the integral of the pressure.
     size = float(np.max(normal)) or 1.0
     for name, own, theirs, limit in (
-        ("P", result.normal_load, normal, STATED),
-        ("Q", result.tangential_load, tangential, STATED),
-        ("the integral of the pressure", resultants(result)[0], normal, 4 * INTEGRATED),
+        ("P", result.normal_load, normal, _STATED),
+        ("Q", result.tangential_load, tangential, _STATED),
+        ("the integral of the pressure", resultants(result)[0], normal, 4 * _INTEGRATED),
     ):
         if own is not None and np.any(np.abs(own - theirs) > limit * size):
             step = int(np.flatnonzero(np.abs(own - theirs) > limit * size)[0])
@@ -167,9 +148,9 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `PRINTED_TIME` of a cycle."""
+    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `_PRINTED_TIME` of a cycle."""
     ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
-    close = (path.period or ends[-1] - ends[0]) * PRINTED_TIME
+    close = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
     after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
     nearest = np.where(time - ends[after - 1] < ends[after] - time, ends[after - 1], ends[after])
     return np.where(np.abs(time - nearest) <= close, nearest, time)
@@ -192,7 +173,7 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
     """In order along the path; where every instant lies on the cycle, in its last one."""
     path = scene.load.path()
     size = float(np.max(path.at(_samples(path, 1))[0]))
-    if np.max(loads[0]) <= STATED * size:
+    if np.max(loads[0]) <= _STATED * size:
         raise InputError(
             f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's {size:.4g}: too little to tell "
             "its instants by; see to thickness and factors of the mapping, or state the times"

@@ -19,10 +19,10 @@ from scenes.text_tables import ALIASES, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 
-TABLES = (".csv", ".txt", ".rpt")
+_TABLES = (".csv", ".txt", ".rpt")
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks for it.
 READERS: dict[str, str] = {
-    **dict.fromkeys(TABLES, "reading:read_table"),
+    **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
     **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "fields:read_fields"),

@@ -17,7 +17,7 @@ import numpy as np
 
 from meshes import collected_files
 from reports.comparison import Comparison, Report
-from reports.comparison.convergence import Extrapolation, Refinement, extrapolate
+from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.console import Stages
@@ -31,9 +31,9 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|i
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
 _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 # Sizes closer than this are one mesh twice.
-DISTINCT = 1.02
-ROUNDING = 1e-12
-UNREAD = "Not scored"
+_DISTINCT = 1.02
+_ROUNDING = 1e-12
+_UNREAD = "Not scored"
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     if len(ordered) < 2:
         raise InputError("a mesh study takes two meshes at least; name the file itself to score one")
     for fine, coarse in itertools.pairwise(ordered):
-        if coarse.size < DISTINCT * fine.size:
+        if coarse.size < _DISTINCT * fine.size:
             raise InputError(
                 f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and {coarse.size:.4g} ({fine.how}): "
                 "state sizes under [element_sizes] of a mapping, or leave one out"
@@ -150,7 +150,7 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
-    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=ROUNDING)
+    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=_ROUNDING)
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
@@ -242,7 +242,7 @@ def score_folder(
     if not levels:
         more = f" ({len(faults) - 1} other files of the folder can't be scored either)" if len(faults) > 1 else ""
         raise InputError(f"{next(iter(faults.values()))}{more}")
-    notes = (*left, *(f"{UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
+    notes = (*left, *(f"{_UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
         with stages.stage("diagnosis"):
