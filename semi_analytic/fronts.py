@@ -1102,6 +1102,7 @@ def follow(
     time: Array | None = None,
     *,
     most: int = 12,
+    order: int = ORDER,
 ) -> Followed:
     """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is steady.
 
@@ -1114,6 +1115,7 @@ def follow(
     x : (k,) points
     time : (n,) instants in any order; those of the steps if None
     most : largest number of cycles; they are followed until one repeats the one before to 1e-8 of its work
+    order : degree in time of a step
 
     Raises
     ------
@@ -1130,7 +1132,7 @@ def follow(
     needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
-    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest)
+    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
     straight = all(part is None or part.is_straight for part in (first, first.bulk, first.turning))
     # Of a curved leg but the begin: what bulk and tilt change by then is below 1e-6 of the end.
     touch, state = follower.touch(first.start, first.end if straight else first.start + 1e-4 * (first.end - first.start))

@@ -22,7 +22,7 @@ the mean over grids that are evenly moved. What is left, some 3e-5, is about the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -181,24 +181,20 @@ class Grid:
                 self._zones.pop(next(iter(self._zones)))
         return self._zones[count]
 
-    def _groups(self, count: Array, grids: NDArray[np.intp]) -> Iterator[tuple[Zone, NDArray[np.intp], int]]:
-        """Zones of as many cells, and the grids that have them."""
-        for cells in np.unique(count[grids]).tolist():
-            yield self._zone(cells), grids[count[grids] == cells], cells
-
     def _inside(self, begin: Array, count: Array) -> NDArray[np.bool_]:
         """Which cells are among the `count` (g,) from `begin` (g,) on: (g, k)."""
         return (self._numbers >= begin[:, None]) & (self._numbers < (begin + count)[:, None])
 
     def _press(self, load: float, tilt: float, lifted: Array) -> tuple[Array, Array, Array, Array]:
         """Pressure, first cell in contact, how many there are, and the normal approach of each grid: p > 0 where g = 0."""
-        height, everywhere = lifted + tilt * self.x, np.arange(len(self.x))
+        height = lifted + tilt * self.x
         begin, count = self._begin.copy(), self._count.copy()
         if not count.all():
             begin, count = np.argmin(height, axis=1) - 2, np.full(len(begin), 5)
         for _ in range(_TURNS):
             p, approach = np.zeros(height.shape), np.zeros(len(height))
-            for zone, grids, cells in self._groups(count, everywhere):
+            for cells in np.unique(count).tolist():
+                zone, grids = self._zone(cells), np.flatnonzero(count == cells)
                 here = grids[:, None], begin[grids, None] + np.arange(cells)
                 approach[grids] = (load / self.step + height[here] @ zone.rows) / zone.whole
                 p[here] = approach[grids, None] * zone.rows - (height[here] @ zone.root.T) @ zone.root
@@ -244,42 +240,42 @@ class Grid:
     ) -> tuple[Array, Array, Array, Array]:
         """`_drag` of some grids where `count` cells from `begin` on are in contact, with the slip `start`.
 
-        q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells.
+        q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells. Where grids have fewer cells in
+        contact than others, open ones beside them slip without friction.
         """
-        shape = len(some), self.cells
-        q, directions, shift = np.zeros(shape), np.zeros(shape, dtype=int), np.zeros(len(some))
-        for zone, grids, cells in self._groups(count, some):
-            here = grids[:, None], begin[grids, None] + np.arange(cells)
-            free, most = (moved - start)[here], limit[here]
-            stuck, allowed = force / self.step / zone.whole * zone.rows + free @ zone.stiffness, most + _ROUNDING * limit.max()
-            direction = np.zeros(most.shape, dtype=int)
-            for _ in range(_TURNS):
-                slides = direction != 0
-                number = np.sum(slides, axis=1)
-                if np.any(number == cells):
-                    raise ArithmeticError("all cells slip")
-                fixed, v, shear = direction * most, np.zeros(most.shape), stuck
-                if np.any(number):
-                    # The cells that slip first, as many as of the grid with most of them: what is too much has the matrix 1.
-                    order = np.argsort(~slides, axis=1, kind="stable")[:, : number.max()]
-                    real = np.take_along_axis(slides, order, axis=1)
-                    stiff = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
-                    if not real.all():
-                        stiff *= real[:, :, None] & real[:, None, :]
-                        stiff[:, np.arange(order.shape[1]), np.arange(order.shape[1])] += ~real
-                    right = np.where(real, np.take_along_axis(stuck - fixed, order, axis=1), 0.0)
-                    np.put_along_axis(v, order, np.linalg.solve(stiff, right[..., None])[..., 0], axis=1)
-                    shear = np.where(slides, fixed, stuck - v @ zone.stiffness)
-                exceeds = (direction == 0) & (np.abs(shear) > allowed)
-                wanted = np.where(exceeds, np.sign(shear), np.where(direction * v > 0, direction, 0)).astype(int)
-                if np.array_equal(wanted, direction):
-                    break
-                direction = wanted
-            else:
-                raise ArithmeticError("the slip zones do not converge")
-            own = np.searchsorted(some, grids)
-            q[own[:, None], here[1]], directions[own[:, None], here[1]] = shear, direction
-            shift[own] = (force / self.step + (v - free) @ zone.rows) / zone.whole
+        contact = self._inside(begin, count)[some]
+        cells, every = int(count[some].max()), np.arange(len(some))[:, None]
+        zone, here = self._zone(cells), np.minimum(begin[some], self.cells - cells)[:, None] + np.arange(cells)
+        free, touching = (moved - start)[some[:, None], here], contact[every, here]
+        most, allowed = np.where(touching, limit[some[:, None], here], 0.0), _ROUNDING * limit.max()
+        stuck, direction = force / self.step / zone.whole * zone.rows + free @ zone.stiffness, np.zeros(free.shape, dtype=int)
+        for _ in range(_TURNS):
+            slides = (direction != 0) | ~touching
+            number = np.sum(slides, axis=1)
+            if np.any(number == cells):
+                raise ArithmeticError("all cells slip")
+            fixed, v, shear = direction * most, np.zeros(most.shape), stuck
+            if np.any(number):
+                # The cells that slip first, as many as of the grid with most of them: what is too much has the matrix 1.
+                order = np.argsort(~slides, axis=1, kind="stable")[:, : number.max()]
+                real = np.take_along_axis(slides, order, axis=1)
+                stiff = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
+                if not real.all():
+                    stiff *= real[:, :, None] & real[:, None, :]
+                    stiff[:, np.arange(order.shape[1]), np.arange(order.shape[1])] += ~real
+                right = np.where(real, np.take_along_axis(stuck - fixed, order, axis=1), 0.0)
+                np.put_along_axis(v, order, np.linalg.solve(stiff, right[..., None])[..., 0], axis=1)
+                shear = np.where(slides, fixed, stuck - v @ zone.stiffness)
+            exceeds = ~slides & (np.abs(shear) > most + allowed)
+            wanted = np.where(exceeds, np.sign(shear), np.where(direction * v > 0, direction, 0)).astype(int)
+            if np.array_equal(wanted, direction):
+                break
+            direction = wanted
+        else:
+            raise ArithmeticError("the slip zones do not converge")
+        q, directions = np.zeros(contact.shape), np.zeros(contact.shape, dtype=int)
+        q[every, here], directions[every, here] = shear, direction
+        shift = (force / self.step + (v - free) @ zone.rows) / zone.whole
         return q, shift[:, None] + moved[some] - q @ self._compliance, directions, shift
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
