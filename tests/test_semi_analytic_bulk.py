@@ -753,7 +753,7 @@ def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
     scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=6)
     found = solve(scene, x=np.linspace(-2.6, 2.6, 521))
     error = found.record.errors["dissipation"]
-    assert error < 3e-4
+    assert error < 4e-4
     assert found.dissipation == pytest.approx(work, abs=known_to + error * work)
     assert found.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
     assert "on grids of 160 cells and 320 increments a cycle" in found.record.notes[0]
