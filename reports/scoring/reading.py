@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
-from scenes import InputError, Scene
+from scenes import InputError
 from scenes.text_tables import ALIASES, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ _TAGGED = re.compile(
 )
 
 
-def read(path: Path, mapping: Mapping, scene: Scene | None = None) -> SurfaceResult:  # noqa: ARG001 (asked with it by scripts)
+def read(path: Path, mapping: Mapping) -> SurfaceResult:
     """The result in the file, in the scene's units and our signs as far as the mapping says.
 
     Raises
