@@ -201,14 +201,14 @@ class Options:
 
 
 _NAMES = [one.name for one in fields(Options)]
-OUTPUT = ("out", "json", "quiet")
+_OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
 _FINITE_ELEMENTS = dict.fromkeys(_NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]).keys()
 KEYS = dict.fromkeys(_NAMES[_NAMES.index("title") : _NAMES.index("phase_degrees") + 1]).keys()
 WORKERS = ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")
 
 
-class Operand(NamedTuple):
+class _Operand(NamedTuple):
     """What a command is about: its name, kind, words and default (... where it must be given); `alone`: never as an option."""
 
     name: str
@@ -228,39 +228,39 @@ class Command:
     help: str
     does: str  # module and function, of the operands and of `Options`
     # operands, options: what it takes; an option with "!" must be given
-    operands: tuple[Operand, ...]
+    operands: tuple[_Operand, ...]
     options: tuple[str, ...]
     words: Mapping[str, str] = field(default_factory=dict)  # of options that mean something else than in the table
     silent: bool = False  # what --quiet prints: nothing at all
 
 
-_SCENE_NAME = Operand("scene", str, "Name of a library scene, or a .toml or .json file.")
-_FOLDER = Operand("folder", Path, "Folder of a sweep.", alone=True)
+_SCENE_NAME = _Operand("scene", str, "Name of a library scene, or a .toml or .json file.")
+_FOLDER = _Operand("folder", Path, "Folder of a sweep.", alone=True)
 _SILENT = {"quiet": "Print nothing: the exit code is the answer."}
 # The list of commands by use, and within a group in this order.
 COMMANDS = (
     Command(
         "Solve", "run", "Both engines on one scene: verdict, page and data.",
         "solving:run", (_SCENE_NAME,),
-        (*OUTPUT, "tolerance", "budget", "vtu", "stress", "pdf", "plots", "third", "third_limit", *_FINITE_ELEMENTS),
+        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "pdf", "plots", "third", "third_limit", *_FINITE_ELEMENTS),
     ),
     Command(
-        "Solve", "exact", "Half-plane theory alone: summary, NetCDF and CSV, no page.", "solving:exact", (_SCENE_NAME,), OUTPUT
+        "Solve", "exact", "Half-plane theory alone: summary, NetCDF and CSV, no page.", "solving:exact", (_SCENE_NAME,), _OUTPUT
     ),
     Command(
         "Solve", "fe", "Finite elements alone: summary, NetCDF and CSV, no page.",
-        "solving:fe", (_SCENE_NAME,), (*OUTPUT, *_FINITE_ELEMENTS),
+        "solving:fe", (_SCENE_NAME,), (*_OUTPUT, *_FINITE_ELEMENTS),
     ),
     Command(
         "Solve", "fields", "Displacement, stress and tractions in both bodies: files for ParaView, pictures, an animation.",
         "field_output:fields", (_SCENE_NAME,),
-        (*OUTPUT, "at", "every", "frames", "animate", "pictures", "fatigue", "fatemi_socie", "findley", "critical_distance",
+        (*_OUTPUT, "at", "every", "frames", "animate", "pictures", "fatigue", "fatemi_socie", "findley", "critical_distance",
          *_FINITE_ELEMENTS),
     ),
     Command(
         "Solve", "sweep", "Run a study: a scene over axes of its keys, into a store; a later run resumes it.",
-        "studies:sweep", (Operand("study", str, "A study file, .toml or .json; see docs/sweeps.md."),),
-        (*OUTPUT, *WORKERS, "resume"), {"out": "Folder of the store; out/<study file> if left out."},
+        "studies:sweep", (_Operand("study", str, "A study file, .toml or .json; see docs/sweeps.md."),),
+        (*_OUTPUT, *WORKERS, "resume"), {"out": "Folder of the store; out/<study file> if left out."},
     ),
     Command(
         "Solve", "sweep status", "How far a sweep is: done, failed, running, time left.",
@@ -272,22 +272,22 @@ COMMANDS = (
     ),
     Command(
         "Solve", "export", "The bodies and the load history as an input deck for another code.",
-        "solving:export", (_SCENE_NAME,), (*OUTPUT, "to!", "steps_per_cycle", "cycles"),
+        "solving:export", (_SCENE_NAME,), (*_OUTPUT, "to!", "steps_per_cycle", "cycles"),
         {"steps_per_cycle": "Instants of a revolution; turning points come on top."},
     ),
     Command(
         "Judge", "score", "Compare an external result with the reference: verdict, likely causes, page.",
         "results:score",
-        (Operand("result", str | None, "An external result: a table (.csv, .txt, .rpt), fields, a solution (.nc); or a folder of "
+        (_Operand("result", str | None, "An external result: a table (.csv, .txt, .rpt), fields, a solution (.nc); or a folder of "
                  "meshes.", None),),
-        (*OUTPUT, "scene", "as_", "rig_compliance", "mapping", "against", "tolerance", "mapping_example"),
+        (*_OUTPUT, "scene", "as_", "rig_compliance", "mapping", "against", "tolerance", "mapping_example"),
         {"out": "Folder for the results; out/score-<result> if left out."},
     ),
     Command(
         "Judge", "diff", "Two runs, or a run and a baseline, value by value: 0 the same within tolerance, 1 not.",
         "results:diff",
-        (Operand("a", str, "Folder of a run, its comparison.json, a solution (.nc), or a baseline."),
-         Operand("b", str, "The same; with --accept the baseline to write.")),
+        (_Operand("a", str, "Folder of a run, its comparison.json, a solution (.nc), or a baseline."),
+         _Operand("b", str, "The same; with --accept the baseline to write.")),
         ("tolerance", "accept", "json", "quiet"),
         {"tolerance": 'KEY=VALUE of one value, or of many: "metric.*=1e-4".', **_SILENT}, silent=True,
     ),
@@ -298,18 +298,18 @@ COMMANDS = (
     ),
     Command(
         "Judge", "map", "Run the studies of a map of the idealisation error, or resume them, and write its page.",
-        "studies:make_map", (Operand("name", str, "Name of a map (docs/maps.md), or all."),),
-        (*OUTPUT, "stores", "workers", "remake", "pages"),
+        "studies:make_map", (_Operand("name", str, "Name of a map (docs/maps.md), or all."),),
+        (*_OUTPUT, "stores", "workers", "remake", "pages"),
         {"out": "Folder of tables and pages; a checkout's reports/published/maps if left out.",
          "workers": "Processes; all cores if left out."},
     ),
     Command(
         "Judge", "paper", "The paper again from half-plane theory: its figures, statements and misprints.",
-        "solving:paper", (), OUTPUT, {"out": "Folder for the results; out/paper if left out."},
+        "solving:paper", (), _OUTPUT, {"out": "Folder for the results; out/paper if left out."},
     ),
     Command(
         "Scenes", "init", "Write a commented scene to start from, never over a file that exists.",
-        "scene_files:init", (Operand("file", Path, "New file, ending in .toml."),), ("start", "bodies", "quiet", *KEYS),
+        "scene_files:init", (_Operand("file", Path, "New file, ending in .toml."),), ("start", "bodies", "quiet", *KEYS),
         {"quiet": "Print nothing."}, silent=True,
     ),
     Command(
@@ -319,7 +319,7 @@ COMMANDS = (
     Command(
         "Scenes", "scenes", "The library of scenes, or all about one scene.",
         "scene_files:show",
-        (Operand("name", str, "Show this scene in detail: a name of the library, or a .toml or .json file.", "", alone=True),),
+        (_Operand("name", str, "Show this scene in detail: a name of the library, or a .toml or .json file.", "", alone=True),),
         ("tag", "json"),
     ),
     Command(
@@ -327,13 +327,13 @@ COMMANDS = (
         "scene_files:schema", (), ("answers",),
     ),
     Command(
-        "Machine", "doctor", "Can this machine do the work?", "machine:doctor", (), OUTPUT,
+        "Machine", "doctor", "Can this machine do the work?", "machine:doctor", (), _OUTPUT,
         {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT}, silent=True,
     ),
     Command(
         "Machine", "completion",
         'A script that completes commands and options: eval "$(halfplane completion bash)" in ~/.bashrc.',
-        "machine:completion", (Operand("shell", Literal["bash", "zsh", "fish"], "The shell that is to complete words."),), (),
+        "machine:completion", (_Operand("shell", Literal["bash", "zsh", "fish"], "The shell that is to complete words."),), (),
     ),
 )  # fmt: skip
 
@@ -368,7 +368,7 @@ def share_of(text: str) -> float:
         return math.nan
 
 
-def tolerances_of(words: Sequence[str]) -> dict[str, float]:
+def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
     """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance KEY=VALUE`, the last of a key.
 
     Raises
@@ -376,7 +376,7 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
     InputError
         For a key that is none, for what is no share above 0, and for 1 or more without the sign %: 5 may be meant as 5 %.
 
-    >>> tolerances_of(["5%", "dissipation=0.03"])
+    >>> requested_tolerances(["5%", "dissipation=0.03"])
     {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick': 0.05}
     """
     if not words:

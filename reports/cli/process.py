@@ -64,7 +64,7 @@ class _Outlet(io.FileIO):
         return io.TextIOWrapper(buffer, like.encoding, "halfplane-spelt", line_buffering=lines, write_through=like.write_through)
 
 
-class Surroundings:
+class _Surroundings:
     """The streams of this process, and the signals that it received, from `settled`."""
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class Surroundings:
 
 
 @contextmanager
-def settled() -> Generator[Surroundings, None, None]:
+def settled() -> Generator[_Surroundings, None, None]:
     """Streams that can always be written to, and signals that end the program as Ctrl-C does, until its end.
 
     A signal that was to be ignored (nohup) stays ignored. Not on Windows, whose terminals and signals are others.
@@ -102,7 +102,7 @@ def settled() -> Generator[Surroundings, None, None]:
     _open_standard_handles()
     if not os.environ.get("COLUMNS", "80").strip("0"):
         del os.environ["COLUMNS"]  # a terminal of no width is one that did not say
-    found = Surroundings()
+    found = _Surroundings()
     if sys.platform == "win32":
         yield found
         return

@@ -17,7 +17,7 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
                     `SUPPORT_WORDS` `sentence` `cost`; in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
                     `first_rows` `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
-                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `tolerances_of`
+                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations

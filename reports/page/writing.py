@@ -130,7 +130,7 @@ def write(
             answer = with_bodies(comparison.result, "--vtu")
             write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, report.third, folder) if report.third else None
-        live = _cycle_data(Shown(comparison)) | {"tables": tables(texts)}
+        live = _cycle_data(_Shown(comparison)) | {"tables": _tables(texts)}
         page = render(report, drawings, command, seconds or {}, live, words)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
@@ -189,9 +189,9 @@ def render(
         measured=section(scene, (comparison.reference, comparison.result)),
         figures={drawing.name: drawing for drawing in drawings},
         engines=[(name_of(solution.engine), solution) for solution in (comparison.reference, comparison.result)],
-        flat=flat,
+        flat=_flat,
         command=command,
-        commit=commit(),
+        commit=_commit(),
         third=third,
         script=program,
         script_hash=digest,
@@ -203,7 +203,7 @@ def render(
     )
 
 
-def commit() -> str:
+def _commit() -> str:
     """The commit of the checkout that this package lies in, "with changes" where files differ from it; or why there is none."""
     home = Path(__file__).parents[2]
     if not (home / ".git").exists():
@@ -245,16 +245,16 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
         }
 
 
-def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
+def _flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
     """Nested settings as one list, names joined by dots, numbers to six digits.
 
-    >>> flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
+    >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
     """
     found: dict[str, str] = {}
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            found |= flat(value, f"{above}{name}.")
+            found |= _flat(value, f"{above}{name}.")
         else:
             found[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
     return found
@@ -280,7 +280,7 @@ def _quantised(values: Array) -> dict[str, Any]:
     return {"step": step, "data": base64.b64encode(whole.tobytes()).decode()}
 
 
-def _cycle_data(shown: Shown) -> dict[str, Any]:
+def _cycle_data(shown: _Shown) -> dict[str, Any]:
     """Everything that the slider moves, and how much of the cycle that is."""
     comparison, expected, found, scales = shown.comparison, shown.expected, shown.found, shown.scales
     # All instants, or evenly many of them with the first, the last and the chosen ones; of the points those that are drawn.
@@ -288,7 +288,7 @@ def _cycle_data(shown: Shown) -> dict[str, Any]:
     even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
     rows = np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
     inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
-    points = np.unique([*inside[:: -(-len(inside) * len(rows) // _MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
+    points = np.unique([*inside[:: -(-len(inside) * len(rows) // _MOST_VALUES)].tolist(), inside[-1], *_places(comparison)])
     grid = np.ix_(rows, points)
     series = {
         "t": shown.time,
@@ -296,8 +296,8 @@ def _cycle_data(shown: Shown) -> dict[str, Any]:
         "Q": found.tangential_load,
         "U0": expected.tangential_displacement,
         "U1": found.tangential_displacement,
-        "V0": sheared_shift(expected),
-        "V1": sheared_shift(found),
+        "V0": _sheared_shift(expected),
+        "V1": _sheared_shift(found),
     }
     sizes = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear), "s": ("slip", 1.0)}
     fields = {}
@@ -317,7 +317,7 @@ def _cycle_data(shown: Shown) -> dict[str, Any]:
         "states": base64.b64encode(states.tobytes()).decode(),
         "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in shown.chosen],
         "start": int(np.flatnonzero(rows == shown.start)[0]),
-        "slip_points": [int(np.flatnonzero(points == place)[0]) for place in places(comparison)],
+        "slip_points": [int(np.flatnonzero(points == place)[0]) for place in _places(comparison)],
         "time_words": shown.time_words,
         "load_unit": load_unit(comparison.scene),
         "length": units(comparison.scene)[1],
@@ -337,7 +337,7 @@ def _carried(data: dict[str, Any]) -> str:
     )
 
 
-def tables(texts: Mapping[str, str]) -> dict[str, str]:
+def _tables(texts: Mapping[str, str]) -> dict[str, str]:
     """Name -> the CSV of each figure, deflated; those over `_LETTERS` stay beside the page only."""
     short = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
     return {name: base64.b64encode(zlib.compress(text.encode(), 9)).decode() for name, text in short.items()}
@@ -365,7 +365,7 @@ _MOST_STATES = 500_000
 _ZERO = Rule(0.0, "zero")
 
 
-class Shown:
+class _Shown:
     """What the figures of a comparison share.
 
     Attributes
@@ -404,24 +404,24 @@ class Shown:
 
     def largest(self, difference: Array, unit: str) -> str:
         """The numbers of a difference over time."""
-        return measured(difference, self.time, "t/T = {}" if "period" in self.time_words else "t = {}", unit)
+        return _measured(difference, self.time, "t/T = {}" if "period" in self.time_words else "t = {}", unit)
 
 
 def draw(report: Report) -> tuple[Plate, ...]:
     """Every figure of the report, in the order of the page; those left out that need what a foreign result does not hold."""
     comparison = report.comparison
-    shown, result = Shown(comparison), comparison.result
+    shown, result = _Shown(comparison), comparison.result
     drawings: list[Plate | None] = [
         sketch(comparison.scene, comparison.scales.half_width),
         fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
         _load_path(shown),
         _now(shown),
-        hysteresis(shown),
+        _hysteresis(shown),
         _state_map(shown),
         _half_widths(shown),
         _slip_histories(shown),
-        dissipation_density(shown),
-        errors(shown),
+        _dissipation_density(shown),
+        _errors(shown),
         _tractions(shown),
         _distances(report.study) if report.study is not None else None,
     ]
@@ -438,10 +438,10 @@ def draw(report: Report) -> tuple[Plate, ...]:
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
 
 
-def measured(difference: Array, along: Array, where: str, unit: str = "", weight: NDArray[np.bool_] | None = None) -> str:
+def _measured(difference: Array, along: Array, where: str, unit: str = "", weight: NDArray[np.bool_] | None = None) -> str:
     """The numbers of a difference (n,) along x or time (n,): root mean square over the length, the largest value, its place.
 
-    >>> measured(np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %")
+    >>> _measured(np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %")
     'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
     known = np.isfinite(difference) & (True if weight is None else weight)
@@ -461,12 +461,12 @@ def _broad(name: str, x: Axis, y: Axis, marks: Sequence[Mark], alt: str, height:
 
 
 # ------------------------------------------------------------------------------------------------------------------- over x
-def _traction_keys(shown: Shown) -> tuple[Key, ...]:
+def _traction_keys(shown: _Shown) -> tuple[Key, ...]:
     lines = [Key(f"{who} {key}", f"{key}, {name}") for who, _, name in shown.sides for key in "pq"]
     return (*lines, Key("d p", "difference of p"), Key("d q", "difference of q"))
 
 
-def _tractions(shown: Shown) -> Plate:
+def _tractions(shown: _Shown) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
     rows, scales, points = [event.index for event in shown.chosen], shown.scales, len(shown.x)
     cells = [
@@ -482,7 +482,7 @@ def _tractions(shown: Shown) -> Plate:
 
 
 def _traction_panels(
-    shown: Shown, k: int, rows: Sequence[int], name: str, size: tuple[float, float], title: str = "", *, live: bool = False
+    shown: _Shown, k: int, rows: Sequence[int], name: str, size: tuple[float, float], title: str = "", *, live: bool = False
 ) -> tuple[Panel, Panel]:
     """Tractions at instant k in a drawing of that size, and the difference; axes hold the instants of `rows`.
 
@@ -506,7 +506,7 @@ def _traction_panels(
     differences: list[Mark] = [_ZERO, *(curve(apart[key][0], f"d {key}", f"difference of {key}, %", f"d{key}") for key in "pq")]
     up = Axis(*limits(*(series for pair in both.values() for series in pair), zero=True), "p/p_ref,  q/(f p_ref)")
     below = Axis(*limits(*apart.values(), zero=True, least=1e-9), "difference, %", count=3)
-    notes = [f"{key}: {measured(apart[key][0], x, 'x = {} a_ref', ' %', touching)}" for key in "pq"]
+    notes = [f"{key}: {_measured(apart[key][0], x, 'x = {} a_ref', ' %', touching)}" for key in "pq"]
     alts = [f"{what} over x. {title}".strip() for what in ("Pressure and shear", "Result less reference")]
     room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
     return (
@@ -517,21 +517,21 @@ def _traction_panels(
 
 def published(comparison: Comparison) -> str:
     """The picture of a published scene, two panels as SVG: tractions at the largest load, and the loop or the half-widths."""
-    shown, scene, expected = Shown(comparison), comparison.scene, comparison.expected
+    shown, scene, expected = _Shown(comparison), comparison.scene, comparison.expected
     # Where P is largest, and of these instants where |Q| is.
     largest = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
     k = int(np.argmax(np.where(largest, np.abs(expected.tangential_load), -1.0)))
     first, _ = _traction_panels(shown, k, [k], "tractions", (440.0, 330.0), f"t = {expected.time[k]:.4g}")
     first = replace(first, x=shown.over_x(), room=None)
     moves = np.ptp(expected.tangential_displacement) > 1e-9 * comparison.scales.shift
-    loop = hysteresis(shown) if moves else None
+    loop = _hysteresis(shown) if moves else None
     shown.time, shown.time_words = shown.found.time, "time"
     beside = loop.panels[1] if loop else _half_widths(shown).panels[0]
     keys = _traction_keys(shown)[:4]
     return Plate(scene.name, scene.title or scene.name, "", f"Both engines on {scene.name}", (first, beside), {}, keys).svg() + "\n"
 
 
-def _now(shown: Shown) -> Plate:
+def _now(shown: _Shown) -> Plate:
     """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing leaves them as it moves."""
     expected, found, width = shown.expected, shown.found, 560.0
     above, difference = _traction_panels(shown, shown.start, range(len(found.time)), "now", (width, 300.0), live=True)
@@ -552,7 +552,7 @@ def _now(shown: Shown) -> Plate:
     return worded("cycle", (above, zones, difference), table, _traction_keys(shown), columns=1)
 
 
-def _state_map(shown: Shown) -> Plate:
+def _state_map(shown: _Shown) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they differ."""
     expected, found, time, wide = shown.expected, shown.found, shown.time, shown.wide
     inside = np.flatnonzero(np.abs(shown.x) <= wide)
@@ -579,7 +579,7 @@ def _state_map(shown: Shown) -> Plate:
     return worded("state_map", panels, table, STATE_KEYS, columns=3, share=share, written=kept, instants=of)
 
 
-def dissipation_density(shown: Shown) -> Plate | None:
+def _dissipation_density(shown: _Shown) -> Plate | None:
     """w(x) of the last cycle, both engines, the difference beside it; None where nothing is dissipated anywhere."""
     x, scales = shown.x, shown.scales
     theirs, ours = (cycle.dissipation_density / (scales.dissipation / scales.half_width) for _, cycle, _ in shown.sides)
@@ -591,7 +591,7 @@ def dissipation_density(shown: Shown) -> Plate | None:
     peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
     lines.append(Dot(float(x[peak]), float(ours[peak]), "event"))
     apart = 100 * (ours - theirs) / (float(np.nanmax(np.abs(theirs), initial=0.0)) or 1.0)
-    note = measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= shown.wide) & ((theirs != 0) | (ours != 0)))
+    note = _measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= shown.wide) & ((theirs != 0) | (ours != 0)))
     ends = f"±{stick[1]:.4g}" if stick[0] == -stick[1] else minus(f"{stick[0]:.4g} and {stick[1]:.4g}")
     up = Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
     below = Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest")
@@ -612,7 +612,7 @@ def dissipation_density(shown: Shown) -> Plate | None:
 
 
 # ---------------------------------------------------------------------------------------------------------------- over time
-def _half_widths(shown: Shown) -> Plate:
+def _half_widths(shown: _Shown) -> Plate:
     """Contact and stick edges of both engines through the last cycle, the difference of the half-widths beside them."""
     length, time = shown.scales.half_width, shown.time
     lines, keys, apart, table = list[Curve](), list[Key](), dict[str, Array](), {"time": shown.found.time}
@@ -643,7 +643,7 @@ def _half_widths(shown: Shown) -> Plate:
     )
 
 
-def errors(shown: Shown) -> Plate:
+def _errors(shown: _Shown) -> Plate:
     """Metrics that have a value at each instant, at the instants that are judged: over their tolerances, where there are any.
 
     Where no tolerance was given, those that half-planes are judged by, in per cent.
@@ -675,7 +675,7 @@ def _permanent_edges(solution: ContactSolution) -> Array:
     return solution.permanent_stick_half_width * np.array([-1.0, 1.0])
 
 
-def places(comparison: Comparison, count: int = 4) -> list[int]:
+def _places(comparison: Comparison, count: int = 4) -> list[int]:
     """Points whose slip is worth a look: from the permanent stick zone (or the middle) to just outside the largest contact.
 
     Indices into the result's points, on the right-hand side, none twice.
@@ -690,9 +690,9 @@ def places(comparison: Comparison, count: int = 4) -> list[int]:
     return sorted({int(np.abs(x - place).argmin()) for place in wanted})
 
 
-def _slip_histories(shown: Shown) -> Plate:
+def _slip_histories(shown: _Shown) -> Plate:
     """Slip of chosen points through the last cycle, both engines, from where each stood at the start of the cycle."""
-    rows, x, length = places(shown.comparison), shown.found.x, units(shown.scene)[1]
+    rows, x, length = _places(shown.comparison), shown.found.x, units(shown.scene)[1]
     named = [f"x = {shown.x[row]:.3f} a_ref" for row in rows]
     slips = [cycle.slip[:, rows] - cycle.slip[0, rows] for _, cycle, _ in shown.sides]
     lines = [
@@ -713,7 +713,7 @@ def _slip_histories(shown: Shown) -> Plate:
 
 
 # ------------------------------------------------------------------------------------------------ the loads, and load over shift
-def _load_path(shown: Shown) -> Plate:
+def _load_path(shown: _Shown) -> Plate:
     """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at the instant shown.
 
     Beneath it bulk stress, tilt and moment over the cycle, where there are any.
@@ -746,7 +746,7 @@ def _load_path(shown: Shown) -> Plate:
     return worded("load_path", panels, table, keys, columns=1, beside=len(panels) > 1)
 
 
-def _beside_the_forces(shown: Shown) -> Iterator[tuple[str, str, list[tuple[str, str, Array]]]]:
+def _beside_the_forces(shown: _Shown) -> Iterator[tuple[str, str, list[tuple[str, str, Array]]]]:
     """Name, words of the axis and lines (look, words, values) of what a scene has beside P and Q, each with its unit."""
     (force, _, stress), cycle = units(shown.scene), shown.found
     pulled = [(f"σ, {name} body", getattr(cycle, f"bulk_stress_{name}")) for name in ("lower", "upper")]
@@ -789,7 +789,7 @@ def _follower(x: str, across: float, up: float, css: str) -> Dot:
     return Dot(float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": "Q"})
 
 
-def hysteresis(shown: Shown) -> Plate | None:
+def _hysteresis(shown: _Shown) -> Plate | None:
     """Tangential load over tangential displacement in the last cycle, both engines; beside it sheared, so that the loop opens.
 
     None where neither load nor shift moves, or the result holds no shift.
@@ -803,9 +803,9 @@ def hysteresis(shown: Shown) -> Plate | None:
         ("hysteresis", f"tangential displacement U  [{length}]", "U", "stroke"),
         ("hysteresis-sheared", f"U − k Q, about its mean  [{length}]", "V", "width"),
     ):
-        shifts = [sheared_shift(cycle) if letter == "V" else cycle.tangential_displacement for cycle in cycles]
+        shifts = [_sheared_shift(cycle) if letter == "V" else cycle.tangential_displacement for cycle in cycles]
         stroke = float(np.ptp(shifts[0])) or 1.0
-        note = measured(100 * (shifts[1] - shifts[0]) / stroke, shown.found.fraction, "{}", " %").rpartition(" at ")[0]
+        note = _measured(100 * (shifts[1] - shifts[0]) / stroke, shown.found.fraction, "{}", " %").rpartition(" at ")[0]
         marks: list[Mark] = [Curve(u, q, key.css, key.text) for key, u, q in zip(shown.keys, shifts, loads, strict=True)]
         across = Axis(*limits(*shifts, margin=0.12), title, count=4)
         up = Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load}]")
@@ -842,7 +842,7 @@ def hysteresis(shown: Shown) -> Plate | None:
     )
 
 
-def sheared_shift(cycle: Cycle) -> Array:
+def _sheared_shift(cycle: Cycle) -> Array:
     """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
     shift = cycle.tangential_displacement - _loop_compliance(cycle) * cycle.tangential_load
     return np.asarray(shift - shift.mean())

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 import semi_analytic
 from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, limits, worded
 from reports.charts.templating import script, template
-from reports.checking import check_path
+from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
 from reports.scoring.mapping import Mapping, converted, find_column, listed
@@ -225,7 +225,7 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     scene, place, said = _on_the_cycle(loop, scene)
     share, scale, tangential = place.share, place.scale, _cycle_loads(scene)[1]
     own, fitted, known = tangential * scale, rig_compliance is None, rig_compliance or 0.0
-    least = check_path(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
+    least = nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
 
     def against_rows(shift: Array, share: Array = share, scale: float = scale) -> tuple[float, float, float]:
         """Sum of squares, C and U0 with this U (n_instants,) of theory."""
