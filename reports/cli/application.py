@@ -14,7 +14,7 @@ from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
 from dataclasses import fields
-from importlib import import_module
+from importlib import import_module, resources
 from inspect import Parameter, Signature
 from json import dumps
 from typing import Annotated, Any
@@ -34,30 +34,6 @@ from reports.cli.options import COMMANDS, FORMAT, Answer, Command, Options
 from reports.cli.process import BAD_INPUT, INTERNAL, INTERRUPTED, NOT_CONVERGED, WITHIN, settled
 from reports.console import complain, say, show
 
-_EXAMPLES = """\
-Examples:
-  halfplane scenes                          what the library has
-  halfplane run hertz-paper                 both engines, verdict and page
-  halfplane run hertz-paper --steps-per-cycle 320 --out out/fine
-  halfplane run blocks --budget             where the discrepancy comes from
-  halfplane init my.toml                    a commented scene to start from
-  halfplane init my.toml --bodies           the same with a block and a pad
-  halfplane check my.toml                   is it read, is it admissible?
-  halfplane exact my.toml                   half-plane theory alone
-  halfplane fe my.toml --method penalty     finite elements alone
-  halfplane fields my.toml --at 12.6 14.1   both bodies for ParaView, pictures
-  halfplane score my.csv --scene hertz-paper  an external result
-  halfplane export my.toml --to calculix    a deck for another code
-  halfplane diff out/a out/b                two runs, or a run and a baseline
-  halfplane sweep study.toml                a scene over axes of its keys
-  halfplane advise my.toml                  may half-plane theory be used?
-  halfplane paper                           the paper's figures and statements
-  halfplane completion bash                 a script that completes words
-Exit codes: 0 within tolerance or nothing to judge, 1 outside or undecided,
-            2 bad input, 3 not converged, 70 internal error, 130 interrupted
-            (143 by SIGTERM, 129 by SIGHUP), 141 nobody read on.
-"""
-
 
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version
@@ -72,7 +48,7 @@ _GROUPS = {name: Group(name, sort_key=k) for k, name in enumerate(dict.fromkeys(
 app = App(
     name="halfplane",
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
-    help_epilogue=_EXAMPLES,
+    help_epilogue=(resources.files("reports") / "templates" / "help.txt").read_text("utf-8"),
     help_format="plaintext",
     version=_version,
     suppress_keyboard_interrupt=False,

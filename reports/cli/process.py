@@ -14,30 +14,16 @@ from contextlib import contextmanager
 
 # 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 + SIGINT, 141 128 + SIGPIPE.
 WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERNAL, INTERRUPTED, _UNREAD = 0, 1, 2, 3, 70, 130, 141
-_SPELT = {
-    "ν": "nu",
-    "α": "alpha",
-    "β": "beta",
-    "−": "-",
-    "–": "-",
-    "°": " deg",
-    "·": "*",
-    "²": "^2",
-    "×": "x",
-    "≤": "<=",
-    "≥": ">=",
-}
 
 
-def _spelt(fault: UnicodeError) -> tuple[str, int]:
-    """Signs that an encoding lacks, in words, else as their JSON escapes: JSON stays JSON."""
+def _escaped(fault: UnicodeError) -> tuple[str, int]:
+    """Signs that an encoding lacks as their JSON escapes: JSON stays JSON."""
     if not isinstance(fault, UnicodeEncodeError):
         raise fault
-    signs = fault.object[fault.start : fault.end]
-    return "".join(_SPELT.get(sign) or json.dumps(sign)[1:-1] for sign in signs), fault.end
+    return json.dumps(fault.object[fault.start : fault.end])[1:-1], fault.end
 
 
-codecs.register_error("halfplane-spelt", _spelt)
+codecs.register_error("halfplane-escaped", _escaped)
 
 
 class _Outlet(io.FileIO):
@@ -61,7 +47,7 @@ class _Outlet(io.FileIO):
     def as_text(self, like: io.TextIOWrapper) -> io.TextIOWrapper:
         """A stream of text on it, its encoding and breaking of lines those of another."""
         buffer, lines = io.BufferedWriter(self), like.line_buffering
-        return io.TextIOWrapper(buffer, like.encoding, "halfplane-spelt", line_buffering=lines, write_through=like.write_through)
+        return io.TextIOWrapper(buffer, like.encoding, "halfplane-escaped", line_buffering=lines, write_through=like.write_through)
 
 
 class _Surroundings:
