@@ -254,7 +254,7 @@ def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
 
 
 IGNORED = (
-    "from reports.cli.process import settled",
+    "from reports.cli.application import settled",
     "signal.signal(signal.SIGHUP, signal.SIG_IGN)",
     "with settled(): os.kill(os.getpid(), signal.SIGHUP); print('goes on')",
 )

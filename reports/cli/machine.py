@@ -13,8 +13,7 @@ from platform import machine as processor
 from platform import python_version, system
 from typing import Literal
 
-from reports.cli.options import Answer, Options
-from reports.cli.process import OUTSIDE, WITHIN
+from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
 from reports.console import Sheet
 
 _PACKAGES = ("numpy", "scipy", "pydantic", "xarray", "scikit-fem", "gmsh", "meshio", "matplotlib", "pyvista", "jinja2")
