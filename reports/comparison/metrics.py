@@ -1306,7 +1306,7 @@ METRICS = {row.key: row for row in (
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
         "state whole_cycle friction", _stick_set, signed=False),
     _row("full_stick_start", "Start of full stick: first instant of full stick, result − reference, to a step; full stick: at "
-        "least two instants whose stick edges are the contact edges; intervals that share most instants are compared",
+        "least two instants whose stick edges are the contact edges; the nearest start is compared",
         "of the period", _IN_CYCLE, "state whole_cycle friction",
         partial(_full_stick, ends=False)),
     _row("full_stick_end", "End of full stick: last instant of full stick, result − reference, as its start",
