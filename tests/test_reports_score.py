@@ -486,19 +486,12 @@ FOLDERS = {
         "Left out of the folder: a.dat, c.md.",
     ),
     "collections": (COLLECTIONS, "alone.vtu coarse.vtu.series fine.pvd", "Read through the collections that name them: 4 files."),
-    "words": (
-        {"a.csv": "x", "README.txt": "3 meshes: 0.1, 0.05 and 0.025 mm.\nMesh 2 took 17 s.\n"},
-        "a.csv",
-        "Left out of the folder: README.txt.",
-    ),
-    "a table": ({"a.csv": "x", "b.txt": "# x p q\n-1.0 0.0 0.0\n0.0 1.0e2 3D1\n"}, "a.csv b.txt", ""),
-    "with decimal commas": ({"a.csv": "x", "b.txt": "x;p;q\n-1,0;0,0;0,0\n"}, "a.csv b.txt", ""),
 }
 
 
 @pytest.mark.parametrize("case", FOLDERS)
 def test_which_files_of_a_folder_are_results(tmp_path: Path, case: str) -> None:
-    """Each instant of a PVD would else be a mesh of its own; a text without a table is none."""
+    """Each instant of a PVD would else be a mesh of its own."""
     with pytest.raises(InputError, match="no result is in this folder"):
         results_in(tmp_path)
     files, taken, note = FOLDERS[case]

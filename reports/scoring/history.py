@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +22,10 @@ _CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what
 _PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
-_AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
-_BACK = 100.0  # a step back by noise next to a turn is some hundredths of a period; the other choice is a period ahead
+_PLACES = 64  # at which one instant may lie
+# Costs of a place, over that of a mean step, and for each revolution gone ahead among equal matches; a step back by so small a part
+# of a revolution costs as much as a mean step ahead.
+_DISTANCE, _AHEAD, _BACK = 1e3, 1e-9, 3000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,30 +225,42 @@ def _samples(path: LoadPath, cycles: int) -> Array:
 
 
 def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: float) -> Array:
-    """Ascending times, (n_steps,), whose loads are nearest to `loads` in the sum of squares: dynamic programming, then refined."""
+    """Ascending times, (n_steps,), among `times` (n,): of the places where the path is near to each load, those that cost least.
+
+    A place costs the square of its distance, over that of the instant that lies farthest from the path, `_DISTANCE` times; a step
+    the square of its length over the mean one. So of places that are equally near, to and fro on one line or in one revolution
+    after another, the evenest are taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
+    to a turn may put an instant before the last one, by a small part of a revolution.
+    """
     normal, tangential = path.at(times)
     squares = [_squares(normal - p, tangential - q) / size**2 for p, q in zip(*loads, strict=True)]
-    steps, cost = [], np.zeros(len(times))
-    for square in squares:
-        cost = cost + square
-        least = np.minimum.accumulate(cost)  # least cost up to here, and where it was reached
-        steps.append(np.maximum.accumulate(np.where(cost <= least, np.arange(len(times)), 0)))
-        cost = least
-    ahead = _AHEAD * (times - times[0]) / (times[-1] - times[0])
-    chosen = [int(steps[-1][np.argmin(cost + ahead)])]
-    for step in reversed(steps[:-1]):
-        chosen.append(int(step[chosen[-1]]))
+    noise, whole = max(float(square.min()) for square in squares) + _SAME**2, times[-1] - times[0]
+    mean, back = whole / len(squares), (path.period or whole) / _BACK
+    places = [_nearest(square) for square in squares]
+    cost, came = _AHEAD * (times[places[0]] - times[0]) / whole, list[Places]()
+    for k, place in enumerate(places):
+        if k:
+            step = times[place] - times[places[k - 1]][:, None]
+            total = cost[:, None] + (step / np.where(step < 0, back, mean)) ** 2
+            came.append(np.argmin(total, axis=0))
+            cost = np.min(total, axis=0)
+        cost = cost + _DISTANCE * squares[k][place] / noise
+    taken = [int(np.argmin(cost))]
+    for way in reversed(came):
+        taken.append(int(way[taken[-1]]))
+    chosen = np.array([place[k] for place, k in zip(places, reversed(taken), strict=True)])
+    return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads), path, scene))
 
-    def settled(picked: Places) -> tuple[Array, float]:
-        time = np.maximum.accumulate(_snapped(_refined(times, picked, path, loads), path, scene))
-        return time, float(np.max(_distance(path, time, loads))) / size
 
-    found, off = settled(np.array(chosen[::-1]))
-    near = [_places(square, off + _SAME) for square in squares]
-    if (taken := _evenest([times[place] for place in near])) is not None:
-        even, farther = settled(np.array([place[k, 1] for place, k in zip(near, taken, strict=True)]))
-        found = even if farther <= off + _SAME else found
-    return found
+def _nearest(squares: Array) -> Places:
+    """The samples (k,) at which the squared distance is least among its neighbours, the `_PLACES` nearest of them.
+
+    >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
+    [1, 4]
+    """
+    before, after = np.append(np.inf, squares[:-1]), np.append(squares[1:], np.inf)
+    least = np.flatnonzero((squares < before) & (squares <= after))
+    return np.sort(least[np.argsort(squares[least], kind="stable")[:_PLACES]])
 
 
 def _chords(across: Array, up: Array) -> tuple[Array, Array]:
@@ -290,42 +303,3 @@ def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Arra
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
     normal, tangential = path.at(time)
     return np.hypot(normal - loads[0], tangential - loads[1])
-
-
-def _places(squares: Array, reach: float) -> Places:
-    """First, nearest and last sample (n, 3) of each stretch of the path that comes within `reach`, of squared distances.
-
-    >>> _places(np.array([4.0, 1.0, 0.0, 4.0, 1.0]), 1.0).tolist()
-    [[1, 2, 2], [4, 4, 4]]
-    """
-    near = np.flatnonzero(squares <= reach**2)
-    if not len(near):
-        near = np.array([np.argmin(squares)])
-    stretches = np.split(near, np.flatnonzero(np.diff(near) > 1) + 1)
-    return np.array([(part[0], part[np.argmin(squares[part])], part[-1]) for part in stretches])
-
-
-def _evenest(candidates: list[Array]) -> Places | None:
-    """Which of its stretches, (n, 3) times each as of `_places`, to take for each instant: the squares of the steps add to least.
-
-    Two instants alike on both sides of a turn of the loads are thereby one on each side, where any other rule would put both in
-    one place. Steps don't go back, but within stretches that overlap, where order can't be told, and then they count more. None
-    where no choice ascends.
-
-    >>> at = lambda *times: np.array([(time, time, time) for time in times])
-    >>> _evenest([at(1.0), at(2.0, 4.0), at(2.0, 4.0), at(5.0)]).tolist()
-    [0, 0, 1, 0]
-    """
-    cost, came = np.zeros(len(candidates[0])), []
-    for before, here in pairwise(candidates):
-        step = here[None, :, 1] - before[:, None, 1]
-        square = np.where(step < 0, _BACK, 1.0) * step**2
-        total = cost[:, None] + np.where(here[None, :, 2] >= before[:, None, 0], square, np.inf)
-        came.append(np.argmin(total, axis=0))
-        cost = np.min(total, axis=0)
-    if not np.isfinite(cost).any():
-        return None
-    taken = [int(np.argmin(cost))]
-    for back in reversed(came):
-        taken.append(int(back[taken[-1]]))
-    return np.array(taken[::-1])

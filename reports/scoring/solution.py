@@ -218,17 +218,14 @@ def _skipped(result: SurfaceResult, time: Array, steps: int) -> dict[str, tuple[
         lacking |= {"shear": _LACKING} | dict.fromkeys(("state", "stick_edges"), f"{_LACKING}; it takes the shear")
     if not steps:
         lacking[WHOLE_CYCLE] = f"{_LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
-    takes = (
-        "; it takes the shear"
-        if not result.sheared
-        else "; it takes slip"
-        if result.slip is None
-        else "; it takes a whole cycle, or a whole path from the unloaded start"
-        if not steps
-        else f", for a cycle of {steps} instants is too coarse to work it out (less than {_FEWEST})"
-    )
-    if result.slip is None or not result.sheared or steps < _FEWEST:
-        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + takes)
+    takes = {
+        "; it takes the shear": not result.sheared,
+        "; it takes slip": result.slip is None,
+        "; it takes a whole cycle, or a whole path from the unloaded start": not steps,
+        f", for a cycle of {steps} instants is too coarse to work it out (less than {_FEWEST})": steps < _FEWEST,
+    }
+    if why := next((words for words, lacks in takes.items() if lacks), ""):
+        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + why)
     return {name: (len(time), why) for name, why in lacking.items()}
 
 

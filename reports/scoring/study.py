@@ -26,8 +26,6 @@ from reports.scoring.mapping import Mapping
 from reports.scoring.reading import READERS
 from scenes import InputError, Scene
 
-_WORDS = re.compile(r"[^\s,;]+")
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|inf)", re.IGNORECASE)
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
 _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 # Sizes closer than this are one mesh twice.
@@ -181,7 +179,7 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
 def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """The files that a reader takes, one for each stem (the first suffix in the order of the readers); what was left out, in words.
 
-    What a collection names is read through it, and a .txt without a table is no result.
+    What a collection names is read through it.
 
     Raises
     ------
@@ -193,15 +191,8 @@ def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     parts = {part.resolve() for path in files for part in collected_files(path)}
     alone = [path for path in files if path.resolve() not in parts]
 
-    def has_table(path: Path) -> bool:
-        """Whether some line of a text holds three numbers and nothing else: a place and two tractions."""
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-        return any(len(words) > 2 and all(map(_NUMBER.fullmatch, words)) for words in map(_WORDS.findall, lines))
-
-    results = [path for path in alone if path.suffix.lower() in known and (path.suffix.lower() != ".txt" or has_table(path))]
-    taken: dict[str, Path] = {}
-    for path in sorted(results, key=lambda p: known.index(p.suffix.lower())):
-        taken.setdefault(path.stem, path)
+    results = [path for path in alone if path.suffix.lower() in known]
+    taken = {path.stem: path for path in sorted(results, key=lambda p: -known.index(p.suffix.lower()))}  # the last one counts
     left = [path.name for path in alone if path not in taken.values()]
     if not taken:
         raise InputError(f"{folder}: no result is in this folder; a result ends in {', '.join(known)}")

@@ -188,7 +188,7 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
     The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
     """
     mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
-    result = read(path, mapping, deck.scene)
+    result = read(path, mapping)
     series = {name: getattr(result, name) for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")}
     led: dict[str, Any] = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
     source = f"{path.name}, the deck of scene {deck.scene.name}"
