@@ -775,6 +775,20 @@ def on_grids(scene, x, **options):
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
 
 
+@pytest.mark.parametrize("row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN])
+def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
+    """W and the fields of the second cycle."""
+    scene, x = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0])), np.linspace(-2.2, 2.2, 45)
+    path = scene.load.path()
+    time = path.cycle_start + path.period * np.linspace(1, 2, 21)
+    half, whole = (on_grids(scene, x, time=time, most=2, cells=n, increments=2 * n) for n in (80, 160))
+    assert abs(half.works[-1] / whole.works[-1] - 1) < half.errors["dissipation"] < 1e-3
+    assert whole.errors["dissipation"] < 0.6 * half.errors["dissipation"]
+    for name, field in (("shear", "shear"), ("slip", "slip"), ("density", "dissipation_density")):
+        ours, theirs = getattr(half, name), getattr(whole, name)
+        assert np.sqrt(np.mean((ours - theirs) ** 2)) < half.errors[field] * np.max(np.abs(theirs)), name
+
+
 def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
     scene = fretting(0.6)
     path = scene.load.path()
