@@ -52,7 +52,9 @@ _PLACES, _CONTACTS, _TERMS = 601, 8, 2048
 _RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
 # What straight lines of q/p between places leave of the tension, as share of f times the largest pressure: measured 5e-4.
 _BETWEEN = 1e-3
-# What quadrature leaves of a stress, as share of the largest pressure.
+# Powers of omega below it are left out.
+_NEGLIGIBLE = 1e-17
+# What quadrature leaves of a tension, as share of P/a.
 _ROUNDING = 1e-11
 
 
@@ -155,9 +157,9 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
     contact, snapshot = memory_at(scene, times)
     for k in np.flatnonzero(snapshot.load > 0).tolist():
         edge = np.atleast_1d(contact.half_width(snapshot.load[k]))
-        normal, tangential = _potentials(contact, _lines(snapshot, k), np.append(edge, 0.0), np.zeros(2))[:2]
-        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential.real[0])
-        doubt[k] = _ROUNDING * abs(normal.imag[1]) / math.pi
+        tangential = _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))[1].real[0]
+        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential)
+        doubt[k] = _ROUNDING * snapshot.load[k] / edge[0]
     return found, doubt
 
 
@@ -224,16 +226,23 @@ def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Ar
     pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
     share = np.interp(at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching])
     series = dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
+    # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half
-    zeta.imag = -np.abs(y) / half  # -0 on the face: from inside the body
+    zeta.imag = np.abs(y) / half
     root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega, sums = zeta - root, np.zeros((4, len(x)), dtype=complex)
-    for k in range(_TERMS, 0, -1):  # Horner's rule
-        sums[:2] = (sums[:2] + series[:, k - 1, None]) * omega
-        sums[2:] = (sums[2:] + k * series[:, k - 1, None]) * omega
+    with np.errstate(divide="ignore"):
+        needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(omega), 1 - 1e-12))), _TERMS)
+    order = np.argsort(-needed, kind="stable")
+    omega, active = omega[order], np.searchsorted(-needed[order], -np.arange(1, _TERMS + 1), side="right")
+    for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
+        n = active[k - 1]
+        sums[:2, :n] = (sums[:2, :n] + series[:, k - 1, None]) * omega[:n]
+        sums[2:, :n] = (sums[2:, :n] + k * series[:, k - 1, None]) * omega[:n]
+    sums[:, order] = sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.where(y == 0, 0.0, -y * sums[2:] / (half * root))  # y N', y T'; d omega/dz = -omega/(h root)
-    return _from_potentials(*math.pi * sums[:2], *math.pi * slopes)
+        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half * root)).conj())  # y N', y T'; d omega/dz = -omega/(h root)
+    return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
 
 
 def _from_potentials(normal: Complex, tangential: Complex, of_normal: Complex, of_tangential: Complex) -> Array:

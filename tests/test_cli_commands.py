@@ -162,7 +162,6 @@ REFUSED = {
     **{f"{words} 2.7": "'2.7' is no whole number" for words in ("fields blocks --frames", "run blocks --steps-per-cycle")},
     **{f"fields hertz-paper {words}": f"{words.partition(' ')[0]} {said}" for words, said in FIELDS.items()},
     "fields hertz-paper --frames 9 --every 2": "leave one of the two out",
-    "fields tilted.toml --fatigue --no-pictures": "--fatigue: half-plane theory gives no stress inside bodies under bulk",
     "advise cylinder-roller-frictionless": "no map is of frictionless",
     "advise blocks --limit 0": "is a share above 0 and below 1",
     "map atlantis": "there is none; known: block",

@@ -123,7 +123,7 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     scene = load_scene(name)
     time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
     answer, rows = _with_tractions(scene, time)
-    x, y = np.array([-1.3, -0.4, 0.0, 0.6, 1.1]), np.array([-0.2, -0.05, -2.0, -0.3, -0.01])
+    x, y = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5]), np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
     exact, inside, profile = edge_tension(scene, time)[0], stress(scene, x, y, time), leaning_profile(scene)[1]
     p0 = answer.pressure.max()
     for k, row in enumerate(rows):

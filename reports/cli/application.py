@@ -549,6 +549,7 @@ app = App(
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
     help_epilogue=(resources.files("reports") / "templates" / "help.txt").read_text("utf-8"),
     help_format="plaintext",
+    default_parameter=Words(negative_iterable=()),  # no --empty-tag
     version=_version,
     suppress_keyboard_interrupt=False,
     exit_on_error=False,

@@ -49,16 +49,11 @@ def fields(job: Job) -> Answer:
     from reports.comparison.words import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled
-    from scenes import InputError
 
     scene, stages, options = job.scene, job.stages, job.options
     files.require_series(options.every, options.frames)
     criteria, options = _criteria(options), replace(options, at=named(options))
     require_times(options.at, "--at", scene)
-    if criteria is not None and scene.unsymmetric:
-        raise InputError(
-            f"--fatigue: half-plane theory gives no stress inside bodies under bulk stress or tilt ({scene.name}): leave it out"
-        )
     if (options.pictures and options.at) or options.animate:
         require_drawing(stages)
     load_engines(stages)
@@ -155,7 +150,7 @@ def _shown(
             found.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
         of = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
         yield Sheet("Measures of fatigue", of, found, (1, 2, 3))
-        yield "linear elastic stress of the contact alone, on planes that contain the z axis; places beside it, in fatigue.csv"
+        yield "linear elastic stress of contact and bulk stress, planes that contain z; places beside the contact: fatigue.csv"
     yield file
 
 

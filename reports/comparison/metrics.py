@@ -684,7 +684,7 @@ def _peak_place(expected: Array, found: Array, x: Array) -> Array:
     rim = np.full((len(expected), 1), -np.inf)
     rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
     high = (expected >= (1 - _EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
-    apart = x[np.argmax(found, axis=1)][:, None] - x
+    apart = x[_largest(found)][:, None] - x
     size = np.where(rises & falls & high, np.abs(apart), np.inf)
     nearest = np.argmin(size, axis=1)
     rows = np.arange(len(expected))
@@ -830,7 +830,7 @@ def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> _M
     if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
     series = _peak_place(expected, found, x) / pair.scales.half_width
-    return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
+    return _at_worst(pair, series, carries, places=x[_largest(found)], to_a_point=True)
 
 
 def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
