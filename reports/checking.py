@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.charts.templating import in_template
 from reports.comparison.metrics import bulk_strains
-from reports.units import load_unit, minus, number, units
+from reports.units import load_unit, units
 from scenes import (
     Block,
     ContactSolution,
@@ -314,20 +315,7 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
 
 def bulk_in_words(found: _BulkAndTilt) -> str:
     """The same as a sentence or two."""
-    said = []
-    if found.strain:
-        said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
-    if (share := found.share_of_moderate) is not None:
-        if found.eccentricity is not None:
-            said.append(f"By its amplitude in the cycle the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}.")
-        limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
-        said.append(f"Its amplitude in the cycle {limit}.")
-        moderate = "moderate: where it goes with Q both ends of the contact slip one way"
-        large = "large: the ends of the contact slip opposite ways at times"
-        said.append(f"That is {moderate if share <= 1 + 1e-9 else large}.")
-    if found.centre:
-        said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
-    return " ".join(said)
+    return in_template("bulk", found)
 
 
 def _ratios(scene: Scene, half: float) -> dict[str, float]:
@@ -347,20 +335,7 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
 
 def in_words(scene: Scene, found: _LargestContact) -> str:
     """The same in sentences."""
-    _, length, stress = units(scene)
-    finite = np.isfinite(found.peak_pressure)
-    peak = f"{found.peak_pressure:.4g} {stress}" if finite else "infinite at the tip"
-    said = [
-        f"The largest load is P = {number(found.normal_load)} {load_unit(scene)}.",
-        f"There half-plane theory gives the half-width a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}.",
-    ]
-    ratios = found.ratios | ({"p0/E*": found.strain} if finite else {})
-    of_bodies = [name.startswith(("lower", "upper")) for name in ratios]
-    for words, wanted in (("Ratios", False), ("Bodies", True)):
-        listed = [f"{name} = {ratios[name]:.4g}" for name, body in zip(ratios, of_bodies, strict=True) if body is wanted]
-        if listed:
-            said.append(f"{words}: {', '.join(listed)}.")
-    return " ".join(said)
+    return in_template("largest_contact", found, load_unit(scene), *units(scene)[1:])
 
 
 def remarks(scene: Scene, found: _LargestContact) -> list[str]:
@@ -373,15 +348,7 @@ def remarks(scene: Scene, found: _LargestContact) -> list[str]:
     for key, material in pair.items() if pascal else ():
         modulus, soft = material.young_modulus * pascal, material.poisson_ratio < _RUBBER
         if modulus > _DIAMOND or (modulus < _SOFT and soft):
-            stiff = modulus > _DIAMOND
-            kind = "stiffer than diamond" if stiff else "as soft as a weak plastic"
-            said.append(
-                f"{key}.young_modulus = {number(material.young_modulus)} {stress} is {kind}; steel has {number(_STEEL / pascal)} "
-                f"{stress}. {'Is the body meant as rigid, or E in Pa?' if stiff else 'Is E in GPa?'}"
-            )
+            said.append(in_template("odd_modulus", key, material.young_modulus, stress, modulus > _DIAMOND, _STEEL / pascal))
     if found.strain > _STRAIN or found.edge_slope > _SLOPE:
-        said.append(
-            f"Linear elasticity and half-planes mean little here: p0/E* = {found.strain:.3g} (limit {_STRAIN:g}), slope at the "
-            f"edge {found.edge_slope:.3g} (limit {_SLOPE:g}). Is E in {stress}? Are the loads {force} per {length} of thickness?"
-        )
+        said.append(in_template("beyond_elasticity", found, _STRAIN, _SLOPE, force, length, stress))
     return said

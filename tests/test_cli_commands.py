@@ -24,9 +24,8 @@ from command_line import COARSE, ROOT, Done, everything, forked, halfplane, rais
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
-from reports.cli.application import app
+from reports.cli.application import FORMAT, KEYS, answer_schema, app
 from reports.cli.machine import Finding
-from reports.cli.options import FORMAT, KEYS, answer_schema
 from reports.cli.scene_files import example
 from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft, say, show_table

@@ -30,7 +30,7 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
-from reports.cli.options import answer_schema
+from reports.cli.application import answer_schema
 from reports.maps.advice import parts_of
 from reports.measured import check_record, counted, load_cycles, noise_of, record_in_words, with_work
 from reports.scoring.against import score_file

@@ -23,8 +23,8 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.charts.templating import style_of
 from reports.cli import main
+from reports.cli.application import Options
 from reports.cli.field_output import named as named_by
-from reports.cli.options import Options
 from reports.field_output import fatigue, film
 from reports.field_output.files import (
     NO_PEAK,

@@ -739,9 +739,9 @@ def test_what_is_left_of_forty_cycles_out_of_phase():
 
 
 # ------------------------------------------------------------------------------------- where stick breaks: the answer of grids
-# Row of the table: bulk stress or tilt out of phase, W and its error, permanent stick over a_0.
+# Row of the table: bulk stress or tilt out of phase, W of cycle 6 and its error, permanent stick over a_0.
 BROKEN = {
-    "bulk, row 7": ({"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}}, 0.38682, 3e-5, (-0.62681, 0.80026)),
+    "bulk, row 7": ({"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}}, 0.38684, 3e-5, (-0.62681, 0.80026)),
     "tilt, row 8": ({"tilt": {"amplitude": 0.06, "phase_degrees": 90}}, 0.25985, 2e-5, (-0.72632, 0.72632)),
 }
 
@@ -750,10 +750,10 @@ BROKEN = {
 def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
     """Through `solve`; the work to 1e-3, the permanent stick to a cell, laws at every point to rounding."""
     extra, work, known_to, stick = BROKEN[row]
-    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=4)
+    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=6)
     found = solve(scene, x=np.linspace(-2.6, 2.6, 521))
     error = found.record.errors["dissipation"]
-    assert error < 2e-3
+    assert error < 3e-4
     assert found.dissipation == pytest.approx(work, abs=known_to + error * work)
     assert found.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
     assert "on grids of 160 cells and 320 increments a cycle" in found.record.notes[0]

@@ -673,7 +673,7 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
-    first = top - 7.0 - _LINE * (len(lines) - 1)
+    first = top - 9.0 - _LINE * (len(lines) - 1)
     parts += [pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css) for k, (text, css) in enumerate(lines)]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options
-from reports.cli.process import WITHIN
+from reports.cli.application import WITHIN, Answer, Options
 from reports.cli.solving import Job, at_work, load_engines, require_drawing, require_times, solve_finite_elements
 from reports.console import Part, Sheet, Stages
 

@@ -8,8 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options, requested_tolerances, share_of
-from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.cli.application import NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances, share_of
 from reports.cli.solving import exit_code, read, verdict_shown
 from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus

@@ -13,8 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import KEYS, Answer, Options, answer_schema
-from reports.cli.process import WITHIN
+from reports.cli.application import KEYS, WITHIN, Answer, Options, answer_schema
 from reports.cli.solving import load_engines, read
 from reports.console import Stages, width
 

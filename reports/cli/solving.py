@@ -12,8 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options, requested_tolerances
-from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.cli.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances
 from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -153,10 +154,6 @@ def _largest_half_width(solution: ContactSolution) -> float:
     return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
 
-def _stick_half_width(solution: ContactSolution) -> float:
-    return float(solution.permanent_stick_half_width)
-
-
 def _stick_edges(solution: ContactSolution) -> list[float]:
     edges = solution.permanent_stick_edges
     return [math.nan, math.nan] if edges is None else [float(edge) for edge in edges]
@@ -187,7 +184,7 @@ QUANTITIES = {
     "dissipation": _Quantity("dissipation of the last cycle", "energy", lambda s: float(s.dissipation)),
     "loop_work": _Quantity("closed integral of Q dU", "energy", lambda s: float(s.loop_work)),
     "bulk_work": _Quantity("of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work),
-    "permanent_stick_half_width": _Quantity("permanent stick half-width", "length", _stick_half_width),
+    "permanent_stick_half_width": _Quantity("permanent stick half-width", "length", attrgetter("permanent_stick_half_width")),
     "permanent_stick_left": _Quantity("left end of permanent stick", "length", lambda s: _stick_edges(s)[0]),
     "permanent_stick_right": _Quantity("right end of permanent stick", "length", lambda s: _stick_edges(s)[1]),
     "largest_half_width": _Quantity("largest contact half-width", "length", _largest_half_width),
@@ -198,7 +195,9 @@ QUANTITIES = {
     "moment": _Quantity("moment of the pressure about x = 0", "moment", _moment),
     "lower_face_displacement": _Quantity("displacement of the lower face's middle along y", "length", _lower_face_displacement),
     "least_half_width": _Quantity("least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))),
-    "stick_share": _Quantity("stick half-width over largest", "share", lambda s: _stick_half_width(s) / _largest_half_width(s)),
+    "stick_share": _Quantity(
+        "stick half-width over largest", "share", lambda s: s.permanent_stick_half_width / _largest_half_width(s)
+    ),
 }
 # What solutions with bulk stress, tilt or unequal sides have beside the others.
 OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")

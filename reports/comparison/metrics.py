@@ -196,7 +196,7 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
-    """Instants of the extremes of P, Q, Q - f P, Q + f P, at most six, in the order of time; the first one where nothing moves.
+    """Six instants (all, of fewer) in the order of time: extremes of P, Q, Q - f P, Q + f P, then those furthest from all chosen.
 
     Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends.
     """
@@ -217,7 +217,12 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
         if np.ptp(quantity) > 1e-9 * size:
             # The first instant, to rounding: the end of a cycle repeats its start.
             found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
-    return tuple(Event(index, found[index]) for index in sorted(found)) or (Event(0, "the only instant"),)
+    found = found or {0: "the only instant" if len(normal) == 1 else "between"}
+    while len(found) < min(len(wanted), len(normal) - 1):
+        apart = np.abs(cycle.fraction[:, None] - cycle.fraction[list(found)])
+        nearest = (np.minimum(apart, 1 - apart) if cycle.whole else apart).min(axis=1)  # the end of a cycle is its start
+        found[int(np.argmax(nearest))] = "between"
+    return tuple(Event(index, found[index]) for index in sorted(found))
 
 
 Array = NDArray[np.float64]
@@ -679,7 +684,7 @@ def _peak_place(expected: Array, found: Array, x: Array) -> Array:
     rim = np.full((len(expected), 1), -np.inf)
     rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
     high = (expected >= (1 - _EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
-    apart = x[np.argmax(found, axis=1)][:, None] - x
+    apart = x[_largest(found)][:, None] - x
     size = np.where(rises & falls & high, np.abs(apart), np.inf)
     nearest = np.argmin(size, axis=1)
     rows = np.arange(len(expected))
@@ -825,7 +830,7 @@ def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> _M
     if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
     series = _peak_place(expected, found, x) / pair.scales.half_width
-    return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
+    return _at_worst(pair, series, carries, places=x[_largest(found)], to_a_point=True)
 
 
 def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
@@ -1306,7 +1311,7 @@ METRICS = {row.key: row for row in (
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
         "state whole_cycle friction", _stick_set, signed=False),
     _row("full_stick_start", "Start of full stick: first instant of full stick, result − reference, to a step; full stick: at "
-        "least two instants whose stick edges are the contact edges; intervals that share most instants are compared",
+        "least two instants whose stick edges are the contact edges; the nearest start is compared",
         "of the period", _IN_CYCLE, "state whole_cycle friction",
         partial(_full_stick, ends=False)),
     _row("full_stick_end", "End of full stick: last instant of full stick, result − reference, as its start",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reports.charts.templating import in_template
 from reports.comparison.laws import (
     OF_UNSYMMETRIC,
     QUANTITIES,
@@ -41,13 +42,6 @@ SUPPORT_WORDS = {
     "half_plane": "joined to the half-plane around it",
     "pulled": "free, with the bulk stress on them",
 }
-
-
-def in_template(macro: str, *values: Any) -> str:
-    """A sentence of templates/words.txt."""
-    from reports.charts.templating import template
-
-    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
 
 
 # ------------------------------------------------------------------------------------------------------- what is asked
