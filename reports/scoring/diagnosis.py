@@ -458,21 +458,21 @@ def _coarse_edge(what: Discrepancy) -> Hypothesis:
 
 
 # ----------------------------------------------------------------------------------------------------- faults of the model
-def _model_fault(what: Discrepancy, best: Hypothesis, left: float) -> Iterator[Diagnosis]:
-    """The fault of the model that a discrepancy looks like which plainer faults, `best` first, `left` in part.
+def _model_fault(what: Discrepancy, best: Hypothesis | None, left: float) -> Iterator[Diagnosis]:
+    """The fault of the model that a discrepancy looks like of which plainer faults leave a share `left`.
 
-    Creep of faces that should stick does not move the pressure, and nor do long steps, which have a fit of their own. Faces that
-    sink into each other make the contact wider than that of half-planes, as bodies less stiff do, but end the pressure without a
-    root; a base too near makes it narrower, and holds shear and pressure back unlike. Theory of other stiffness explains 0.6 to
-    0.9 of either.
+    `best` is the first of these, None where none explains half. Creep of faces that should stick does not move the pressure, and no
+    fault of the question explains half of it. Faces that sink into each other make the contact wider than that of half-planes, as
+    bodies less stiff do, but end the pressure without a root; a base too near makes it narrower, and holds shear and pressure back
+    unlike. Theory of other stiffness explains 0.6 to 0.9 of either.
     """
     even = what.explained(what.found - _odd_part(what))
     if what.unsymmetric or even < _EVEN:
         return
     pressed = verdict_on(what.errors()[0], what.comparison.scene.tolerances.limit("pressure") or 0.0) is Verdict.WITHIN
-    if pressed and best.fault != "steps" and what.scene.friction.coefficient and np.any(what.found[1]):
+    if pressed and (best is None or best.fault == "coarse_edge") and what.scene.friction.coefficient and np.any(what.found[1]):
         fault, trace = "elastic_slip", "the pressure is right"
-    elif not pressed and best.fault == "stiffness":
+    elif not pressed and best is not None and best.fault == "stiffness":
         factor = best.figures["factor"]
         fault = "soft_normal" if factor < 1 else "small_body"
         trace = f"the contact is {'wider' if factor < 1 else 'narrower'}, most like that of bodies {factor:.3g} times as stiff"
@@ -509,9 +509,9 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         taken = {one.fault for one in found}
         ranked = _ranked(rest, taken)
         best, winner = ranked[0]
-        winners.append(winner)
         if best < _LEAST_EXPLAINED:
             break
+        winners.append(winner)
         left.append(1 - rest.explained(winner.predicted))
         for explained, one in ranked if number == 0 else ranked[:1]:  # rivals are weaker by what the two leave unexplained
             rival = 1.0 if one is winner else min((1 - best) / max(1 - explained, 1e-12), 1.0)
@@ -525,7 +525,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
     noise = [] if found else list(scatter(whole))
     if math.prod(left[:2]) > _UNACCOUNTED and not noise:
-        found += _model_fault(whole, winners[0], math.prod(left[:2]))
+        found += _model_fault(whole, winners[0] if winners else None, math.prod(left[:2]))
     known = sorted(found, key=lambda one: -one.strength) or noise
     first, *others = known or [Diagnosis(UNKNOWN, _WORDS["others"][UNKNOWN], (size,), 0.0)]
     if whole.unsymmetric:
