@@ -40,8 +40,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.marks import Axis, Curve, Dot, Mark, limits
-from reports.charts.plate import Key, Plate
+from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Plate, limits
 from reports.charts.plate import Panel as ChartPanel
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 

@@ -225,13 +225,17 @@ def stress(
 
 @dataclass(frozen=True)
 class LargestTension:
-    """The largest tension s_xx of a cycle at an edge of contact with its uncertainty [stress], its time, body and x [length]."""
+    """The largest tension s_xx of a cycle at an edge of contact with its uncertainty [stress], its time and body.
+
+    `edges` are the left and right edge of contact at that time, `x` the one that it is at [length].
+    """
 
     value: float
     uncertainty: float
     time: float
     body: str
     x: float
+    edges: tuple[float, float]
 
 
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
@@ -255,9 +259,9 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     if np.isnan(values).any():
         return None
     k, body, edge = (int(index) for index in np.unravel_index(np.argmax(values - uncertain), values.shape))
-    place = tractions(_nodal(solution, steps[k])).edges[edge]
+    edges = tractions(_nodal(solution, steps[k])).edges
     size = float(values[k, body, edge]), float(uncertain[k, body, edge])
-    return LargestTension(*size, float(solution.time[steps[k]]), ("lower", "upper")[body], place)
+    return LargestTension(*size, float(solution.time[steps[k]]), ("lower", "upper")[body], edges[edge], edges)
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:

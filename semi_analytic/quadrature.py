@@ -22,17 +22,18 @@ class Rule(NamedTuple):
     share: Array
 
 
-def _rule(low: float, high: float) -> Rule:
-    s = np.arange(low, high + _STEP / 2, _STEP)
+def logistic(low: float, high: float, step: float = _STEP) -> Rule:
+    """The rule between s = `low` and s = `high`."""
+    s = np.arange(low, high + step / 2, step)
     up, down = 1 / (1 + np.exp(-s)), 1 / (1 + np.exp(s))
     near = np.minimum(up, down)
-    return Rule(up, down, _STEP * near * (1 - near))
+    return Rule(up, down, step * near * (1 - near))
 
 
-ROOTS = _rule(-36.0, 36.0)
+ROOTS = logistic(-36.0, 36.0)
 """For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range, is left out."""
 
-INVERSE_ROOTS = _rule(-75.0, 75.0)
+INVERSE_ROOTS = logistic(-75.0, 75.0)
 """For an inverse root at either end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
 
 NODES = len(ROOTS.up)

@@ -72,7 +72,7 @@ from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 Array = NDArray[np.float64]
 
 _INSTANTS = 7
-_POINTS = 25
+_PLACES = 25
 # Of closed forms: a twentieth of what a solution costs.
 _FEW_INSTANTS = 5
 _FEW_POINTS = 9
@@ -376,11 +376,11 @@ def require_followable(scene: Scene) -> None:
         For a profile that theory does not know so, and for a contact that leaves the profile.
     """
     if one_curve(scene) is None:
-        edges_along(*_leaning(scene))
+        edges_along(*leaning_profile(scene))
 
 
-def _leaning(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """P, Q, eps and alpha of a scene, and its profile under any tilt."""
+def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
+    """P, Q, eps and alpha of a scene that theory takes, and its profile under any tilt."""
     shape, path = convex_profile(scene.profile), scene.load.path()
     legs = (*path.initial_loading, *path.cycle)
     largest = max(float(leg.loads(time)[0]) for leg in legs for time in (leg.end, *leg.turning_points(NORMAL_LOAD)))
@@ -398,7 +398,7 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     """The answer where bulk stress and tilt make no one memory curve: edges of stick are followed, or cells where it breaks."""
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
     modulus, datum = composite_modulus(scene.material), scene.profile.datum_length
-    loads, leaning = _leaning(scene)
+    loads, leaning = leaning_profile(scene)
     if points is None:
         points = mirrored_points(1.05 * float(np.max(np.abs(edges_along(loads, leaning)))))
     notes, most = [*neglected_coupling(scene.material)], max(scene.cycles, 2)
@@ -494,10 +494,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     InputError, InadmissibleLoadError
         As `solve`.
     """
-    contact = contact_of(scene.profile, scene.material)
-    if scene.unsymmetric:
-        raise InputError("load: stress inside the bodies is for scenes without bulk stress and tilt, and for symmetric profiles")
-    path = _path_of(scene, time)
+    contact, path = contact_of(scene.profile, scene.material), _path_of(scene, time)
     if isinstance(path, History):
         return contact, path.snapshot(time)
     point, fold = folded(np.zeros(1))
@@ -809,7 +806,7 @@ def field_errors(
     contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
     if asked.fields.isdisjoint(("pressure", *arcs)):
         return {}
-    instants, points = (_INSTANTS, _POINTS) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
+    instants, points = (_INSTANTS, _PLACES) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
     chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, instants).astype(int))
     loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
     x = asked.distance[np.unique(np.linspace(0, len(asked.distance) - 1, points).astype(int))]

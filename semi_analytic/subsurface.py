@@ -12,7 +12,12 @@ contact is a superposition of such punches, each with its share M' d eta of the 
 On the face s_yy = -p, s_xy = q, s_xx = -p - (2/pi) Re T: only punches narrower than |x| stretch the face at x, and the tension
 at the trailing edge is (2/pi) int M' d eta / sqrt(a(P)^2 - a(eta)^2). For the parabola under P alone this is McEwen (1949).
 
-# notation: eta normal load, a(eta) half-width, M(eta) tangential load of the punches up to eta, f friction, delta = a - |x|
+With bulk stress, tilt or unequal sides there is no one curve of punches of one middle. N and T then come from the tractions of
+the answer: with x = m + h cos(phi), p = sum A_k sin(k phi) and zeta = (z - m)/h, N = pi sum A_k (zeta - sqrt(zeta^2 - 1))^k. The
+bulk stress of the body is added.
+
+# notation: eta normal load, a(eta) half-width, M(eta) tangential load of the punches up to eta, f friction, delta = a - |x|;
+#           m, h middle and half-width of the contact
 """
 
 from __future__ import annotations
@@ -25,12 +30,14 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.fft import dst
 
 from scenes import ContactSolution, InputError, Scene, scene_of
 from semi_analytic.memory import Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
-from semi_analytic.solution import memory_at, vector
+from semi_analytic.solution import leaning_profile, memory_at, solve, vector
+from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -39,6 +46,16 @@ Body = Literal["lower", "upper"]
 
 # Kernels that are held at a time.
 _AT_ONCE = 1_000_000
+# Where there is no one memory curve: places across a contact at which q is asked for, and contacts of which; terms of the series.
+_PLACES, _CONTACTS, _TERMS = 601, 8, 2048
+# Shares of a contact from its edges at which q is asked for too: slip has just begun there where a load has turned.
+_RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
+# What straight lines of q/p between places leave of the tension, as share of f times the largest pressure: measured 5e-4.
+_BETWEEN = 1e-3
+# Powers of omega below it are left out.
+_NEGLIGIBLE = 1e-17
+# What quadrature leaves of a tension, as share of P/a.
+_ROUNDING = 1e-11
 
 
 def stress(
@@ -57,7 +74,8 @@ def stress(
     Returns
     -------
     (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive [stress]. To about 1e-11 of the
-    largest pressure; infinite at the tip of a sharp wedge. Stress of the contact alone: unlike materials as in `solve`.
+    largest pressure; infinite at the tip of a sharp wedge. With bulk stress, tilt or unequal sides the bulk stress is in it, and it
+    is as exact as the shear of `solve`, at most to about 1e-3 of f times the largest pressure. Unlike materials as in `solve`.
 
     Raises
     ------
@@ -84,44 +102,147 @@ def stress(
     side = 1.0 if body == "lower" else -1.0
     if np.any(side * height > 0):
         raise InputError(f"y: {side * float(np.max(side * height)):.6g} is outside the {body} body; y points out of the lower one")
-    contact, snapshot = memory_at(scene, times)
     depth, nu = side * height, getattr(scene.material, body).poisson_ratio
-    found = np.empty((len(times), len(across), 4))
-    for k in range(len(times)):
-        if snapshot.load[k] > 0:
+    found = np.zeros((len(times), len(across), 4))
+    if scene.unsymmetric:
+        answer, rows = _with_tractions(source, times)
+        profile = leaning_profile(scene)[1]
+        for k, row in enumerate(rows):
+            found[k, :, :3] = _from_sines(answer, row, profile, across, depth, side)
+        found[..., 0] += _bulk(answer, rows)[:, int(body == "upper"), None]
+    else:
+        contact, snapshot = memory_at(scene, times)
+        for k in np.flatnonzero(snapshot.load > 0).tolist():
             normal, tangential, of_normal, of_tangential = _potentials(contact, _lines(snapshot, k), across, depth)
             found[k, :, :3] = _from_potentials(normal, side * tangential, depth * of_normal, depth * side * of_tangential)
-        else:
-            found[k] = 0.0
     found[..., 2] *= side
     found[..., 3] = nu * (found[..., 0] + found[..., 1])
     return found
 
 
-def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLike) -> Array:
-    """Tension s_xx of the lower body at its left edge of contact, (n_instants,) [stress].
+def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLike) -> tuple[Array, Array]:
+    """Stress s_xx of both faces at the edges of contact, and its uncertainty [stress].
 
-    It is -s_xx at the right edge, and in the upper body the opposite.
+    Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2): tension at the left
+    edge of the lower body and the right one of the upper for Q > 0 at constant P. Otherwise the bulk stress is in it.
 
-    (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2), positive for Q > 0 at constant P: the trailing edge of the lower body is
-    the left one then. 0 out of contact.
+    Parameters
+    ----------
+    source : as for `stress`; of a solution that holds the instants its own tractions are taken where there is no one memory curve
+    instants : (n_instants,) times of the load path
+
+    Returns
+    -------
+    values, uncertainties : (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk stress alone
 
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")  # Q = 0.6 f P at time 2: 2 f p0 sqrt(0.6), Cattaneo-Mindlin
     >>> f, p0 = scene.friction.coefficient, -stress(scene, 0.0, 0.0, 1.0)[0, 0, 1]
-    >>> round(float(edge_tension(scene, 2.0)[0] / (2 * f * p0)) ** 2, 9)
-    0.6
+    >>> values, uncertainties = edge_tension(scene, 2.0)
+    >>> (values[0] / (2 * f * p0 * 0.6**0.5)).round(9).tolist()
+    [[1.0, -1.0], [-1.0, 1.0]]
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
     times = vector(instants, "instants")
     if times is None:
         raise InputError("edge_tension: instants are needed")
+    found, doubt = np.zeros((2, len(times), 2, 2))
+    sides = np.array([[1.0], [-1.0]])
+    if scene.unsymmetric:
+        answer, rows = _with_tractions(source, times)
+        for k, row in enumerate(rows):
+            tension, doubt[k] = _tensions(answer, row)
+            found[k] = sides * tension
+        return found + _bulk(answer, rows)[..., None], doubt
     contact, snapshot = memory_at(scene, times)
-    found = np.zeros(len(times))
     for k in np.flatnonzero(snapshot.load > 0).tolist():
         edge = np.atleast_1d(contact.half_width(snapshot.load[k]))
-        found[k] = 2 / math.pi * _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))[1].real[0]
-    return found
+        tangential = _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))[1].real[0]
+        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential)
+        doubt[k] = _ROUNDING * snapshot.load[k] / edge[0]
+    return found, doubt
+
+
+# ------------------------------------------------------------------------------- from tractions, where there is no one memory curve
+def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) -> tuple[ContactSolution, list[int]]:
+    """An answer that has p and q at all these instants, and its rows: that from grids itself if it has them, or a new one.
+
+    It has places at the nodes of several of the contacts, and close to the edges of all.
+    """
+    scene, answer = (source.scene, source) if isinstance(source, ContactSolution) else (scene_of(source), None)
+    if answer is not None and "grids" in answer.work.counts and np.isfinite([answer.pressure, answer.shear]).all():
+        rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
+        if np.all(np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)):
+            return answer, rows.tolist()
+    at = np.unique(times)
+    edges = solve(scene, x=0.0, time=at, fields=()).contact_edges
+    edges = edges[np.argsort(edges[:, 1] - edges[:, 0])]
+    chosen = edges[np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))]
+    nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(np.linspace(0, math.pi, _PLACES))
+    rims = edges[:, :, None] + np.diff(edges)[:, :, None] * np.array([[1.0], [-1.0]]) * _RIM
+    answer = solve(scene, x=np.unique(np.concatenate([nodes.ravel(), rims.ravel()])), time=at, fields=("pressure", "shear"))
+    return answer, np.searchsorted(answer.time, times).tolist()
+
+
+def _bulk(answer: ContactSolution, rows: list[int]) -> Array:
+    """Bulk stress of the lower and the upper body, (n, 2)."""
+    both = (answer.bulk_stress_lower, answer.bulk_stress_upper)
+    return np.stack([np.zeros(len(rows)) if one is None else one[rows] for one in both], axis=-1)
+
+
+def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
+    """s_xx of the lower body at its left and right edge without the bulk stress, (2,), and its uncertainty [stress].
+
+    +-(2/pi) int q/|x - edge| dx, by phi from the edge: int q cot(phi/2) d phi, straight between the places, q/p as it is at the
+    outermost one from there on. Its error: three times what every second place alone changes, the shear's own, and `_BETWEEN`.
+    """
+    left, right = answer.contact_edges[row]
+    touching = np.flatnonzero((answer.pressure[row] > 0) & (answer.x > left) & (answer.x < right))
+    if not len(touching):
+        return np.zeros(2), 0.0
+
+    def integrals(places: NDArray[np.intp]) -> Array:
+        x, q, found = answer.x[places], answer.shear[row, places], []
+        for across, share in ((x - left, q), ((right - x)[::-1], q[::-1])):
+            phi = 2 * np.arcsin(np.sqrt(across / (right - left)))
+            values = share / np.tan(phi / 2)
+            found.append(float(np.trapezoid(np.append(values[0], values), np.append(0.0, phi))))
+        return 2 / math.pi * np.array([found[0], -found[1]])
+
+    own = integrals(touching)
+    apart = max(float(np.abs(integrals(part) - own).max()) for part in (touching[::2], touching[1::2]) if len(part))
+    largest = answer.scene.friction.coefficient * float(answer.pressure[row].max())
+    return own, 3 * apart + (4 * answer.record.errors.get("shear", 0.0) + _BETWEEN) * largest
+
+
+def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float) -> Array:
+    """(n, 3) s_xx, s_yy, s_xy of a body below y = 0, without the bulk stress: q/p between places, p exact, as series of sines."""
+    touching = answer.pressure[row] > 0
+    if not touching.any():
+        return np.zeros((len(x), 3))
+    left, right = answer.contact_edges[row]
+    middle, half = (left + right) / 2, (right - left) / 2
+    at = middle + half * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
+    pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
+    share = np.interp(at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching])
+    series = dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
+    # In the mirror image, from above the cut of the root: the series have real coefficients.
+    zeta = (x - middle + 0j) / half
+    zeta.imag = np.abs(y) / half
+    root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
+    omega, sums = zeta - root, np.zeros((4, len(x)), dtype=complex)
+    with np.errstate(divide="ignore"):
+        needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(omega), 1 - 1e-12))), _TERMS)
+    order = np.argsort(-needed, kind="stable")
+    omega, active = omega[order], np.searchsorted(-needed[order], -np.arange(1, _TERMS + 1), side="right")
+    for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
+        n = active[k - 1]
+        sums[:2, :n] = (sums[:2, :n] + series[:, k - 1, None]) * omega[:n]
+        sums[2:, :n] = (sums[2:, :n] + k * series[:, k - 1, None]) * omega[:n]
+    sums[:, order] = sums.copy()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half * root)).conj())  # y N', y T'; d omega/dz = -omega/(h root)
+    return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
 
 
 def _from_potentials(normal: Complex, tangential: Complex, of_normal: Complex, of_tangential: Complex) -> Array:

@@ -48,7 +48,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.chebyshev import Pieces, Unresolved, halved
-from semi_analytic.quadrature import ROOTS, Rule, crowded, graded, panels
+from semi_analytic.quadrature import ROOTS, Rule, crowded, gauss, graded, panels
 
 Array = NDArray[np.float64]
 
@@ -64,6 +64,8 @@ _OF_LOAD = -((-1.0) ** _K) * 4**_K / _FACTORIAL
 _NOISE = 1e-12
 # Values of knots that are held at a time.
 _VALUES = 100_000
+# Share of c^2 below which a difference of squares is taken from the rise of the load.
+_NEXT = 0.1
 # Share of P up to which the kernel of W is a quadrature; above, a difference of closed forms.
 _APART = 0.03
 
@@ -496,6 +498,11 @@ class NestedIntervals:
         return self.exactly(0.0)
 
     @cached_property
+    def face(self) -> tuple[float, float]:
+        """Middle and half-length of a flat face that touches under no load."""
+        return float(self.start[0]), 0.0 if self.shape.radius is not None else float(self._series[3](0.0))
+
+    @cached_property
     def break_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
         loads = self.load(self.shape.breaks)
@@ -533,6 +540,27 @@ class NestedIntervals:
         number = np.searchsorted(marks, eta, side="right") - 1
         place = np.minimum(places[number] + np.sqrt(eta - marks[number]), places[number + 1])
         return middle(place), np.where(eta > 0, np.maximum(half(place), 0.0), 0.0)
+
+    def growth(self, side: Array, load: Array, rise: Array) -> Array:
+        """How far the end of I(eta) on a side, +1 or -1, has moved outwards while eta rose by `rise` to `load` [length], (n,) each.
+
+        From the rate: the difference of two ends that are next to each other would be what their series leave out.
+        """
+        if self.shape.radius is not None:
+            (_, wide), (_, narrow) = self.exactly(load), self.exactly(load - rise)
+            return rise * (2 * self.product * self.shape.radius / np.pi / (wide + narrow) - side * self.shape.radius * self.slope)
+        marks, places, middle, half = self._series
+        number, total, (node, share) = np.searchsorted(marks, load, side="right") - 1, np.zeros(load.shape), gauss(8)
+        outer = np.sqrt(load - marks[number])
+        while np.any(number >= 0):
+            above = np.minimum(rise, outer * outer)
+            step = above / np.maximum(outer + np.sqrt(outer * outer - above), 1e-300)
+            low, high = places[number][:, None], np.nextafter(places[number + 1], 0.0)[:, None]
+            v = np.clip(low + (outer[:, None] - step[:, None] * node), low, high)
+            total += step * np.sum(share * (half.derivative(v) + side[:, None] * middle.derivative(v)), axis=1)
+            rise, number = rise - above, np.where(rise > above, number - 1, -1)
+            outer = places[number + 1] - places[number]
+        return total
 
     def load(self, x: Array) -> Array:
         """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none up to the largest is.
@@ -740,11 +768,15 @@ class TiltedProfile:
         return self.share * np.arcsinh(root / np.where(c > 0, c, np.inf)) - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """pi dp/d eta from the load; 0 outside."""
-        del excess
-        m, c = self.at(advance)
-        t = np.asarray(x, dtype=float) - m
+        """pi dp/d eta from the load and what it is above P_x; 0 outside."""
+        (m, c), (start, least) = self.at(advance), self.intervals.face
+        place, above = np.asarray(x, dtype=float), np.asarray(excess, dtype=float)
+        t = place - m
         square = (c - t) * (c + t)
+        near = (square < _NEXT * c * c) & (above > 0) & (np.abs(place - start) >= least)
+        if np.any(near):
+            side, load, rise, half = (np.broadcast_to(each, near.shape)[near] for each in (np.sign(t), advance, above, c))
+            square[near] = (gap := self.intervals.growth(side, load, rise)) * (2 * half - gap)
         return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
 
     def logarithm(self, c: Array) -> Array:

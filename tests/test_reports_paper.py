@@ -11,8 +11,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from reports.charts.marks import Band, Curve, Note
-from reports.charts.plate import Panel, Plate
+from reports.charts.plate import Band, Curve, Note, Panel, Plate
 from reports.charts.publication import figure_of
 from reports.cli import main
 from reports.console import Stages

@@ -456,8 +456,8 @@ def interrupted(*_: object) -> None:
     [
         ("echo '*ERROR: cutbacks'; exit 201", 0.25, 300.0, None, ConvergenceError, "exit code 201 .* cutbacks"),
         ("echo 'Job finished'; exit 0", 1.0, 300.0, None, ConvergenceError, "exit code 0 at time 0.25 of 1.*Job finished"),
-        ("exec sleep 600", 1.0, 0.5, None, ConvergenceError, "time limit of 0.5 s at time 0.25 of 1"),
-        ("exec sleep 600", 1.0, 300.0, interrupted, KeyboardInterrupt, "^$"),
+        ("exec sleep 20", 1.0, 0.5, None, ConvergenceError, "time limit of 0.5 s at time 0.25 of 1"),
+        ("exec sleep 20", 1.0, 300.0, interrupted, KeyboardInterrupt, "^$"),
     ],
     ids=["failed", "short", "late", "interrupted"],
 )
@@ -468,7 +468,7 @@ def test_a_run_that_stops_early_is_reported_with_the_end_of_its_log_and_its_proc
     monkeypatch.setattr(subprocess, "Popen", lambda *given, **how: started.append(popen(*given, **how)) or started[0])
     with pytest.raises(fault, match=words):
         run_calculix(stand_in(tmp_path, body), tmp_path, "deck", end, limit, report)
-    code = {"exec sleep 600": -signal.SIGKILL}.get(body, 201 * ("201" in body))
+    code = {"exec sleep 20": -signal.SIGKILL}.get(body, 201 * ("201" in body))
     assert started[0].returncode == code
 
 

@@ -17,7 +17,7 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
-from reports.charts.marks import Arrow, Curve, Note
+from reports.charts.plate import Arrow, Curve, Note
 from reports.comparison.metrics import METRICS, Metric, normal_work
 from reports.comparison.words import (
     beyond_theory,
@@ -35,7 +35,7 @@ from reports.comparison.words import (
     verdict,
     with_uncertainty,
 )
-from reports.page.figures import outline, sketch
+from reports.page.writing import outline, sketch
 from reports.units import minus, units
 from scenes import Block, Bodies, ContactSolution, Cylinder, InputError, Pad, Scene, load_scene, scene_names
 from scenes.scene import OWN_TOLERANCES
@@ -402,16 +402,3 @@ class TestWorkOfTheLoads:
         page = write(compare(TRUTH, replace(TRUTH, engine="halfplane_fe")), tmp_path / "out").read_text(encoding="utf-8")
         assert "∮ Q dU [N·mm/mm]" in page
         assert "∮ P dV" not in page
-
-
-def test_a_path_that_does_not_repeat_has_no_cycle_on_its_page_but_what_users_wrote_stays(tmp_path: Path) -> None:
-    titled = load_scene("hertz-normal").vary(title="Last cycle of the rig", purpose="through the cycle", load={"cycle": ()})
-    solution = semi_analytic.solve(titled)
-    page = write(compare(solution, solution), tmp_path, command="halfplane run 'last cycle.toml'").read_text(encoding="utf-8")
-    own = re.sub(r"<script.*?</script>|<style.*?</style>", "", page, flags=re.S)
-    assert own.count("Last cycle of the rig") == 3  # title, heading, scene
-    assert own.count("hrough the cycle") == 2  # purpose, scene
-    assert "halfplane run &#39;last cycle.toml&#39;" in own
-    rest = own.replace("Last cycle of the rig", "").replace("last cycle.toml", "")
-    assert "ast cycle" not in rest
-    assert "Through the path" in rest

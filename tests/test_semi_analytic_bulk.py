@@ -34,6 +34,7 @@ from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.fields import Integrals
 from semi_analytic.fronts import (
     ORDER,
     Follower,
@@ -47,10 +48,11 @@ from semi_analytic.fronts import (
     remainder_of,
 )
 from semi_analytic.grid import follow_on_grid
+from semi_analytic.history import history_of
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of, convex_profile
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
-from semi_analytic_cases import PAPER, fretting, leaning, make_scene
+from semi_analytic_cases import PAPER, PROFILES, extreme, fretting, leaning, make_scene
 
 A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
 
@@ -155,6 +157,8 @@ COMPOUND = Compound(inner_radius=1.0, outer_radius=0.4, inner_half_length=0.6)
 WEDGE = Wedge(tip_radius=1.0, tip_half_length=1.0)
 ROWS = [(float(x), float(x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10)) for x in np.linspace(-3, 3, 25)]
 UNEQUAL = Tabulated(points=ROWS, symmetric=False)
+HERTZ = Hertz(radius=1.0)
+SWINGING = {"mean_normal_load": 1.0, "normal_amplitude": 0.9, "mean_tangential_load": 0.0, "tangential_amplitude": 0.35}
 # Scene, half-width of the grid.
 ON_GRID = {
     "bulk": (fretting(0.3), 2.8),
@@ -234,6 +238,46 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
     np.testing.assert_allclose(tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10)
     np.testing.assert_allclose(tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12)
     np.testing.assert_allclose(tilted.centre(loads), 0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "name", ["unequal sides", pytest.param("a flat face, fixed tilt", marks=pytest.mark.slow), "bulk and tilt"]
+)
+def test_tractions_scatter_by_less_than_their_stated_error(name):
+    """Loads and moduli a millionth more leave q over them what it is: arcs in full stick, to 0.8 of gross sliding."""
+    profile, kappa, tilt = {"unequal sides": (UNEQUAL, 0, 0), "a flat face, fixed tilt": (FLAT, 0, 0.1)}.get(name, (HERTZ, 0.1, 0))
+    draw, found, stated = np.random.default_rng(7), [], 1e-12
+    for share in 1 + 1e-6 * draw.uniform(-1, 1, 50):
+        turned = {"mean": tilt + kappa, "amplitude": 0.9 * kappa, "initial_loading": [tilt + 0.1 * kappa]}
+        bulk = {"amplitude": 2 * 0.35 * kappa * share, "phase_degrees": 90.0, "initial_loading": [0]}
+        load = EllipseLoad(
+            **{key: share * value for key, value in SWINGING.items()},
+            phase_degrees=90.0,
+            initial_loading=[(0.1 * share, 0)],
+            tilt=turned,
+            bulk_stress_lower=bulk,
+        )
+        scene = with_profile(make_scene(load, modulus=share), profile)
+        path = scene.load.path()
+        time = path.cycle_start + np.linspace(0.05, 1.0, 12) * path.period
+        answer = solve(scene, x=np.linspace(-1.7, 1.6, 34), time=time, fields=("pressure", "shear"))
+        assert "one memory" not in " ".join(answer.record.notes)
+        found.append(answer.shear / np.max(answer.pressure))
+        stated = max(stated, answer.record.errors.get("shear", 0.0))
+    assert np.max(np.ptp(found, axis=0)) < stated
+
+
+@pytest.mark.parametrize("kind", [kind for kind in PROFILES if kind not in ("|x|^1.01", "|x|^3.5")])
+def test_arcs_of_an_untilted_contact_leave_the_shear_of_the_symmetric_one(kind):
+    """By series of the ends of contact and by P(a), along arcs in full stick: q to 1e-12 of the largest f p."""
+    scene, profile = extreme(kind, "ellipse"), PROFILES[kind]
+    plain = contact_of(profile, scene.material)
+    tilted = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 1.9), 1.0)
+    history = history_of(scene.load.path(), 0.5, 3)
+    snapshot = history.snapshot(np.linspace(history.spans[0].begin.time, history.spans[-1].end.time, 14)[1:])
+    x = np.linspace(0.05, 0.99, 12) * float(plain.half_width(1.9))
+    own, known = (Integrals(contact, x, "shear").over(snapshot) for contact in (tilted, plain))
+    assert np.max(np.abs(own - known)) < 1e-12 * 0.5 * np.max(plain.pressure(x, 1.9))
 
 
 # ---------------------------------------------------------------------------------------- profiles that are no parabolas
@@ -695,9 +739,9 @@ def test_what_is_left_of_forty_cycles_out_of_phase():
 
 
 # ------------------------------------------------------------------------------------- where stick breaks: the answer of grids
-# Row of the table: bulk stress or tilt out of phase, W and its error, permanent stick over a_0.
+# Row of the table: bulk stress or tilt out of phase, W of cycle 6 and its error, permanent stick over a_0.
 BROKEN = {
-    "bulk, row 7": ({"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}}, 0.38682, 3e-5, (-0.62681, 0.80026)),
+    "bulk, row 7": ({"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}}, 0.38684, 3e-5, (-0.62681, 0.80026)),
     "tilt, row 8": ({"tilt": {"amplitude": 0.06, "phase_degrees": 90}}, 0.25985, 2e-5, (-0.72632, 0.72632)),
 }
 
@@ -706,10 +750,10 @@ BROKEN = {
 def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
     """Through `solve`; the work to 1e-3, the permanent stick to a cell, laws at every point to rounding."""
     extra, work, known_to, stick = BROKEN[row]
-    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=4)
+    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=6)
     found = solve(scene, x=np.linspace(-2.6, 2.6, 521))
     error = found.record.errors["dissipation"]
-    assert error < 2e-3
+    assert error < 4e-4
     assert found.dissipation == pytest.approx(work, abs=known_to + error * work)
     assert found.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
     assert "on grids of 160 cells and 320 increments a cycle" in found.record.notes[0]
@@ -729,6 +773,20 @@ def on_grids(scene, x, **options):
     loads = PathLoads(path, strain_of(scene.material), 1.0)
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
+
+
+@pytest.mark.parametrize("row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN])
+def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
+    """W and the fields of the second cycle."""
+    scene, x = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0])), np.linspace(-2.2, 2.2, 45)
+    path = scene.load.path()
+    time = path.cycle_start + path.period * np.linspace(1, 2, 21)
+    half, whole = (on_grids(scene, x, time=time, most=2, cells=n, increments=2 * n) for n in (80, 160))
+    assert abs(half.works[-1] / whole.works[-1] - 1) < half.errors["dissipation"] < 1e-3
+    assert whole.errors["dissipation"] < 0.6 * half.errors["dissipation"]
+    for name, field in (("shear", "shear"), ("slip", "slip"), ("density", "dissipation_density")):
+        ours, theirs = getattr(half, name), getattr(whole, name)
+        assert np.sqrt(np.mean((ours - theirs) ** 2)) < half.errors[field] * np.max(np.abs(theirs)), name
 
 
 def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
@@ -788,6 +846,18 @@ def test_increments_in_which_cells_start_without_early_slip_are_counted():
         grid = dense_grid.Grid(parabola, (-2.5, 2.5), 80, 1.0)
         grid.follow(np.array([[0.1, 0.0, 0.0, 0.0], [3.0, force, 0.0, 0.0]]))
         assert grid.without_early_slip == counted
+
+
+@pytest.mark.parametrize(("tilt", "force", "sticks"), [(0.0, 0.2, True), (0.2, 0.2, True), (0.0, 1.2, False)])
+def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sticks):
+    """To the last digit, at both ends; where the ends slip they are cells away from them."""
+    load = {"mean_normal_load": 3.0, "normal_amplitude": 0.0, "mean_tangential_load": 0.0, "tangential_amplitude": force}
+    scene = make_scene(EllipseLoad(**load, phase_degrees=0, tilt=tilt, initial_loading=[(3, 0)]))
+    time = scene.load.path().cycle_start + np.array([0.8, 0.95]) * math.pi
+    found = on_grids(scene, np.zeros(1), time=time, cells=40, increments=40, most=2)
+    apart = np.abs(found.stick_edges - found.contact_edges)
+    assert np.array_equal(apart == 0, np.full((2, 2), sticks)), apart
+    assert sticks or np.min(apart) > 2 * HALF / 40
 
 
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):

@@ -28,7 +28,7 @@ from scenes import (
     load_scene,
     scene_names,
 )
-from semi_analytic import FIELDS, compliance, dissipation, edge_tension, events, friction_from, hysteresis, solve, stress
+from semi_analytic import FIELDS, compliance, dissipation, events, friction_from, hysteresis, solve, stress
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
@@ -450,8 +450,6 @@ REFUSED = [
     (lambda: friction_from("much", scene=UPRIGHT), "must be numbers"),
     # What has no formula with bulk stress or tilt says so in a sentence.
     (lambda: friction_from(0.1, scene=LEANS), "bulk stress"),
-    (lambda: stress(LEANS, [0.0], [-0.1], 1.0), "bulk stress"),
-    (lambda: edge_tension(LEANS, [1.0]), "bulk stress"),
     (lambda: hysteresis(solve(LEANS, **ONCE)), "bulk stress"),
     (lambda: compliance(solve(LEANS, **ONCE)), "bulk stress"),
     (lambda: events(OUT_OF_PHASE), "kappa Q"),

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from scenes import load_scene
+from scenes import Scene, load_scene
 from semi_analytic import edge_tension, stress
 from semi_analytic.quadrature import graded
-from semi_analytic.solution import memory_at
-from semi_analytic.subsurface import _lines
+from semi_analytic.solution import leaning_profile, memory_at
+from semi_analytic.subsurface import _from_sines, _lines, _tensions, _with_tractions
 from semi_analytic_cases import extreme
 
 
@@ -53,9 +53,11 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     pressed = semi_analytic.solve(scene, x=0.0, time=2.0)
     a, p0 = float(pressed.contact_half_width[0]), float(pressed.pressure[0, 0])
     wanted = 2 * f * p0 * math.sqrt(share)
-    assert edge_tension(scene, 2.0)[0] == pytest.approx(wanted, rel=1e-12)
-    assert edge_tension(pressed, 2.0)[0] == edge_tension(scene, 2.0)[0]
-    assert edge_tension(scene, 3.0)[0] == pytest.approx(-wanted, rel=1e-12)  # after the reversal slip goes the other way
+    values, uncertain = edge_tension(scene, [2.0, 3.0])
+    turned = wanted * np.array([[1, -1], [-1, 1]])
+    np.testing.assert_allclose(values, [turned, -turned], rtol=1e-12)  # after the reversal slip goes the other way
+    assert np.all(uncertain < 2e-11 * p0)
+    np.testing.assert_array_equal(edge_tension(pressed, 2.0)[0], values[:1])
     for body, sign in (("lower", 1), ("upper", -1)):
         edges = stress(scene, [-a, a], 0.0, 2.0, body=body)[0]
         np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)  # a itself is rounded
@@ -110,6 +112,47 @@ def test_out_of_contact_there_is_none_and_far_below_it_is_that_of_a_force():
     scene = load_scene("cattaneo-mindlin")
     load = scene.load.cycle[0][0]
     assert not stress(scene, [0.0, 1.0], -1.0, 0.0).any()
-    assert not edge_tension(scene, 0.0).any()
+    assert not edge_tension(scene, 0.0)[0].any()
     deep = stress(scene, 0.0, -1e4, 1.0)[0, 0]
     assert deep[1] == pytest.approx(-2 * load / (math.pi * 1e4), rel=1e-7)
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", pytest.param("flat-rounded-paper", marks=pytest.mark.slow)])
+def test_stress_from_tractions_is_that_of_the_memory_curve(name):
+    """The way of bulk stress and tilt, on scenes that do not need it: the tension within its uncertainty, 1e-2 at most."""
+    scene = load_scene(name)
+    time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
+    answer, rows = _with_tractions(scene, time)
+    x, y = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5]), np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
+    exact, inside, profile = edge_tension(scene, time)[0], stress(scene, x, y, time), leaning_profile(scene)[1]
+    p0 = answer.pressure.max()
+    for k, row in enumerate(rows):
+        found, uncertain = _tensions(answer, row)
+        assert np.abs(found - exact[k, 0]).max() < uncertain < 1e-2 * p0
+        np.testing.assert_allclose(_from_sines(answer, row, profile, x, y, 1.0), inside[k, :, :3], atol=2e-4 * p0)
+
+
+def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
+    """q = f p(x; a) less the pressure of the stick zone, moved by e = eps R/f: by hand; above it bulk stress alone."""
+    load, shear, eps, f = 3.0, 1.8, 0.2, 1.0
+    scene = Scene.model_validate(
+        {
+            "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
+            "profile": {"kind": "hertz", "radius": 1.0},
+            "friction": f,
+            "load": {
+                "kind": "time_series",
+                "rows": [(0, 0, 0), (1, load, 0), (2, load, shear)],
+                "bulk_stress_lower": [0, 0, 2 * eps],
+            },
+        }
+    )
+    a = math.sqrt(4 * load / math.pi)
+    c, p0, e = a * math.sqrt(1 - shear / (f * load)), 2 * load / (math.pi * a), eps / f
+    left, right = (2 * f * p0 / a * (a - (far - math.sqrt(far**2 - c**2))) for far in (a + e, a - e))
+    values, uncertain = edge_tension(scene, [1.0, 2.0])
+    assert np.all(uncertain < 2e-3 * p0)
+    np.testing.assert_allclose(values[0], 0, atol=1e-12)
+    np.testing.assert_allclose(values[1], [[left + 2 * eps, -right + 2 * eps], [-left, right]], atol=2e-4)
+    deep = [stress(scene, [5.0], [depth], 2.0, body=body)[0, 0, 0] for body, depth in (("lower", -1e3), ("upper", 1e3))]
+    np.testing.assert_allclose(deep, [2 * eps, 0], atol=1e-4)

@@ -1,13 +1,12 @@
 """Figures as values, and their two forms: SVG for pages (light, dark, live, on a phone), matplotlib for files of good print.
 
-A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. `plate` and `publication` draw
-the same marks; what they look like stands once, in templates/charts.css. Nothing here knows a metric or an engine.
+A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. What they look like stands
+once, in templates/charts.css. Nothing here knows a metric or an engine.
 
 Offered to the rest of reports:
 
-    marks.py        `Axis` `Frame` `Scale` `labels` `limits`; `Arrow` `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note`
-                    `Rule` `Segments`
-    plate.py        `Cell` `Key` `Panel` `Plate` `STATE_KEYS` `colour_scale` `worded`
+    plate.py        `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `labels` `limits`; `Arrow` `Band` `Bitmap` `Block` `Curve`
+                    `Dot` `Group` `Mark` `Note` `Rule` `Segments`; `STATE_KEYS` `colour_scale` `worded`
     publication.py  `pixels_of` `write_plots`
-    templating.py   `STATE_NAMES` `Table` `markdown_table` `script` `shades` `table_text` `template`
+    templating.py   `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades` `table_text` `template`
 """

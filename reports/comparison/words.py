@@ -1,4 +1,7 @@
-"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and comparison.json say alike."""
+"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and comparison.json say alike.
+
+The sentences are in templates/words.txt; here are the numbers that stand in them.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import asdict
-from html import escape
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reports.charts.templating import in_template
 from reports.comparison.laws import (
     OF_UNSYMMETRIC,
     QUANTITIES,
@@ -25,14 +29,12 @@ from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, Shape, Wave, sampled
+from scenes import ContactSolution, Scene, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
     from reports.comparison.budget import Budget, ErrorBudget, Term
 
-# Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
-_SMALL = ("solver", "half-plane theory")
 SUPPORT_WORDS = {
     "fixed": "fixed",
     "rollers": "on rollers along x",
@@ -42,44 +44,10 @@ SUPPORT_WORDS = {
 }
 
 
-def in_template(macro: str, *values: Any) -> str:
-    """A sentence of templates/words.txt."""
-    from reports.charts.templating import template
-
-    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
-
-
+# ------------------------------------------------------------------------------------------------------- what is asked
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    loads = _loads(scene, load_unit(scene))
-    return in_template("question", scene, *units(scene)[1:], f"{loads[:1].upper()}{loads[1:]}", bulk_and_tilt(scene))
-
-
-def without_cycle(text: str, scene: Scene) -> str:
-    """Our own words; where the path does not repeat, and so has no cycle, they speak of the path. Not for what users wrote.
-
-    >>> from scenes import load_scene
-    >>> record = load_scene("cattaneo-mindlin").vary(load=PolygonLoad(initial_loading=[(90.0, 0.0), (90.0, 20.0)]))
-    >>> without_cycle("Last cycle. States through the whole last cycle, from the start of the cycle", record)
-    'Path. States through the whole path, from the start of the path'
-    """
-    if scene.load.path().period is not None:
-        return text
-    text = text.replace("Last cycle", "Path").replace("last cycle", "path").replace("hrough the cycle", "hrough the path")
-    found = r"\b((?:start of|Instant of|over|in) the|Dissipation of a) cycle\b"
-    # Markup stays markup.
-    return type(text)(re.sub(found, lambda words: words[1].replace(" a", " the") + " path", text))
-
-
-def _loads(scene: Scene, unit: str) -> str:
-    load = scene.load
-    if isinstance(load, EllipseLoad):
-        return in_template("ellipse", load, unit)
-    if not isinstance(load, PolygonLoad):
-        return re.sub(r"(?<=\s)-(?=\d)", "−", load.in_words(unit))
-    corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
-    points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
-    return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
+    return in_template("question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt(scene))
 
 
 def bulk_and_tilt(scene: Scene) -> str:
@@ -89,21 +57,7 @@ def bulk_and_tilt(scene: Scene) -> str:
     >>> bulk_and_tilt(load_scene("cattaneo-mindlin").vary(load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}))
     'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by 0.001 rad.'
     """
-    load, (force, length, stress) = scene.load, units(scene)
-    said = [
-        f"The {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
-        for k, (name, value) in enumerate((("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)))
-        if value is not None
-    ]
-    if load.tilt is not None:
-        said.append(f"The upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
-    if load.moment is not None:
-        words = _over_time(scene, "turning", 1, load.moment)
-        said.append(f"The pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
-    if (line := load.line_of_action) is not None:
-        height = f" and Q {number(line.height)} {length} above the contact" if line.height else ""
-        said.append(f"P acts along x = {number(line.x)} {length}{height}, and the tilt follows from it")
-    return " ".join(f"{one}." for one in said)
+    return in_template("bulk_and_tilt", scene.load, partial(_over_time, scene), *units(scene))
 
 
 def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
@@ -118,27 +72,9 @@ def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") 
     return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
 
 
-def _under_what(scene: Scene) -> str:
-    """What is beside P and Q, for a headline: " under bulk stress and tilt"; empty for nothing."""
-    load = scene.load
-    pulled = load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
-    found = [words for words, there in (("bulk stress", pulled), ("tilt", load.tilt is not None or load.moment_given)) if there]
-    return f" under {' and '.join(found)}" if found else ""
-
-
-def _shape_words(shape: Shape, length: str) -> str:
-    """A body with its sizes and supports.
-
-    >>> from scenes import Block
-    >>> _shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
-    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides between smooth walls'
-    """
-    return in_template("shape", shape, length)
-
-
 def bodies_in_words(scene: Scene) -> str:
     """Both bodies, what holds them, where the load acts and where the gap comes from."""
-    return in_template("bodies", scene, *(_shape_words(b, units(scene)[1]) for b in (scene.bodies.lower, scene.bodies.upper)))
+    return in_template("bodies", scene, units(scene)[1])
 
 
 def idealisation(scene: Scene) -> str:
@@ -155,14 +91,28 @@ def unlike_materials(scene: Scene) -> str:
     return in_template("unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient)
 
 
+def beyond_theory(comparison: Comparison) -> str:
+    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the reference is exact for the bodies."""
+    if _both_ours(comparison):
+        return idealisation(comparison.scene)
+    if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
+        return ""
+    return in_template("beyond_theory", name_of(comparison.result.engine))
+
+
+def _both_ours(comparison: Comparison) -> bool:
+    return {comparison.reference.engine, comparison.result.engine} == {"semi_analytic", "halfplane_fe"}
+
+
+# -------------------------------------------------------------------------------------------------- values of metrics
 # A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
 _ROUNDING = 1e-13
 
 
-def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
+def _shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
     """A value to so many significant digits, in per cent if it is a share of something; rounding, below 1e-13, is 0.
 
-    >>> shown(-0.00123456), shown(0.5, plus=False), shown(-1.87e-16), shown(float("nan")), shown(0.25, share=False)
+    >>> _shown(-0.00123456), _shown(0.5, plus=False), _shown(-1.87e-16), _shown(float("nan")), _shown(0.25, share=False)
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
     if not math.isfinite(value):
@@ -174,35 +124,30 @@ def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 
 
 def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
     """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
-    return shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
+    return _shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
-    return "–" if metric.value is None else shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
+    return "–" if metric.value is None else _shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
 
 
 def unit_of(metric: Metric) -> str:
     """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
     counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(f" ({shown(count, share=False)} {of})" for count, of in counts if count is not None)
+    return metric.unit + "".join(f" ({_shown(count, share=False)} {of})" for count, of in counts if count is not None)
 
 
 def uncertainty_of(metric: Metric) -> str:
     """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
     if metric.uncertainty is None:
         return ""
-    return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
-
-
-def _open_value_of(metric: Metric) -> str:
-    """The value with its uncertainty, where one is known."""
-    return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
+    return f"± {_shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
-    return "–" if metric.tolerance is None else shown(metric.tolerance, share=not metric.absolute, plus=False)
+    return "–" if metric.tolerance is None else _shown(metric.tolerance, share=not metric.absolute, plus=False)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -229,95 +174,334 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     return f"{minus(f'{value:.{digits}f}')} ± {uncertainty:.{digits}f}"
 
 
+# ------------------------------------------------------------------------------------------------------- the answer
 def headline(report: Report) -> str:
     """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two solutions agree.
 
     Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are finite elements/theory - 1.
     """
     comparison = report.comparison
-    work = comparison.metric("dissipation")
-    keys = (
-        ("largest_pressure", "largest_half_width") if work.value is None or work.absolute else ("dissipation", "largest_pressure")
-    )
+    work, ours, exact = comparison.metric("dissipation"), _both_ours(comparison), are_half_planes(comparison.scene)
+    relative = work.value is not None and not work.absolute
+    keys = ("dissipation", "largest_pressure") if relative else ("largest_pressure", "largest_half_width")
     metrics = [metric for metric in map(comparison.metric, keys) if metric.value is not None and math.isfinite(metric.value)]
-    if not metrics:
-        return "Neither dissipation nor pressure nor contact width can be compared: the notes below say why."
-    ours = _both_ours(comparison)
-    judge_theory = ours and not are_half_planes(comparison.scene) and comparison.result.engine == "halfplane_fe"
+    theory = ours and not exact and comparison.result.engine == "halfplane_fe"
     unknown = all(metric.uncertainty is None for metric in metrics)
-    told = f"; {_stated(comparison) or 'no uncertainty was measured'}" if unknown else ""
-    if ours and are_half_planes(comparison.scene):
-        sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
-        parts = [f"{shown(size, plus=False, digits=2)} in the {_words_of(metric)}" for metric, size in sizes]
-        return f"The two solutions agree to {' and '.join(parts)}{_under_what(comparison.scene)}{told}."
-    parts = [_claim(metric, judge_theory) for metric in metrics]
-    if judge_theory:
-        basis = f" (theory/finite elements − 1{told})"
-        kind = "these bodies" if not comparison.scene.bodies.half_planes else "these materials"
-        return f"Half-plane theory {' and '.join(parts)} for {kind}{_under_what(comparison.scene)}{basis}."
-    found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
-    beside = _under_what(comparison.scene)
-    return (
-        f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}{_worst(comparison, keys)}."
-    )
-
-
-def _worst(comparison: Comparison, named: tuple[str, ...]) -> str:
-    """The metric that is most times its tolerance, where it is not within it and not one of those `named` already."""
+    # The metric that is most times its tolerance, where it is not within it and not one of the two already.
     missed = [one for one in comparison.metrics if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance]
     worst = max(missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None)
-    if worst is None or {worst.key, worst.definition.judged_by} & set(named):
-        return ""
-    size = f"{value_of(worst)} {unit_of(worst)} (tolerance {tolerance_of(worst)})"
-    return f"; furthest from its tolerance: {_inside(worst.label)}, {size}"
+    if worst is not None and {worst.key, worst.definition.judged_by} & set(keys):
+        worst = None
+    claims = [_agreement(one) if ours and exact else _claim(one, theory) for one in metrics]
+    stated = _stated(comparison) if unknown else None
+    kind = "theory" if theory else "agree" if ours and exact else "external"
+    return in_template("headline", comparison, _names(comparison), kind, claims, stated, _in_sentence(worst) if worst else None)
 
 
-def _stated(comparison: Comparison) -> str:
-    """What each side says itself of the error of its dissipation; empty where neither says any, or all of it is rounding."""
+def _names(comparison: Comparison) -> tuple[str, str]:
+    return name_of(comparison.reference.engine), name_of(comparison.result.engine)
+
+
+def _stated(comparison: Comparison) -> list[tuple[str, str]]:
+    """What each side says itself of the error of its dissipation, where that is no rounding."""
     found = []
     for solution in (comparison.result, comparison.reference):
         share = solution.record.errors.get("dissipation", 0.0)
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
             share = solution.dissipation_uncertainty / solution.dissipation
         if share > 1e-6:
-            found.append(f"{name_of(solution.engine)} {100 * share:.2g} %")
-    return f"errors of the dissipation by their own estimates: {', '.join(found)}" if found else ""
+            found.append((name_of(solution.engine), f"{100 * share:.2g}"))
+    return found
 
 
-def _claim(metric: Metric, theory: bool) -> str:
-    """What one side makes of a figure: "overestimates the dissipation by 2.85 ± 0.06 %"."""
+def _agreement(metric: Metric) -> tuple[str, str, str]:
+    return "agreement", _name(metric), _shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2)
+
+
+def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
+    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or "open" within its uncertainty."""
     value, doubt = metric.value or 0.0, metric.uncertainty
     if theory:
         value, doubt = 1 / (1 + value) - 1 if value != -1 else math.inf, None if doubt is None else doubt / (1 + value) ** 2
-    words = _words_of(metric)
+    percent = None if doubt is None else 100 * doubt
     if doubt is not None and abs(value) <= doubt:
-        return f"gives the {words} to within its uncertainty ({with_uncertainty(100 * value, 100 * doubt)} %)"
+        return "open", _name(metric), with_uncertainty(100 * value, percent)
     if doubt is None and abs(value) < 1e-12:  # round-off error
-        return f"agrees in the {words}"
-    verb = "overestimates" if value > 0 else "underestimates"
-    size = with_uncertainty(100 * abs(value), None if doubt is None else 100 * doubt)
-    return f"{verb} the {words} by {size} %"
+        return "equal", _name(metric), ""
+    return "over" if value > 0 else "under", _name(metric), with_uncertainty(100 * abs(value), percent)
 
 
-def _words_of(metric: Metric) -> str:
-    return {"largest_half_width": "contact half-width"}.get(metric.key, _inside(metric.label))
+def _name(metric: Metric) -> str:
+    """A label inside a sentence: its first letter small."""
+    return metric.label[:1].lower() + metric.label[1:]
 
 
+def _in_sentence(metric: Metric) -> dict[str, str]:
+    """What a sentence states of a metric."""
+    value = value_of(metric)
+    whole = f"{value} {uncertainty_of(metric)}".strip()
+    return {"name": _name(metric), "value": value, "open": whole, "unit": unit_of(metric), "tolerance": tolerance_of(metric)}
+
+
+def verdict(report: Report) -> str:
+    """What was judged: what is outside, what is undecided, or that all is within; and whether the laws of contact hold."""
+    comparison = report.comparison
+    pairs = (comparison.reference, comparison.reference_certificates), (comparison.result, comparison.result_certificates)
+    broken = [f"{check.label} in {name_of(one.engine)}" for one, checks in pairs for check in checks if not check.holds]
+    listed = {state: [_in_sentence(one) for one in comparison.metrics if one.verdict is state] for state in Verdict}
+    judged = sum(metric.tolerance is not None and metric.value is not None for metric in comparison.metrics)
+    work = comparison.metric("dissipation")
+    differs, shearless = None if work.value is None else value_of(work), np.isnan(comparison.result.shear).all()
+    return in_template("verdict", _names(comparison), listed, judged, differs, broken, shearless)
+
+
+def how_judged(report: Report) -> str:
+    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is known."""
+    judged = [metric for metric in report.comparison.metrics if metric.tolerance is not None and metric.value is not None]
+    unknown = [_name(metric) for metric in judged if metric.uncertainty is None]
+    return in_template("how_judged", unknown, report.budget, _both_ours(report.comparison)) if judged else ""
+
+
+def lead(report: Report) -> str:
+    """The verdict in a few words; empty where nothing is judged.
+
+    A tolerance missed by answers that obey every law is a finding where theory is an idealisation: real bodies, or half-planes of
+    unlike materials. Of somebody else's result it may be a fault as well.
+    """
+    return in_template("lead", report.comparison, beyond_theory(report.comparison), _both_ours(report.comparison))
+
+
+def uncertain_work(comparison: Comparison) -> str:
+    """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
+    found = comparison.result
+    if math.isnan(found.dissipation_uncertainty):
+        return ""
+    share = _shown(found.dissipation_uncertainty / found.dissipation, plus=False) if found.dissipation else ""
+    return in_template("uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene))
+
+
+def standing(comparison: Comparison) -> Verdict | None:
+    """The verdict as a colour: of a comparison in which a law of contact is violated, outside; None where nothing is judged."""
+    return comparison.verdict if comparison.admissible else Verdict.OUTSIDE
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital and a full stop; nothing of nothing.
+
+    >>> sentence("to compare"), sentence("Why?"), sentence("")
+    ('To compare.', 'Why?', '')
+    """
+    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+
+
+# ------------------------------------------------------------------------------------------------------------- tables
 def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others in units of the scene."""
     force, length, stress = units(scene)
-    match quantity:
-        case "stress":
-            return 1.0, stress
-        case "moment":
-            return 1.0, force
-        case "slip":
-            return (1e3, "µm") if length == "mm" else (1.0, length)
-        case "energy":
-            return 1.0, energy_unit(scene)
-        case "energy density":
-            return 1.0, f"{force}·{length}/{length}²"
-    return 1.0, length
+    if quantity == "slip" and length == "mm":
+        return 1e3, "µm"
+    energy = {"energy": energy_unit(scene), "energy density": f"{force}·{length}/{length}²"}
+    return 1.0, ({"stress": stress, "moment": force} | energy).get(quantity, length)
+
+
+def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
+    """The table of absolute values: its heads, and a row for each quantity that either solution has.
+
+    Keys of a row: key, label, reference, result, difference, verdict, place (of the result's), tolerance, note.
+    """
+    comparison = report.comparison
+    names = [{"semi_analytic": "theory"}.get(one.engine, name_of(one.engine)) for one in (comparison.reference, comparison.result)]
+    found = []
+    for metric in comparison.headlines:
+        factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
+        amounts = ["–" if math.isnan(one) else minus(f"{factor * one:.5g}") for one in metric.amounts or (math.nan, math.nan)]
+        found.append(
+            {
+                "key": metric.key,
+                "label": f"{metric.label} [{unit}]",
+                "reference": amounts[0],
+                "result": amounts[1],
+                "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
+                "difference": _difference_of(metric),
+                "verdict": metric.verdict or "–",
+                "tolerance": tolerance_of(metric),
+                "note": metric.note,
+            }
+        )
+    return ("", *names, "difference", "verdict"), found
+
+
+def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """The table of absolute values as heads and cells, for the terminal and a notebook."""
+    heads, rows = first_table(report)
+    return heads, [tuple(row[key] for key in ("label", "reference", "result", "difference", "verdict")) for row in rows]
+
+
+def _difference_of(metric: Metric) -> str:
+    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
+    if metric.value is None or not math.isfinite(metric.value) or metric.absolute:
+        return f"{value_of(metric)} {uncertainty_of(metric)}".strip() if metric.value is not None else "–"
+    value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
+    words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
+    if not re.search("[1-9]", words.partition("±")[0]):
+        words = words.removeprefix("−")  # of a zero no sign is known
+    elif value > 0:
+        words = f"+{words}"
+    return f"{words} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
+
+
+def summary(report: Report) -> str:
+    """The first table as plain text, with the headline above it and the verdict below."""
+    heads, found = first_cells(report)
+    widths = [max(map(len, column)) for column in zip(heads, *found, strict=True)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (heads, *found)]
+    return "\n".join([headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)])
+
+
+def budget_table(
+    budget: ErrorBudget, without: tuple[str, ...] = ()
+) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Heads; a row for each metric of the first table; a row for each other metric.
+
+    Without a column for the terms named, and for one that is none everywhere.
+    """
+    terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
+    rest = "unexplained" if all(one.half_planes for one in budget.budgets) else "idealisation"
+    heads, all_rows = ("metric", "E", *terms, rest, "± u", "verdict"), [_budget_row(one) for one in budget.budgets]
+    kept = [k for k in range(len(heads)) if heads[k] not in without and any(row[k] != "none" for row in all_rows)]
+    rows: dict[bool, list[tuple[str, ...]]] = {True: [], False: []}
+    for one, row in zip(budget.budgets, all_rows, strict=True):
+        rows[one.metric.definition.headline].append(tuple(row[k] for k in kept))
+    return tuple(heads[k] for k in kept), rows[True], rows[False]
+
+
+def _budget_row(one: Budget) -> tuple[str, ...]:
+    metric, doubt = one.metric, "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric)
+    shares, rest = (share(term, metric) for term in one.terms), amount(one.rest, metric, plus=True)
+    return metric.label, value_of(metric), *shares, rest, doubt, _judgement(one)
+
+
+def share(term: Term, metric: Metric) -> str:
+    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
+    if term.uncertainty is None:
+        return "not measured"
+    if term.value is None:
+        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
+    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
+
+
+def _judgement(budget: Budget) -> str:
+    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
+    if budget.resolved is None:
+        return "not known: a term was not measured"
+    return ("covered", "not covered")[budget.resolved] if budget.half_planes else ("not resolved", "resolved")[budget.resolved]
+
+
+def cost(budget: ErrorBudget) -> str:
+    """What the runs were and what they took, in a sentence."""
+    refinements = budget.refinements
+    pairs = [run for pair in refinements.penalty for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
+
+
+def _honest(report: Report, metric: Metric) -> bool | None:
+    """Whether the stated uncertainty of a metric covers its known error; None where that was not assessed."""
+    budgets = () if report.budget is None else report.budget.budgets
+    return next((one.honest for one in budgets if one.metric.key == metric.key), None)
+
+
+def honesty(report: Report) -> bool | None:
+    """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
+    found = {_honest(report, metric) for metric in report.comparison.headlines}
+    return None if found == {None} else False not in found
+
+
+# ---------------------------------------------------------------------------------------------------- of one solution
+def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """What a person wants to know first, as (quantity, value): how the solution ended, its size, its largest values."""
+    scene, apart = solution.scene, solution.dissipation_uncertainty
+    _, length, stress = units(scene)
+    dissipation = _or_none(solution.dissipation)
+    if not np.isnan(apart):
+        dissipation += (
+            f" ± {apart:.2g}{f' ({apart / solution.dissipation:.2%})' if solution.dissipation else ''}, by mesh and steps"
+        )
+    # A path that does not repeat is one cycle.
+    cycle = "of the whole path" if scene.load.path().period is None else "of the last cycle"
+    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
+    rows = [
+        ("engine", name_of(solution.engine)),
+        ("how it ended", solution.record.message),
+        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
+        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
+        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
+    ]
+    if beside := _of_bulk(solution):
+        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
+        rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
+    return [*rows, (f"dissipation {cycle} [{energy_unit(scene)}]", dissipation)]
+
+
+def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
+    rows, beside, checks, work = first_rows(solution), _of_bulk(solution), certificates(solution), energy_unit(solution.scene)
+    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
+        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
+    if np.isfinite(solution.loop_work):
+        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
+        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
+        if beside.get("bulk_work"):
+            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
+        if (normal := normal_work(solution)) is not None:
+            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
+            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
+    if cycles := load_cycles(solution):
+        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
+        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
+    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows += [("note", note) for note in solution.record.notes]
+    # What the engine counted of its own work is in the file beside it, and on the page.
+    return rows + [
+        (f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items()
+    ]
+
+
+def _or_none(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.10g}"
+
+
+def _of_bulk(solution: ContactSolution) -> dict[str, float]:
+    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing without."""
+    known = solution.permanent_stick_edges is not None
+    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
+
+
+# ------------------------------------------------------------------------------------------------------- comparison.json
+_FORMAT = "halfplane comparison 2"
+
+
+def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
+    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
+    return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
+
+
+def strict(value: Any) -> Any:
+    """`value` with numpy types as Python's and every NaN or infinity as None.
+
+    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
+    {'a': 1.0, 'b': [None, 2]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): strict(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return strict(value.tolist())
+    if isinstance(value, list | tuple):
+        return [strict(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def said(report: Report) -> dict[str, Any]:
@@ -334,354 +518,17 @@ def said(report: Report) -> dict[str, Any]:
     }
 
 
-def _verdict_content(report: Report) -> dict[str, Any]:
-    """The verdict and what it rests on, for the files and the terminal's JSON alike."""
-    comparison = report.comparison
-    return {
-        "passed": comparison.passed,
-        "accurate": comparison.accurate,
-        "verdict": comparison.verdict,
-        "judged": how_judged(report),
-        "admissible": comparison.admissible,
-        "honest": report.honest,
-        "sentence": verdict(report),
-    }
-
-
-def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
-    """The table of absolute values: its heads, and a row for each quantity that either solution has.
-
-    Keys of a row: label, reference, result, difference, verdict, place (of the result's), tolerance, note, key.
-    """
-    comparison = report.comparison
-    heads = (
-        "",
-        _short(comparison.reference.engine),
-        _short(comparison.result.engine),
-        "difference",
-        "verdict",
-    )
-    found = []
-    for metric in comparison.headlines:
-        factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
-        reference, result = metric.amounts or (math.nan, math.nan)
-        found.append(
-            {
-                "key": metric.key,
-                "label": f"{metric.label} [{unit}]",
-                "reference": _amount_words(reference * factor),
-                "result": _amount_words(result * factor),
-                "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
-                "difference": _difference_of(metric),
-                "verdict": metric.verdict or "–",
-                "tolerance": tolerance_of(metric),
-                "note": metric.note,
-            }
-        )
-    return heads, found
-
-
-def _short(engine: str) -> str:
-    return {"semi_analytic": "theory"}.get(engine, name_of(engine))
-
-
-def _amount_words(value: float) -> str:
-    """Five digits; a dash where there is none."""
-    return "–" if math.isnan(value) else minus(f"{value:.5g}")
-
-
-def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table of absolute values as heads and cells, for the terminal and a notebook."""
-    heads, rows = first_table(report)
-    keys = ("label", "reference", "result", "difference", "verdict")
-    return heads, [tuple(row[key] for key in keys) for row in rows]
-
-
-def _difference_of(metric: Metric) -> str:
-    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
-    if metric.value is None:
-        return "–"
-    if not math.isfinite(metric.value) or metric.absolute:
-        return _open_value_of(metric)
-    value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
-    words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
-    if not re.search("[1-9]", words.partition("±")[0]):
-        words = words.removeprefix("−")  # of a zero no sign is known
-    elif value > 0:
-        words = f"+{words}"
-    return f"{words} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
-
-
-def summary(report: Report) -> str:
-    """The first table as plain text, with the headline above it and the verdict below."""
-    heads, found = first_cells(report)
-    cells = [heads, *found]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(heads))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
-    return "\n".join([headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)])
-
-
-def verdict(report: Report) -> str:
-    """What was judged: what is outside, what is undecided, or that all is within; and whether the laws of contact hold."""
-    comparison = report.comparison
-    theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
-    outside, undecided = (_listed(comparison, state) for state in (Verdict.OUTSIDE, Verdict.UNDECIDED))
-    judged = sum(metric.tolerance is not None and metric.value is not None for metric in comparison.metrics)
-    broken = [
-        f"{check.label} in {name_of(engine)}"
-        for engine, checks in (
-            (comparison.reference.engine, comparison.reference_certificates),
-            (comparison.result.engine, comparison.result_certificates),
-        )
-        for check in checks
-        if not check.holds
-    ]
-    if outside or undecided:
-        differ = f"{_first_large(ours)} and {theirs} differ by more than the tolerance in {outside}"
-        reaches = f"The uncertainty reaches across the tolerance in {undecided}; undecided counts as outside"
-        first = ". ".join(words for words, metrics in ((differ, outside), (reaches, undecided)) if metrics)
-    elif not judged:
-        first = (
-            "No tolerance was given, so nothing is judged (`--tolerance 5%` judges dissipation, peak pressure and both half-widths)"
-        )
-    else:
-        verb = "agree" if ours == "finite elements" else "agrees"
-        first = f"{_first_large(ours)} {verb} with {theirs} within all {judged} tolerances"
-        known = comparison.metric("dissipation").value is not None
-        first += (
-            f"; dissipation differs by {value_of(comparison.metric('dissipation'))}" if known else "; dissipation was not compared"
-        )
-    if broken:
-        second = f" A law of contact is violated: {', '.join(broken)}."
-    elif np.isnan(comparison.result.shear).all():
-        second = " No law of contact is violated, as far as a pressure without a shear can show."
-    else:
-        second = " Both answers obey the laws of contact."
-    return f"{first}.{second}"
-
-
-def _listed(comparison: Comparison, state: Verdict) -> str:
-    """The metrics of that verdict with value, uncertainty and tolerance; empty where there are none."""
-    return ", ".join(
-        f"{_inside(metric.label)} ({_open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
-        for metric in comparison.metrics
-        if metric.verdict is state
-    )
-
-
-def how_judged(report: Report) -> str:
-    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is known."""
-    judged = [metric for metric in report.comparison.metrics if metric.tolerance is not None and metric.value is not None]
-    unknown = [metric for metric in judged if metric.uncertainty is None]
-    if not judged:
-        return ""
-    if not unknown:
-        return "Within: |E| + u ≤ tolerance. Outside: |E| − u > tolerance. Undecided: neither, and it counts as outside."
-    if report.budget is not None:
-        names = ", ".join(_inside(metric.label) for metric in unknown)
-        return f"No uncertainty is known for {names}: a term was not measured. There |E| alone is judged."
-    asked = "requested for these values; `--budget` measures it" if _both_ours(report.comparison) else "stated for these values"
-    return f"No uncertainty was {asked}. Each verdict is by |E| alone."
-
-
-def uncertain_work(comparison: Comparison) -> str:
-    """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
-    found = comparison.result
-    if math.isnan(found.dissipation_uncertainty):
-        return ""
-    share = f" ({shown(found.dissipation_uncertainty / found.dissipation, plus=False)})" if found.dissipation else ""
-    return (
-        f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± "
-        f"{found.dissipation_uncertainty:.2g}{share} by mesh and steps."
-    )
-
-
-def lead(report: Report) -> str:
-    """The verdict in a few words; empty where nothing is judged.
-
-    A tolerance missed by answers that obey every law is a finding where theory is an idealisation: real bodies, or half-planes of
-    unlike materials. Of somebody else's result it may be a fault as well.
-    """
-    comparison = report.comparison
-    if comparison.passed:
-        return "" if comparison.verdict is None else "Within tolerance."
-    if comparison.admissible and comparison.verdict is Verdict.UNDECIDED:
-        return "Undecided."
-    if not comparison.admissible or not beyond_theory(comparison):
-        return "Not within tolerance."
-    if _both_ours(comparison):
-        return "Outside tolerance: a finding about the idealisation."
-    return "Outside tolerance: by the idealisation, by the result, or by both."
-
-
-def standing(comparison: Comparison) -> Verdict | None:
-    """The verdict as a colour: of a comparison in which a law of contact is violated, outside; None where nothing is judged."""
-    return comparison.verdict if comparison.admissible else Verdict.OUTSIDE
-
-
-def beyond_theory(comparison: Comparison) -> str:
-    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the reference is exact for the bodies."""
-    if _both_ours(comparison):
-        return idealisation(comparison.scene)
-    if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
-        return ""
-    return in_template("beyond_theory", name_of(comparison.result.engine))
-
-
-def _both_ours(comparison: Comparison) -> bool:
-    return {comparison.reference.engine, comparison.result.engine} == {"semi_analytic", "halfplane_fe"}
-
-
-def sentence(text: str) -> str:
-    """`text` with a capital and a full stop; nothing of nothing.
-
-    >>> sentence("to compare"), sentence("Why?"), sentence("")
-    ('To compare.', 'Why?', '')
-    """
-    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
-
-
-def _first_large(name: str) -> str:
-    """An engine at the start of a sentence; other people's codes and files keep the letters that they have."""
-    return name.capitalize() if name in ("finite elements", "half-plane theory") else name
-
-
-def _inside(label: str) -> str:
-    """A label inside a sentence: its first letter small."""
-    return label[:1].lower() + label[1:]
-
-
-def heads(budget: ErrorBudget, *, full: bool = True) -> tuple[str, ...]:
-    """Column heads of the table."""
-    names = [term.name for term in budget.budgets[0].terms if full or term.name not in _SMALL] if budget.budgets else []
-    rest = "unexplained" if all(one.half_planes for one in budget.budgets) else "idealisation"
-    return ("metric", "E", *names, rest, "± u", "verdict", "accurate")
-
-
-def narrow(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Both without the verdict on accuracy, which the first table has, and without what is none everywhere."""
-    kept = [k for k, head in enumerate(heads) if head != "accurate" and any(row[k] != "none" for row in rows)]
-    return tuple(heads[k] for k in kept), [tuple(row[k] for k in kept) for row in rows]
-
-
-def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> list[tuple[str, ...]]:
-    """One row for each metric, as `heads` has the columns."""
-    return [
-        (
-            one.metric.label,
-            value_of(one.metric),
-            *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
-            amount(one.rest, one.metric, plus=True),
-            "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric),
-            _judgement(one),
-            one.judged.verdict or "–",
-        )
-        for one in budget.budgets
-        if one.metric.definition.headline is headline
-    ]
-
-
-def share(term: Term, metric: Metric) -> str:
-    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
-    if term.uncertainty is None:
-        return "not measured"
-    if term.value is None:
-        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
-
-
-def _judgement(budget: Budget) -> str:
-    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
-    if budget.resolved is None:
-        return "not known: a term was not measured"
-    if budget.half_planes:
-        return "covered" if not budget.resolved else "not covered"
-    return "resolved" if budget.resolved else "not resolved"
-
-
-def cost(budget: ErrorBudget) -> str:
-    """What the runs were and what they took, in a sentence."""
-    refinements = budget.refinements
-    pairs = [run for pair in refinements.penalty for run in pair]
-    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
-    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
-
-
-def _honest_of(report: Report, metric: Metric) -> str:
-    """Yes, no, or not assessed."""
-    if report.budget is None or metric.key not in {one.metric.key for one in report.budget.budgets}:
-        return "not assessed"
-    return {True: "yes", False: "no", None: "not assessed"}[report.budget.budget(metric.key).honest]
-
-
-def honesty(report: Report) -> bool | None:
-    """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
-    found = [_honest_of(report, metric) for metric in report.comparison.headlines]
-    return None if set(found) == {"not assessed"} else "no" not in found
-
-
-def _metric(budget: Budget) -> dict[str, Any]:
-    return {
-        "E": budget.total,
-        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
-        "unexplained" if budget.half_planes else "idealisation": budget.rest,
-        "u": budget.uncertainty,
-        "resolved": budget.resolved,
-        "honest": budget.honest,
-        "verdict": _judgement(budget),
-    }
-
-
-def comparison_html(report: Report) -> str:
-    """Title, headline, the table of absolute values, and the verdict; every word escaped."""
-    heads, rows = first_cells(report)
-    head = "".join(f"<th>{escape(one)}</th>" for one in heads)
-    cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    scene = report.comparison.scene
-    return (
-        f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"
-        f"<table><tr>{head}</tr>{cells}</table><p>{escape(' '.join((lead(report), verdict(report), how_judged(report))))}</p></div>"
-    )
-
-
-# ------------------------------------------------------------------------------------------------------- comparison.json
-FORMAT = "halfplane comparison 2"
-
-
-def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
-    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
-    return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
-
-
-def strict(value: Any) -> Any:
-    """`value` with numpy types as Python's and every NaN or infinity as None.
-
-    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
-    {'a': 1.0, 'b': [None, 2]}
-    """
-    if isinstance(value, Mapping):
-        return {str(key): strict(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray):
-        return strict(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [strict(entry) for entry in value]
-    if isinstance(value, np.generic):
-        return strict(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
     comparison, budget, scales = report.comparison, report.budget, report.comparison.scales
     # The solutions that hold every instant of the scene: beside a foreign result both have its few only.
     whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
+    verdicts = {name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")}
     return {
-        "format": FORMAT,
+        "format": _FORMAT,
         **said(report),
         "profile_fit": fit_content(comparison.scene),
-        "verdict": _verdict_content(report),
+        "verdict": {**verdicts, "judged": how_judged(report), "honest": report.honest, "sentence": verdict(report)},
         "scales": {
             "P_ref": scales.normal_load,
             "a_ref": scales.half_width,
@@ -696,7 +543,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             "cost": budget.cost,
             "words": cost(budget),
             "honest": budget.honest,
-            "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
+            "metrics": {one.metric.key: _budget_content(one) for one in budget.budgets},
         },
         "expected": expected_content(expected_numbers(comparison.scene, whole)),
         "instants": comparison.found.time,
@@ -726,91 +573,41 @@ def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
         **{name: getattr(metric.definition, name) for name in _OF_A_ROW},
         "definition": metric.definition.text,
         "finite": metric.value is None or math.isfinite(metric.value),
-        "honest": {"yes": True, "no": False}.get(_honest_of(report, metric)),
+        "honest": _honest(report, metric),
         "worst_at": metric.time,
         "worst_at_x_over_a_ref": metric.place,
     }
 
 
-def of_bulk(solution: ContactSolution) -> dict[str, float]:
-    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing without."""
-    known = solution.permanent_stick_edges is not None
-    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
-
-
-def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """What a person wants to know first, as (quantity, value): how the solution ended, its size, its largest values."""
-    scene, apart = solution.scene, solution.dissipation_uncertainty
-    load, (_, length, stress), work = load_unit(scene), units(scene), energy_unit(scene)
-    dissipation = _or_none(solution.dissipation)
-    if not np.isnan(apart):
-        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
-    # A path that does not repeat is one cycle.
-    cycle = "of the whole path" if scene.load.path().period is None else "of the last cycle"
-    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
-    rows = [
-        ("engine", name_of(solution.engine)),
-        ("how it ended", solution.record.message),
-        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
-        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
-        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
-        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
-        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
-    ]
-    if beside := of_bulk(solution):
-        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
-    return [*rows, (f"dissipation {cycle} [{work}]", dissipation)]
-
-
-def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
-    rows, beside, checks, work = first_rows(solution), of_bulk(solution), certificates(solution), energy_unit(solution.scene)
-    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
-    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
-        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
-    if np.isfinite(solution.loop_work):
-        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
-        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
-        if beside.get("bulk_work"):
-            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
-        if (normal := normal_work(solution)) is not None:
-            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
-            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
-    if cycles := load_cycles(solution):
-        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
-    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
-    rows.extend(("note", note) for note in solution.record.notes)
-    # What the engine counted of its own work is in the file beside it, and on the page.
-    rows.extend((f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
-    return rows
-
-
-def _or_none(value: float) -> str:
-    return "none" if np.isnan(value) else f"{value:.10g}"
+def _budget_content(budget: Budget) -> dict[str, Any]:
+    return {
+        "E": budget.total,
+        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
+        "unexplained" if budget.half_planes else "idealisation": budget.rest,
+        "u": budget.uncertainty,
+        "resolved": budget.resolved,
+        "honest": budget.honest,
+        "verdict": _judgement(budget),
+    }
 
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """What is worth keeping of one solution beside its fields."""
     record, work = solution.record, solution.work
     names = ("engine", "dissipation", "dissipation_uncertainty", "dissipation_drift", "loop_work", "cycle_dissipation")
+    bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
     return {
         **{name: getattr(solution, name) for name in (*names, "permanent_stick_half_width", "steady_from", "settings", "versions")},
-        **of_bulk(solution),
+        **_of_bulk(solution),
         "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),
         **{name: getattr(record, name) for name in ("converged", "termination", "message", "notes")},
         "certificates": {
-            check.label: {"value": check.value, "limit": check.limit, "holds": check.holds, "worst_at": check.time}
-            for check in checks
+            one.label: {"value": one.value, "limit": one.limit, "holds": one.holds, "worst_at": one.time} for one in checks
         },
         "counts": work.counts,
         "skipped": {name: {"count": count, "reason": reason} for name, (count, reason) in work.skipped.items()},
         "seconds": work.seconds,
-        "mesh_quality": {
-            name: dict(body.quality) for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
-        },
+        "mesh_quality": {name: dict(body.quality) for name, body in bodies},
     }

@@ -1,6 +1,6 @@
 """Measures of fatigue of the stress through a cycle, at points of plane strain: critical planes, invariants, ranges.
 
-`survey` takes them beside the contact in both bodies, of both engines. The linear elastic stress of the contact alone is meant.
+`survey` takes them beside the contact in both bodies, of both engines, from the linear elastic stress of contact and bulk.
 
 Arrays of stress are (n_instants, n_points, 4): s_xx, s_yy, s_xy, s_zz, tension positive. Planes are those that contain the z axis,
 a degree apart; strains are elastic. Every formula is for the history as it is, whatever its phase.
@@ -86,10 +86,11 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             "--fatigue: no stress is known beside the contact: a body is too thin, or nothing touches in the last cycle"
         )
     times = np.unique([*times, largest.time])
-    at_largest = semi_analytic.solve(solution.scene, x=0.0, time=largest.time, fields=())
-    edges = float(at_largest.contact_half_width[0]), abs(largest.x)
+    reference = semi_analytic.solve(solution.scene, x=solution.x, time=times, fields=("pressure", "shear"))
+    edges = np.array([reference.contact_edges[np.searchsorted(times, largest.time)], largest.edges])
+    middle, half = edges.mean(axis=1), (edges[:, 1] - edges[:, 0]) / 2
     averaged, shares = criteria.critical_distance is not None, np.ones((1, 1))
-    depths = edges[0] * _DEPTHS
+    depths = half[0] * _DEPTHS
     if criteria.critical_distance is not None:
         node, weight = np.polynomial.legendre.leggauss(_OVER_DEPTH)
         depths, shares = criteria.critical_distance * (1 + node) / 2, weight[:, None] / 2
@@ -98,15 +99,16 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
         y, material = -depth if body == "lower" else depth, getattr(solution.scene.material, body)
-        theory = semi_analytic.stress(solution.scene, edges[0] * across, y, times, body=body)
-        elements = halfplane_fe.stress(solution, edges[1] * across, y, times, body=body)
+        theory = semi_analytic.stress(reference, middle[0] + half[0] * across, y, times, body=body)
+        elements = halfplane_fe.stress(solution, middle[1] + half[1] * across, y, times, body=body)
         if averaged:
             theory, elements = (
                 np.einsum("tdxc,da->txc", side.reshape(len(times), len(depths), -1, 4), shares) for side in (theory, elements)
             )
         sides = [measures(side, criteria, material.young_modulus, material.poisson_ratio) for side in (theory, elements)]
         places, heights = (_ACROSS, np.zeros(len(_ACROSS))) if averaged else (across, y)
-        columns = {"body": body, **{f"x, {name}": edge * places for name, edge in zip(ENGINES, edges, strict=True)}, "y": heights}
+        at = {f"x, {name}": m + h * places for name, m, h in zip(ENGINES, middle, half, strict=True)}
+        columns = {"body": body, **at, "y": heights}
         pairs = {f"{words}, {name}": side[words] for words in sides[0] for name, side in zip(ENGINES, sides, strict=True)}
         found.append(pd.DataFrame(columns | pairs))
     return pd.concat(found, ignore_index=True)

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Bitmap, Block, Mark, Segments
-from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, colour_scale
+from reports.charts.plate import STATE_KEYS, Axis, Bitmap, Block, Cell, Key, Mark, Panel, Plate, Segments, colour_scale
 from reports.comparison.words import SUPPORT_WORDS
 from reports.field_output.files import NO_PEAK, Instant, peak
 from reports.units import load_unit, minus, number, units

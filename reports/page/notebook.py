@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Axis, Curve, limits
-from reports.charts.plate import Panel, Plate
+from reports.charts.plate import Axis, Curve, Panel, Plate, limits
+from reports.charts.templating import template
 from reports.comparison.words import bulk_and_tilt, first_rows
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
@@ -19,17 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-
-
-def _table_html(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
-    """Two columns beside a picture, which is HTML already; everything else is escaped.
-
-    >>> "<tr><td>f &lt; 1</td><td>0.5</td></tr>" in _table_html("title", [("f < 1", "0.5")])
-    True
-    """
-    cells = "".join(f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in rows)
-    beside = "display:flex;gap:1.5em;align-items:center"
-    return f'<div><b>{escape(title)}</b><div style="{beside}"><table>{cells}</table>{picture}</div></div>'
 
 
 def scene_html(scene: Scene) -> str:
@@ -51,14 +38,16 @@ def scene_html(scene: Scene) -> str:
         *([("beside P and Q", beside)] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
-    return _table_html(scene.title or scene.name or "Scene", rows, _loop_svg(normal, tangential, "P", "Q"))
+    picture = _loop_svg(normal, tangential, "P", "Q")
+    return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows, picture=picture)
 
 
 def solution_html(solution: ContactSolution) -> str:
     """How a solution ended, its size and its figures, and the loop of Q over the shift in the last cycle."""
     steps = solution.last_cycle
     picture = _loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
-    return _table_html(solution.scene.title or solution.scene.name or "Solution", first_rows(solution), picture)
+    title = solution.scene.title or solution.scene.name or "Solution"
+    return template("notebook.html").render(title=title, rows=first_rows(solution), picture=picture)
 
 
 # Of the states 0 to 3, on white: open, stick, forward slip, reverse slip; apart in grey too.

@@ -20,26 +20,18 @@ from numpy.typing import NDArray
 
 from reports.scoring.calculix_files import DatFile, DatTable, FrdBlock, FrdFile, read_dat, read_frd
 from reports.scoring.mapping import Mapping, converted, stated_times
-from reports.scoring.surface import (
-    SAME,
-    SurfaceResult,
-    body_of,
-    extent,
-    free_face,
-    inside_out,
-    material_above,
-    one_plane,
-    surface_result,
-    tension,
-    unbalanced,
-)
+from reports.scoring.surface import SAME, SurfaceResult, extent, material_above, one_plane, surface_result
 from scenes import InputError
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_CONTACT = ("COPEN", "CSLIP1", "CPRESS", "CSHEAR1")
-_STRESS = ("SYY", "SXY")
+# Of the blocks that tractions are read from: quantities, and the components that they are.
+_Quantity = Literal["pressure", "shear", "slip"]
+_COMPONENTS: dict[str, dict[_Quantity, str]] = {
+    "CONTACT": {"pressure": "CPRESS", "shear": "CSHEAR1", "slip": "CSLIP1"},
+    "STRESS": {"pressure": "SYY", "shear": "SXY"},
+}
 _SLIP_NOTE = "CalculiX' slip holds the elastic slip of its stick stiffness and is 0 at points that are open"
 _Faces = dict[int, tuple[int, ...]]
 # Corners (from 0) of the faces of bricks, wedges, tetrahedra, and of plane elements: CalculiX counts their edges as faces 3 to 6.
@@ -48,13 +40,13 @@ _WEDGE: _Faces = {1: (0, 1, 2), 2: (3, 4, 5), 3: (0, 1, 4, 3), 4: (1, 2, 5, 4), 
 _TETRAHEDRON: _Faces = {1: (0, 1, 2), 2: (0, 1, 3), 3: (1, 2, 3), 4: (0, 2, 3)}
 _TRIANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 0)}
 _QUADRANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 3), 6: (3, 0)}
-# By the kinds of the .frd form, linear and quadratic: shape as meshio calls it, and faces.
-_SHAPES: dict[int, tuple[str, _Faces]] = {
-    **dict.fromkeys((1, 4), ("hexahedron", _BRICK)),
-    **dict.fromkeys((2, 5), ("wedge", _WEDGE)),
-    **dict.fromkeys((3, 6), ("tetra", _TETRAHEDRON)),
-    **dict.fromkeys((7, 8), ("triangle", _TRIANGLE)),
-    **dict.fromkeys((9, 10), ("quad", _QUADRANGLE)),
+# By the kinds of the .frd form, linear and quadratic.
+_FACES: dict[int, _Faces] = {
+    **dict.fromkeys((1, 4), _BRICK),
+    **dict.fromkeys((2, 5), _WEDGE),
+    **dict.fromkeys((3, 6), _TETRAHEDRON),
+    **dict.fromkeys((7, 8), _TRIANGLE),
+    **dict.fromkeys((9, 10), _QUADRANGLE),
 }
 
 
@@ -64,17 +56,17 @@ class CalculixMesh:
     Attributes
     ----------
     numbers, points : (n_nodes,) ascending, (n_nodes, 3) [length]
-    cells : kind of the elements ("" for one without faces) and rows of their nodes, a block for each kind and count of nodes
+    above : (n_nodes,) how far the material of each node lies above it, see `material_above`
     """
 
     def __init__(self, file: FrdFile) -> None:
         self.path, order = file.path, np.argsort(file.nodes)
         self.numbers, self.points = file.nodes[order], file.points[order]
         self._elements = {element.number: element for element in file.elements}
-        alike: dict[tuple[int, str], list[tuple[int, ...]]] = {}
+        alike: dict[int, list[tuple[int, ...]]] = {}  # by the count of their nodes
         for element in file.elements:
-            alike.setdefault((len(element.nodes), _SHAPES.get(element.kind, ("",))[0]), []).append(element.nodes)
-        self.cells = [(key[1], self.rows(np.array(alike[key], np.int64))) for key in sorted(alike)]
+            alike.setdefault(len(element.nodes), []).append(element.nodes)
+        self.above = material_above(self.points, [self.rows(np.array(nodes, np.int64)) for nodes in alike.values()])
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
@@ -87,19 +79,12 @@ class CalculixMesh:
             )
         return np.asarray(at, np.int64)
 
-    @property
-    def above(self) -> Array:
-        """(n_nodes,): how far the material of each node lies above it, see `material_above`."""
-        return material_above(self.points, [rows for _, rows in self.cells])
-
     def face(self, element: int, face: int) -> tuple[Array, float]:
         """Middle of an element's face (3,), and how far the element's middle lies above it [length]."""
         found = self._elements.get(element)
-        corners = _SHAPES[found.kind][1].get(face) if found and found.kind in _SHAPES else None
+        corners = _FACES.get(found.kind, {}).get(face) if found else None
         if found is None or corners is None:
-            what = (
-                f"element {element} is not in it" if found is None else f"element {element} of kind {found.kind} has no face {face}"
-            )
+            what = f"element {element} " + (f"of kind {found.kind} has no face {face}" if found else "is not in it")
             raise InputError(f"{self.path}: {what}; it must be of the same run as the .dat file, with *NODE FILE and *EL FILE")
         rows = self.rows(np.array(found.nodes))
         middle = self.points[rows[list(corners)]].mean(axis=0)
@@ -128,26 +113,23 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: no block CONTACT and none STRESS; it has {', '.join(file.names) or 'none'}: add *CONTACT FILE "
             "(DISP and FORC alone are what CalculiX leaves of a run whose first increment did not converge)"
         )
-    mesh = CalculixMesh(file)
-    if file.blocks[0].name == "STRESS":  # p = -SYY and q = SXY: the traction on the lower body's outward normal +y
-        height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    mesh, kind = CalculixMesh(file), file.blocks[0].name
+    names = _COMPONENTS[kind]
+    blocks, notes = _one_block_a_time(file, list(names.values()), "stress" if kind == "STRESS" else "contact values")
+    if kind == "STRESS":  # p = -SYY and q = SXY: the traction on the lower body's outward normal +y
+        height, factor = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0), mapping.factors.stress or 1.0
         face = np.flatnonzero((np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0))
         if not len(face):
             raise InputError(
                 f"{path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it lies by y_offset of a mapping"
             )
-        rows, depth, notes = one_plane(mesh.points, face)
-        blocks, left_out = _one_block_a_time(file, _STRESS, "stress")
-        factor = mapping.factors.stress or 1.0
-        wanted = {"pressure": ("SYY", -factor), "shear": ("SXY", factor)}
+        factors: dict[_Quantity, float] = {"pressure": -factor, "shear": factor}
         notes = [
             "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at its face, outward normal +y; "
             "stress extrapolated to the nodes is coarser than the contact values",
             *notes,
-            *left_out,
         ]
     else:
-        blocks, left_out = _one_block_a_time(file, _CONTACT, "contact values")
         for block in file.blocks:  # whatever is not 0 counts as touched: a NaN would
             if not np.isfinite(block.values).all():
                 raise InputError(f"{path}: line {block.line}: block CONTACT holds numbers that are not finite")
@@ -156,25 +138,17 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             raise InputError(f"{path}: every contact value is 0 at every instant: the bodies do not touch in this result")
         body = _body_of_face(path, mesh.above[touched])
         face, curved = _whole_face(mesh, touched)
-        rows, depth, notes = one_plane(mesh.points, face)
-        wanted = {
-            "pressure": ("CPRESS", _factor(mapping, "pressure", body)),
-            "shear": ("CSHEAR1", _factor(mapping, "shear", body)),
-            "slip": ("CSLIP1", _factor(mapping, "slip", body)),
-        }
-        notes = [*left_out, f"contact values stand at the slave face, that of the {body} body", _SLIP_NOTE, *notes, *curved]
-    notes += inside_out(mesh.points, mesh.cells)
-    fields = {
-        quantity: factor * np.array([mesh.scattered(block, name)[rows] for block in blocks])
-        for quantity, (name, factor) in wanted.items()
+        factors = {quantity: _factor(mapping, quantity, body) for quantity in names}
+        notes += [f"contact values stand at the slave face, that of the {body} body", _SLIP_NOTE, *curved]
+    if not file.ended:
+        notes.append("the file has no end (9999): the run goes on or was stopped, and later instants are missing")
+    rows, depth, planes = one_plane(mesh.points, face)
+    fields: dict[str, Array] = {
+        q: factors[q] * np.array([mesh.scattered(block, name)[rows] for block in blocks]) for q, name in names.items()
     }
-    x = mesh.points[rows, 0]
-    notes += free_face(x, fields["pressure"], fields["shear"]) if "slip" not in fields else tension(fields["pressure"])
-    beside = path.with_suffix(".dat")
+    beside, times = path.with_suffix(".dat"), np.array([block.time for block in blocks])
     printed = read_dat(beside) if beside.exists() and beside.stat().st_size else None
-    times = np.array([block.time for block in blocks])
-    end = [] if file.ended else ["the file has no end (9999): the run goes on or was stopped, and later instants are missing"]
-    return _result(path, mapping, mapping.code or file.version, (x, depth), fields, times, printed, notes, end)
+    return _result(path, mapping, file.version, (mesh.points[rows, 0], depth), fields, times, printed, [*notes, *planes])
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -214,49 +188,35 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         ]
     body = _body_of_face(path, above)
     rows, _, more = one_plane(places, np.arange(len(keys)))
-    notes = [
-        f"contact values stand at the slave face, that of the {body} body",
-        *notes,
-        *more,
-        *inside_out(mesh.points, mesh.cells),
-    ]
+    notes = [f"contact values stand at the slave face, that of the {body} body", *notes, *more]
 
-    def column(tables: Sequence[DatTable], k: int) -> Array:
+    def column(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has none."""
-        found = []
-        for table in tables:
-            number = {tuple(key): place for place, key in enumerate(keys[rows].tolist())}
-            own = np.array([number.get(tuple(ids), -1) for ids in table.ids.tolist()], np.int64)
-            total, count = (
-                np.bincount(own[own >= 0], weights=weights, minlength=len(rows))
-                for weights in (table.values[own >= 0, k], np.ones(int(np.sum(own >= 0))))
-            )
-            found.append(total / np.maximum(count, 1.0))
-        return np.array(found)
+        means = np.zeros((len(tables), len(rows)))
+        for mean, table in zip(means, tables, strict=True):
+            values = dict[tuple[int, ...], list[float]]()
+            for ids, value in zip(map(tuple, table.ids.tolist()), table.values[:, k].tolist(), strict=True):
+                values.setdefault(ids, []).append(value)
+            mean[:] = [np.mean(values.get(tuple(key), 0.0)) for key in keys[rows].tolist()]
+        return _factor(mapping, quantity, body) * means
 
-    tables = list(stress.values())
-    fields = {
-        "pressure": column(tables, 0) * _factor(mapping, "pressure", body),
-        "shear": column(tables, 1) * _factor(mapping, "shear", body),
-    }
-    notes += tension(fields["pressure"])
+    tables = [*stress.values()]
+    fields = {"pressure": column(tables, 0, "pressure"), "shear": column(tables, 1, "shear")}
     if set(slip) >= set(stress):
-        fields["slip"] = column([slip[time] for time in stress], 1) * _factor(mapping, "slip", body)
+        fields["slip"] = column([slip[time] for time in stress], 1, "slip")
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
-    return _result(
-        path, mapping, mapping.code or "CalculiX", (places[rows, 0], depth), fields, np.array(list(stress)), printed, notes, []
-    )
+    return _result(path, mapping, "CalculiX", (places[rows, 0], depth), fields, np.array([*stress]), printed, notes)
 
 
-def _factor(mapping: Mapping, quantity: Literal["pressure", "shear", "slip"], body: str) -> float:
+def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     """Unit factor and sign: the mapping's sign where it states one, else that of the slave face, which is part of `body`."""
     one = float(converted(mapping, quantity, np.ones(1))[0])
     stated = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
     return one if stated or body == "upper" else -one
 
 
-def _one_block_a_time(file: FrdFile, wanted: tuple[str, ...], what: str) -> tuple[list[FrdBlock], list[str]]:
+def _one_block_a_time(file: FrdFile, wanted: Sequence[str], what: str) -> tuple[list[FrdBlock], list[str]]:
     """The last block of each time, of which all hold the components `wanted`; frames without one and doubles are named."""
     for block in file.blocks:
         if missing := [name for name in wanted if name not in block.components]:
@@ -292,8 +252,8 @@ def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, list[s
         return touched, [
             "the slave face is curved: points that never carry a contact value are left out, and x is that of the slave's nodes"
         ]
-    body = body_of(len(height), [rows for _, rows in mesh.cells])
-    return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & (body == body[touched[0]])), []
+    same_side = mesh.above * mesh.above[touched[0]] > 0
+    return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & same_side), []
 
 
 def _result(
@@ -305,17 +265,15 @@ def _result(
     times: Array,
     printed: DatFile | None,
     notes: list[str],
-    end: list[str],
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted. `place`: x of the points, and the depth of the mesh."""
     x, depth = converted(mapping, "x", place[0]), place[1]
-    loads, said = pair_loads(printed, mapping, times, depth) if printed else ({}, [])
+    loads, said = _pair_loads(printed, mapping, times, depth) if printed else ({}, [])
     time = stated_times(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
-    notes = [*notes, *said, *end, *unbalanced(x, fields["pressure"], loads.get("normal_load"))]
-    return surface_result(str(path), code, x, dict(fields), {"time": time, **loads}, notes)
+    return surface_result(str(path), mapping.code or code, x, dict(fields), {"time": time, **loads}, [*notes, *said])
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
+def _pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
     They are what the upper body does to the lower; the file states the force on the slave face, which is the lower body's where its

@@ -1,4 +1,4 @@
-"""The one form that every foreign result is read into, and the surface of a foreign mesh: one plane, one body, sound elements."""
+"""The one form that every foreign result is read into, and the surface of a foreign mesh: one plane, one body."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from scenes import InputError, freeze
 from scenes.text_tables import LARGEST
@@ -19,15 +17,9 @@ Integers = NDArray[np.int64]
 # Of the largest pressure; below it a point counts as open.
 TOUCHES = 1e-3
 # Deformed places of one point may differ from instant to instant by this share of the spacing; beyond it they are no one point.
-SAME_PLACE = 0.1
+_SAME_PLACE = 0.1
 # Places that differ by less than this share of the mesh's extent are one: text files carry six digits.
 SAME = 1e-6
-# Resultants: below what trapezia over ten elements a half-width lose at a square-root edge.
-ADDS_UP = 0.02
-# Of the largest pressure: below it a point counts as free where nothing else tells.
-CARRIES = 0.01
-# Over the product of the edges at a corner of an element; below it a corner is flat, and has no sense.
-FLAT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,55 +111,13 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
     if moved <= 1e-9 * float(np.ptp(middle)):
         return places[0], ""
     spacing = float(np.median(np.diff(np.sort(middle))))
-    if moved > SAME_PLACE * spacing:
+    if moved > _SAME_PLACE * spacing:
         row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
         raise InputError(
             f"{source}: the points are not the same at every instant: point {column + 1} has x = {places[row, column]:.6g} at "
             f"instant {row + 1} and {middle[column]:.6g} in the mean, {moved / spacing:.2g} spacings off; give undeformed places"
         )
     return middle, f"x moves from instant to instant by at most {moved / spacing:.1g} of the points' spacing; its mean was taken"
-
-
-# ------------------------------------------------------------------------------------------------- what tractions add up to
-def tension(pressure: Array) -> list[str]:
-    """A sentence where the contact pulls a little; the guesses name what is more, with its place.
-
-    >>> tension(np.array([[100.0, -0.05]]))
-    ['the contact pulls at some points, by up to 0.05: kept as it is (a linear overclosure law allows it)']
-    """
-    least = float(pressure.min())
-    if least >= 0 or least < -TOUCHES * float(pressure.max()):
-        return []
-    return [f"the contact pulls at some points, by up to {-least:.4g}: kept as it is (a linear overclosure law allows it)"]
-
-
-def unbalanced(x: Array, pressure: Array, normal_load: Array | None) -> list[str]:
-    """A sentence where the pressure does not add up to the pair's resultant: nodal values of surface-to-surface pairs do not."""
-    if normal_load is None or normal_load[-1] == 0:
-        return []
-    share = float(np.trapezoid(pressure[-1], x) / normal_load[-1])
-    if abs(share - 1) < ADDS_UP:
-        return []
-    return [f"the last instant's pressures add up to {share:.3f} of the contact pair's resultant: so coarse are the file's values"]
-
-
-def free_face(x: Array, pressure: Array, shear: Array) -> list[str]:
-    """A sentence where stress taken for traction leaves shear on the free face, at the instant of the largest pressure.
-
-    >>> x = np.linspace(-2, 2, 5)
-    >>> free_face(x, np.array([[0.0, 1, 2, 1, 0]]), np.array([[0.1, 0.5, 1, 0.5, 0.1]]))
-    ['the stress leaves shear on the face beside the contact, which adds 5.0 % to what the shear adds up to: kept as it is']
-    """
-    k = int(np.argmax(pressure.max(axis=1)))
-    touching = pressure[k] > CARRIES * pressure[k].max()
-    whole, inside = (float(np.trapezoid(values, x)) for values in (shear[k], np.where(touching, shear[k], 0.0)))
-    if inside == 0 or abs(whole / inside - 1) < ADDS_UP:
-        return []
-    excess = 100 * (whole / inside - 1)
-    return [
-        f"the stress leaves shear on the face beside the contact, which adds {excess:.1f} % to what the shear adds up to: "
-        "kept as it is"
-    ]
 
 
 # ---------------------------------------------------------------------------------------------------- the surface of a mesh
@@ -210,67 +160,3 @@ def material_above(points: Array, cells: Iterable[Integers]) -> Array:
         np.add.at(total, block, points[block, 1].mean(axis=1)[:, None] - points[block, 1])
         np.add.at(count, block, 1.0)
     return np.divide(total, count, out=np.full(len(points), np.nan), where=count > 0)
-
-
-def body_of(n_points: int, cells: Iterable[Integers]) -> Integers:
-    """(n_points,): number of the connected body that a point is part of."""
-    pairs = [np.stack([np.repeat(block[:, :1], block.shape[1], axis=1).ravel(), block.ravel()]) for block in cells]
-    rows, columns = np.concatenate([np.empty((2, 0), np.int64), *pairs], axis=1)
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n_points, n_points))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
-
-
-# For each corner of an element the neighbours along its edges, right-handed in a sound element.
-_EDGES: dict[str, tuple[tuple[int, ...], ...]] = {
-    "triangle": ((1, 2), (2, 0), (0, 1)),
-    "quad": ((1, 3), (2, 0), (3, 1), (0, 2)),
-    "tetra": ((1, 2, 3), (2, 0, 3), (0, 1, 3), (0, 2, 1)),
-    "wedge": ((1, 2, 3), (2, 0, 4), (0, 1, 5), (5, 4, 0), (3, 5, 1), (4, 3, 2)),
-    "hexahedron": ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)),
-}
-
-
-def inside_out(points: Array, cells: Iterable[tuple[str, Integers]]) -> list[str]:
-    """A sentence where elements have a corner of the other sense than most of their body: such a mesh has no right answer.
-
-    A body whose elements are all counted the other way round is no fault: codes differ in that. Plane elements count where the
-    model is plane: as the surface of a thick one they look either way.
-
-    Parameters
-    ----------
-    points : (n_points, 3) [length]
-    cells : kind as meshio calls it ("quad", "quad8", ...), and rows of points, (n_cells, n_nodes), corners first
-
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]])
-    >>> inside_out(points, [("quad", np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))])
-    []
-    """
-    known = [(_EDGES.get(kind.rstrip("0123456789"), ()), rows) for kind, rows in cells]
-    solid = [(edges, rows[:, : len(edges)]) for edges, rows in known if len(rows) and 0 < len(edges) <= rows.shape[1]]
-    if np.ptp(points[:, 2]) > SAME * extent(points):
-        solid = [(edges, rows) for edges, rows in solid if len(edges[0]) == 3]
-    if not solid:
-        return []
-    senses = []  # of each element the least and the largest over its corners: 1 right-handed, -1 left-handed, 0 flat
-    for edges, rows in solid:
-        corners = []
-        for corner, neighbours in enumerate(edges):
-            along = [points[rows[:, k]] - points[rows[:, corner]] for k in neighbours]
-            normal = np.cross(along[0], along[1])
-            volume = normal[:, 2] if len(along) == 2 else np.sum(normal * along[2], axis=1)
-            size = np.prod([np.linalg.norm(edge, axis=1) for edge in along], axis=0)
-            corners.append(np.where(np.abs(volume) <= FLAT * size, 0, np.sign(volume)))
-        senses.append([np.min(corners, axis=0), np.max(corners, axis=0)])
-    least, most = np.concatenate(senses, axis=1)
-    bodies = body_of(len(points), [rows for _, rows in solid])
-    body = np.concatenate([bodies[rows[:, 0]] for _, rows in solid])
-    usual = np.where(np.bincount(body, weights=least + most)[body] < 0, -1, 1)
-    wrong = np.flatnonzero((least < 0) & (usual > 0) | (most > 0) & (usual < 0))
-    if not len(wrong):
-        return []
-    x, y = np.concatenate([points[rows].mean(axis=1) for _, rows in solid])[wrong[0], :2]
-    count = "1 element is" if len(wrong) == 1 else f"{len(wrong)} elements are"
-    return [
-        f"{count} turned inside out, of {len(body)} (a corner with a negative Jacobian; the first lies around x = {x:.4g}, "
-        f"y = {y:.4g}): the mesh is broken there, and what was computed on it can't be trusted; it is scored as it is"
-    ]
