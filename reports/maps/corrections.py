@@ -145,7 +145,7 @@ def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: 
 def _potential(x: Array, flat: float) -> Array:
     """Phi (n,) at x (n,) of a flat of half-length `flat` with edges of radius 1, its linear part left out.
 
-    >>> potential(np.array([0.0, 1.0]), 1.0).round(6).tolist()
+    >>> _potential(np.array([0.0, 1.0]), 1.0).round(6).tolist()
     [0.0, 1.386294]
     """
     return (xlogy((x + flat) ** 2, np.abs(x + flat)) - xlogy((x - flat) ** 2, np.abs(x - flat))) / 2

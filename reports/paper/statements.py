@@ -182,7 +182,7 @@ def _point_history(case: Case, x: float) -> Found:
 def _sequence(states: Sequence[str]) -> list[str]:
     """The runs of a closed cycle.
 
-    >>> sequence("SSFOS")
+    >>> _sequence("SSFOS")
     ['S', 'F', 'O']
     """
     names = [name for name, _ in groupby(states)]

@@ -95,7 +95,7 @@ def judge_number(computed: float, printed: float, digits: int, slack: float = 0.
 def _small(value: float) -> str:
     """A discrepancy to one digit; nothing at all is 0.
 
-    >>> small(0.0), small(3.14e-15)
+    >>> _small(0.0), _small(3.14e-15)
     ('0', '3e-15')
     """
     return "0" if value == 0 else f"{value:.0e}"

@@ -346,7 +346,7 @@ def _question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
 def _turned(value: Any) -> Any:
     """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
 
-    >>> turned(0.5), turned((0.0, 2.0)), turned(LineOfAction(x=1.0, height=3.0))
+    >>> _turned(0.5), _turned((0.0, 2.0)), _turned(LineOfAction(x=1.0, height=3.0))
     (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
     """
     match value:
