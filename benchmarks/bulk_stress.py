@@ -2,6 +2,7 @@
 
     python benchmarks/bulk_stress.py                (a quarter of an hour)
     python benchmarks/bulk_stress.py 1 2 9 --coarse (some rows, on coarse meshes: seconds a row)
+    python benchmarks/bulk_stress.py --loops        (loops out of phase by half-plane theory, against twice the order: 2 minutes)
 
 E* = R = 1 and two like bodies with E = 2, nu = 0, so that a stress of 2 eps in the lower one is the strain eps. A line has the
 known value (docs/bulk-stress.md; W of rows 7 and 8 is a limit of fine grids, to 3e-5) and what was found minus the known value: by
@@ -18,7 +19,7 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,11 +28,14 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from scenes import ContactSolution, ConvergenceError, InputError, Scene
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_scene
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
+from semi_analytic import fronts
 from semi_analytic import grid as dense_grid
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.solution import leaning_profile
 
 A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)  # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 CELLS, INCREMENTS, CYCLES = 240, 24, 4  # of the grid; increments a segment of the load path (an ellipse: four times as many)
@@ -50,6 +54,8 @@ class Row(NamedTuple):
 
 def case(number: str, words: str, load: dict[str, Any], known: Mapping[str, float], **parts: Any) -> Row:
     """A row from its load and from what differs from two like half-planes with f = 1."""
+    if "scene" in parts:
+        return Row(number, words, parts["scene"], known)
     keys = {"material": {"young_modulus": 2.0, "poisson_ratio": 0.0}, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 1.0}
     kind = "ellipse" if "mean_normal_load" in load else "time_series" if "rows" in load else "polygon"
     return Row(number, words, Scene.model_validate(keys | {"load": {"kind": kind} | load} | parts), known, "material" in parts)
@@ -169,11 +175,60 @@ def on_grid(scene: Scene) -> Values:
     return values | edges("stick", *found.edges(-1, stick=True)) | edges("contact", *found.edges(-1)) | edges("always", *always)
 
 
+def moderate(count: int = 10, seed: int = 23) -> Iterator[Row]:
+    """Random loops at P = 3: Q and moderate bulk strain out of phase, in every second one tilt as well."""
+    random = np.random.default_rng(seed)
+    for k in range(count):
+        normal, tangential, mean, phase = (random.uniform(*ends) for ends in ((0, 1.2), (0.3, 1.2), (-0.6, 0.6), (20, 160)))
+        strain, late = random.uniform(0.2, 0.9) * 2 / (math.pi * A0) * tangential, random.uniform(-180, 180)
+        tilt = random.uniform(0, 0.08) * (k % 2), random.uniform(-180, 180)
+        waves = {"bulk_stress_lower": (0.0, 2 * strain, late)} | ({"tilt": (0.0, *tilt)} if k % 2 else {})
+        yield case("", f"loop {k} of seed {seed}", ellipse((3.0, normal), (mean, tangential), phase, **waves), {})
+
+
+def loops() -> int:
+    """Who takes loops out of phase, and how far the second cycle is from the same at twice the order."""
+    print(
+        "case                             W, cycle 2   1 - W/(W at twice the order)  stated  closed integral / W - 1  CPU [s], by"
+    )
+    out_of_phase = load_scene("dovetail-out-of-phase")
+    rows = [*(row for row in ROWS if row.number in "678"), case("", out_of_phase.name, {}, {}, scene=out_of_phase), *moderate()]
+    for row in rows:
+        path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
+        friction, radius = row.scene.friction.coefficient, leaning.shape.radius or 0.0
+        x, instants = np.linspace(-1.5, 1.5, 50), path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
+        contact, found = fronts.Parabola(2 / composite_modulus(row.scene.material), radius), []
+        try:
+            for order in (fronts.ORDER, 2 * fronts.ORDER):
+                begin = time.process_time()
+                found.append(
+                    (
+                        fronts.follow(path, contact, friction, loads.strain, x, instants, most=2, order=order),
+                        time.process_time() - begin,
+                    )
+                )
+            by = f"fronts, {found[0][0].counts['steps']} steps"
+        except fronts.NotOneStickInterval as reason:
+            by = "grids: " + str(reason).split("; ")[0].removeprefix("load: ")
+            for n in (1, 2):
+                begin, given = time.process_time(), (loads, leaning, row.scene.profile.height, friction, x, instants)
+                answer = dense_grid.follow_on_grid(*given, most=2, cells=n * dense_grid.CELLS, increments=n * dense_grid.INCREMENTS)
+                found.append((answer, time.process_time() - begin))
+        (one, seconds), (twice, _) = found
+        work, stated = one.works[-1], one.errors["dissipation"]
+        numbers = f"{work:.10f} {1 - work / twice.works[-1]:+.1e} {stated:.1e} {one.loop / work - 1:+.1e} {seconds:.1f}"
+        print(f"{row.words:32} {numbers} {by}", flush=True)
+    return 0
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rows", nargs="*", help="numbers of rows (default: all)")
     parser.add_argument("--coarse", action="store_true", help="coarse meshes for the finite elements")
+    parser.add_argument("--loops", action="store_true", help="loops out of phase by half-plane theory against twice the order")
     asked = parser.parse_args()
+    if asked.loops:
+        return loops()
     mesh = MeshSettings.coarse() if asked.coarse else MeshSettings()
     ways: dict[str, Callable[[Scene], Values]] = {
         "theory": lambda scene: of_engine(semi_analytic.solve(scene)),

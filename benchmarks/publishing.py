@@ -312,7 +312,7 @@ def _number(value: float | None) -> str:
 
 def _publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
-    from reports.page.figures import published
+    from reports.page.writing import published
 
     before, moved = values()["scenes"], 0
     kept = {name: stored for name, stored in before.items() if name in scene_names()}

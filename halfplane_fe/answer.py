@@ -51,6 +51,8 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
+# Instants whose edges are found together: a few, so that what is in the making stays small.
+_AT_ONCE = 256
 # Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick zone that a path with bulk
 # stress or tilt approaches. Slip grows as the distance to the power 3/2 there, so that it costs half a hundredth of the slip zone.
 _CREEP = 3e-4
@@ -60,8 +62,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     """Fields of FiniteElementSolution that are numbers, by name."""
     kept = run.kept
     states = [run.states[index] for index in kept]
-    values = np.stack([state.values for state in states])
-    slip, *forces, _ = nodal(values)
+    slip, *forces = (np.stack([getattr(state, name) for state in states]) for name in ("slip", "pressure", "shear"))
     displacement = scales.load / scales.modulus
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
@@ -69,23 +70,25 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     anywhere = scene.unsymmetric
     every = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)
     seen = every[kept]
-    edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen, anywhere).items()}
+    blocks = [slice(first, first + _AT_ONCE) for first in range(0, len(states), _AT_ONCE)]
+    found = [_edges(problem, states[block], seen[block], anywhere) for block in blocks]
+    edges = {name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]}
     permanent = _permanent_stick(scene, problem, run, every)
     pressure, shear = (one * scales.load / weights for one in forces)
     loads = np.array([state.loads[:2] for state in states]) * scales.load
     closed = scene.load.path().period is not None and run.steady_from is not None
-    found = {
+    arrays = {
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
-        "tangential_displacement": freeze(values[:, 1] * displacement),
-        "normal_approach": freeze(values[:, 0] * displacement),
+        "tangential_displacement": freeze(np.array([state.shift for state in states]) * displacement),
+        "normal_approach": freeze(np.array([state.approach for state in states]) * displacement),
         "x": freeze(problem.interface.x * scales.half_width),
         "pressure": freeze(pressure),
         "shear": freeze(shear),
         "slip": freeze(slip * displacement + problem.layer.tangential * forces[1] * displacement),
         "state": freeze(seen, np.int8),
-        **{name: freeze(found) for name, found in edges.items()},
+        **{name: freeze(both) for name, both in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
         "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
@@ -97,10 +100,10 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "loop_work": float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work if closed else float("nan"),
     }
     if not anywhere:
-        return found
+        return arrays
     stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
     imposed = np.array([state.imposed for state in states])
-    return found | {
+    return arrays | {
         "permanent_stick_edges": freeze(permanent * scales.half_width),
         "bulk_stress_lower": freeze(imposed[:, 0] * stress),
         "bulk_stress_upper": freeze(imposed[:, 1] * stress),

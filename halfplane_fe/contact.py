@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,7 +33,7 @@ _LEAST_FORCE = 1e-13
 # Force or gap that is the last digit of an answer, and not left by an event.
 _LAST_DIGIT = 1e-15
 # Bytes of rates that are kept: a cycle meets the same sets of nodes again.
-_RATE_BYTES = 50_000_000
+_RATE_BYTES = 200_000_000
 
 _RIGID, _NODAL = ("approach", "shift", "tilt"), ("slip", "pressure", "shear", "gap")
 
@@ -145,13 +146,17 @@ class ContactProblem:
     jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._systems = Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
         self._rates: dict[bytes, Array] = {}
         # The latest history and states, and what the one lacks of the others.
         self._latest: tuple[tuple[InterfaceState, bytes] | None, Array | float] = None, 0.0
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.tangential and self.interface.coupling is not None
         self._share = 1.0 if coupled else min(1.0, self.friction)
+
+    @cached_property
+    def _systems(self) -> Systems:
+        """Made when it is first used: of faces that are solved on one half, that half has its own."""
+        return Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
 
     def at_rest(self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0) -> InterfaceState:
         """The bodies before they carry anything, touching where the gap is least, with the bulk stresses that there are.
@@ -229,24 +234,26 @@ class ContactProblem:
                 raise SingularSet("one node alone holds no moment")
             by_load = by_load - np.outer([*moments[:4], moments[4] - 1], by_load[4]) / moments[4]
         if len(self._rates) * by_load.nbytes > _RATE_BYTES:
-            self._rates.clear()
+            self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), by_load)
 
     def _lacking(self, history: InterfaceState, states: States) -> Array | float:
         """(3 + 4 n,) what `history` lacks of the equalities of states: of nodes that change sides, or did so in an event."""
+        key = history, states.tobytes()
+        if self._latest[0] == key:
+            return self._latest[1]
         _, pressure, shear, gap = nodal(history.values)
         slide = shear - slip_sign(states) * self.friction * pressure
         lacking = np.concatenate([np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, slide)])
         rows = np.flatnonzero(np.abs(lacking) > _LAST_DIGIT * np.repeat([1.0, self._share], len(states)))
-        if not len(rows):
-            return 0.0
-        key = history, states.tobytes()
-        if self._latest[0] != key:
+        lacks: Array | float = 0.0
+        if len(rows):
             found = self._systems.answers(states, len(history.loads), rows, -lacking[rows])
             if key[1] not in self._rates:
                 self._kept_rates(states, found[:-1].copy())
-            self._latest = key, found[-1]
-        return self._latest[1]
+            lacks = found[-1]
+        self._latest = key, lacks
+        return lacks
 
     def _active_set(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState | None, int, int]:
         """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree.

@@ -327,12 +327,12 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a tie. Without nodes the last of
     them says nothing.
     """
-    sticking, rank = (np.cumsum(nodes, axis=1, dtype=np.int64) for nodes in (stick & half, half))
+    sticking, rank = (np.cumsum(nodes, axis=1, dtype=np.int32) for nodes in (stick & half, half))
     # Sliding nodes up to this one, and sticking ones behind it.
     wrong = np.where(half, rank - 2 * sticking, len(half[0]) + 1)
     last: Indices = half.shape[1] - 1 - np.argmin(wrong[:, ::-1], axis=1)
     n_stick: Indices = np.where(_pick(wrong, last) <= 0, _pick(rank, last), 0)
-    return last, n_stick, rank[:, -1]
+    return last, n_stick, rank[:, -1].astype(np.int64)
 
 
 def _spacing(x: Array, node: Indices) -> Array:

@@ -14,7 +14,9 @@ without tractions on a flat face: a power series sum_k c_k z^k of the potential,
 integral where they are good, a little below the face and beside the contact.
 
 Of the nodal p the outermost three on each side are the mesh's: the edge of contact is where p^2, which grows in proportion to
-the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. Where it slips, q = +-f p.
+the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. What the mesh adds there
+alternates between corners and mid-side nodes and dies out: a term of that form is fitted with the parabola of p^2, and left out.
+Where it slips, q = +-f p.
 
 Source: Muskhelishvili (1953), Some Basic Problems of the Mathematical Theory of Elasticity; Johnson (1985), section 2.5.
 """
@@ -22,7 +24,6 @@ Source: Muskhelishvili (1953), Some Basic Problems of the Mathematical Theory of
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,7 @@ Complex = NDArray[np.complex128]
 # Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them that p^2 is fitted to on fine meshes:
 # there the error of single nodes is left, which many nodes make small. Nodes that it is fitted to: fewest of all, on a coarse mesh,
 # and most.
-_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 20, 48
+_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 16, 48
 # Least uncertainty of the tension over f p0, by r, the spacing of the nodes over the half-width: what is left of the error of
 # single ones on coarse meshes, in proportion to sqrt(r), and on fine ones, where many are fitted, in proportion to r.
 _LEAST_COARSE, _LEAST_FINE = 0.06, 0.6
@@ -225,10 +226,10 @@ def _edge(x: Array, p: Array, rim: tuple[int, float]) -> tuple[float, float, Arr
     most = min(round(share * np.clip(near, _USUAL, _MANY_FITTED)), len(x) // 2 - skipped)
     while most >= _FEWEST:
         chosen = slice(skipped, skipped + most)
-        away, square = x[chosen] - x[skipped], p[chosen] ** 2
-        with warnings.catch_warnings():  # where p jumps from node to node; the roughness below refuses that fit
-            warnings.simplefilter("ignore", np.exceptions.RankWarning)
-            fit = np.polyfit(away, square, 2, w=1 / square)
+        away, square, number = x[chosen] - x[skipped], p[chosen] ** 2, np.arange(most)
+        powers = away[-1] ** np.array([2, 1, 0])
+        columns = [*((away[:, None] ** [2, 1, 0] / powers).T / square), (-1.0) ** number / (number + 4)]
+        fit = np.linalg.lstsq(np.stack(columns, axis=1) * square[-1], np.ones(most), rcond=None)[0][:3] * square[-1] / powers
         rms = math.sqrt(float(np.mean((np.polyval(fit, away) / square - 1) ** 2)))
         roots = np.roots(fit)
         roots = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real

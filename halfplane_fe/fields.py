@@ -34,6 +34,8 @@ _BODIES = ("lower", "upper")
 _OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
 # Depth and distance over the half-width from which on elements are good for what the size of the body adds.
 _BELOW, _BESIDE = 0.15, 1.2
+# Pressure of a node over the largest one up to which it is round-off.
+_TOUCHES = 1e-9
 # Instants at which that is found for a whole cycle; instants of a cycle among which the largest tension is looked for.
 _SAMPLED, _CANDIDATES = 12, 40
 
@@ -162,8 +164,10 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             values[rows, number] = uncertain[rows, number] = np.nan
             continue
         causes = np.array([found.moments() for _, found in there])
-        causes = np.column_stack([causes, bulk]) if bulk.any() else causes
-        scale = np.abs(causes).max(axis=0) + 1e-300
+        # Over P and powers of the half-width: moments that are zero by symmetry must not count as round-off over round-off.
+        scale = np.abs(causes[:, 0]).max() * max(found.half_width for _, found in there) ** np.array([0, 1, 2, 0, 1, 2])
+        if bulk.any():
+            causes, scale = np.column_stack([causes, bulk]), np.append(scale, np.abs(bulk).max())
         slopes = np.linalg.lstsq(causes[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
         whole = replace(rest, coefficients=(causes / scale @ slopes).T)
         for column, (k, found) in enumerate(there):
@@ -269,8 +273,8 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
     """Nodal tractions at a stored step."""
     x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
-    # A node that just meets or leaves the other face counts, whichever sign round-off gives its pressure; an open one has none.
-    closed, sign, before = pressure != 0, np.sign(pressure), max(step - 1, 0)
+    # A node that just meets or leaves the other face has no pressure but round-off: it counts as open, whatever that is.
+    closed, before = pressure > _TOUCHES * np.max(pressure), max(step - 1, 0)
     loads = (solution.normal_load, solution.tangential_load)
     rise, drag = (float(load[step] - load[before]) for load in loads)
     (left, right), (first, last) = solution.stick_edges[step].tolist(), solution.contact_edges[step].tolist()
@@ -279,8 +283,7 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
     # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the uncertainty larger, not smaller.
     growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
-    p, q = (sign * part for part in (pressure, shear))
-    return Nodal(x[closed], p[closed], q[closed], (left, right), (first, last), friction, carried, growing)
+    return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
 
 
 def _stress(

@@ -21,6 +21,9 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
+_SIGN = np.zeros(4, dtype=np.int64)
+_SIGN[SLIP_FORWARD], _SIGN[SLIP_REVERSE] = 1, -1
+
 
 def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) -> tuple[Array, Array, States]:
     """Return mapping onto the cone |q| <= f p, p >= 0.
@@ -55,7 +58,7 @@ def slip_sign(state: States) -> NDArray[np.int64]:
     >>> slip_sign(np.array([0, 1, 2, 3], dtype=np.int8)).tolist()
     [0, 0, 1, -1]
     """
-    return (state == SLIP_FORWARD).astype(np.int64) - (state == SLIP_REVERSE)
+    return _SIGN[state]
 
 
 def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, Array]:

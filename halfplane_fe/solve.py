@@ -7,7 +7,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -162,7 +162,7 @@ def _solve(
     elif cured is not None:
         work[_KEPT] += 1
     if solved is not problem:
-        run = whole(run, faces)
+        run, solved = whole(run, faces), problem  # what the half has kept goes
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
@@ -448,4 +448,7 @@ def _work(
 def versions() -> dict[str, str]:
     """Versions of everything that the numbers depend on."""
     packages = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh", "meshio")
-    return {"python": platform.python_version()} | {name: version(name) for name in packages}
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
+
+
+_version = cache(version)  # each is read from a file

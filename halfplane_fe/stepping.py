@@ -83,12 +83,16 @@ def follow(
         Where halving does not help, or events do not end.
     """
 
+    @cache
+    def loads_at(time: float) -> tuple[float, ...]:
+        return scaled_loads(stretch.leg, time, units)
+
     regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
         refused, jumps = (history.time, np.inf), False
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, history, stretch, units, targets[-1])
+            attempt = _attempt(problem, history, loads_at, targets[-1], _SHORTEST * regular)
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
@@ -117,15 +121,9 @@ def follow(
             raise ConvergenceError(f"the increment that ends at time {end:.6g} was not reached: nodes touch and let go without end")
 
 
-def _attempt(
-    problem: ContactProblem, history: InterfaceState, stretch: Stretch, units: tuple[float, ...], end: float
-) -> Increment | float:
-    """The increment to the first event or to `end`; the instant to which it was tried where that does not converge."""
-
-    @cache
-    def loads_at(time: float) -> tuple[float, ...]:
-        return scaled_loads(stretch.leg, time, units)
-
+def _attempt(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float, shortest: float) -> Increment | float:
+    """The increment to the first event or to `end`; the instant to which it was tried where that does not converge, unless it is
+    `shortest`."""
     event, time = next_event(problem, history, loads_at, end)
     try:
         solved, iterations = problem.equilibrium(history, time, loads_at(time))
@@ -133,7 +131,7 @@ def _attempt(
             solved, more = problem.equilibrium(history, met, loads_at(met))
             iterations += more
     except ConvergenceError:
-        if time - history.time < _SHORTEST * (stretch.ends[0] - stretch.start):
+        if time - history.time < shortest:
             raise
         problem.work["increments halved, not converged"] += 1
         return time
@@ -151,8 +149,8 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
         held = problem.following(history, end, loads_at(end), history.state)
     except SingularSet:  # one node is left: the upper body rolls over it, to where another touches, and nothing foresees it
         return "regular", end
-    touch = _first_crossing(history.gap, held.gap, ~history.closed)
-    release = _first_crossing(history.pressure, held.pressure, history.closed)
+    closed, (_, pressure, _, gap), (_, pressed, _, left_open) = history.closed, nodal(history.values), nodal(held.values)
+    touch, release = _first_crossing(gap, left_open, ~closed), _first_crossing(pressure, pressed, closed)
     event: Event = "touch" if touch <= release else "release"
     share, node = min(touch, release)
     if share >= 1.0:

@@ -39,11 +39,11 @@ States = NDArray[np.int8]
 Factors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases: a cycle meets the same sets again and again.
-_BYTES = 150_000_000
+_BYTES = 300_000_000
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 96
 # Rows next to one that is wanted whose answers are found along with it: edges of contact and stick travel from node to node.
-_NEIGHBOURS = 4
+_NEIGHBOURS = 12
 
 
 class SingularSet(ArithmeticError):
@@ -145,6 +145,7 @@ class Systems:
         self.matrix[2 * n, : 2 * n] = np.concatenate([n_y, n_x])
         if faces.imposed is not None:
             self.matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
+        self._split = faces.coupling is None and faces.flat  # p does not depend on q then
         self._held_still = faces.guided or not self.shears
         if self._held_still:
             self.matrix[2 * n + 1, 2 * n + 1] = 1.0
@@ -183,15 +184,21 @@ class Systems:
         found[:n_loads] = base.answers[base.number[loads]]
         if len(wanted):
             self.work["factor updates"] += 1
+        change = np.zeros(2 * n)
+        if rows is not None:
+            change[rows] = given
+        # Where p does not depend on q, tangential rows leave all that is normal as it is.
+        for part in np.split(wanted, [np.searchsorted(wanted, n)]) if self._split else [wanted]:
+            if not len(part):
+                continue
             # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
-            nodes, normal = wanted % n, wanted < n
+            nodes, normal = part % n, part < n
             state = states[nodes]
             of_node = np.where(normal, np.where(state == OPEN, n, 3 * n), np.where((state == STICK) & self.shears, 0, 2 * n))
             own, pressure, slope = 3 + of_node + nodes, 3 + n + nodes, np.where(normal, 0, slip_sign(state)) * self.friction
-            columns = base.answers[base.number[wanted]]
+            columns = base.answers[base.number[part]]
             right = found[:, pressure] * slope - found[:, own]
-            if rows is not None:
-                right[-1, np.searchsorted(wanted, rows)] += given
+            right[n_loads:] += change[part]
             found += _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T @ columns
         return found
 
@@ -218,7 +225,7 @@ class Systems:
     def _made(self, states: States, kinds: NDArray[np.int8]) -> _Base:
         """A new base."""
         self.work["factorisations"] += 1
-        n, faces = len(states), self.interface
+        n = len(states)
         traction = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
         mask = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
@@ -228,8 +235,8 @@ class Systems:
         columns[:, np.searchsorted(held, sliding)] += self.matrix[:, n + sliding] * traction[sliding]
         place = np.full(len(mask), -1)
         place[held] = np.arange(len(held))
-        normal, split = (held < n) | (held == 2 * n), faces.coupling is None and faces.flat  # p does not depend on q then
-        both = (np.flatnonzero(normal), np.flatnonzero(~normal)) if split else (np.arange(len(held)), np.arange(0))
+        normal = (held < n) | (held == 2 * n) if self._split else np.ones(len(held), dtype=bool)
+        both = np.flatnonzero(normal), np.flatnonzero(~normal)
         parts = [(part, _lu(columns[np.ix_(held[part], part)])) for part in both if len(part)]
         below = columns[np.ix_(held[both[1]], both[0])]
         table = np.empty((0, 3 + 4 * n))
@@ -248,10 +255,14 @@ class Systems:
         given = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
         right = -given[base.held]
         right[place[held], number[held]] += 1.0
-        unknown = np.empty_like(right)
+        unknown = np.zeros_like(right)
+        presses = np.flatnonzero((rows < n) | (rows >= 2 * n)) if self._split else number
         for index, (part, factors) in enumerate(base.parts):
-            own = right[part] - base.below @ unknown[base.parts[0][0]] if index else right[part]
-            unknown[part] = _lu_solve(factors, own)
+            if index:
+                right[np.ix_(part, presses)] -= base.below @ unknown[np.ix_(base.parts[0][0], presses)]
+                unknown[part] = _lu_solve(factors, right[part])
+            else:
+                unknown[np.ix_(part, presses)] = _lu_solve(factors, right[np.ix_(part, presses)])
         z, moved = np.zeros((2 * n + 5, len(rows))), np.zeros((2 * n, len(rows)))
         z[base.held] = unknown
         z[rows[~held], number[~held]] = 1.0

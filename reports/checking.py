@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.charts.templating import in_template
 from reports.comparison.metrics import bulk_strains
-from reports.units import load_unit, minus, number, units
+from reports.units import load_unit, units
 from scenes import (
     Block,
     ContactSolution,
@@ -46,58 +48,46 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 
 @dataclass(frozen=True)
-class PathCheck:
+class _NearestToSliding:
     """How near a load path comes to gross sliding."""
 
     ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    # time, normal_load, tangential_load, part: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
+    # part, time, normal_load, tangential_load: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
+    part: str
     time: float
     normal_load: float
     tangential_load: float
-    part: str
-    reason: str  # "" for an admissible path, else "gross sliding" or "separation"
-    first_time: float | None  # when the path first leaves the admissible region; None if it never does
 
 
-def check_path(scene: Scene) -> PathCheck:
+def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst sample refined.
 
     >>> from scenes import load_scene
-    >>> check = check_path(load_scene("cattaneo-mindlin"))
-    >>> round(check.ratio, 12), check.reason
-    (0.6, '')
+    >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
+    0.6
     """
-    friction, legs = scene.friction.coefficient, _deciding_legs(scene)
-    worst = [_worst_of(leg, friction) for leg, _ in legs]
+    legs = _deciding_legs(scene)
+
+    def of(leg: LoadSegment) -> tuple[float, float]:
+        return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
+
+    worst = [of(leg) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
-    normal, tangential = (float(load) for load in legs[place][0].loads(time))
-    admissible = ratio <= 1 + _ROUNDING
-    return PathCheck(
-        ratio,
-        time,
-        normal,
-        tangential,
-        legs[place][1],
-        "" if admissible else "separation" if normal <= 0 else "gross sliding",
-        None
-        if admissible
-        else next(_first_of(leg, friction) for (leg, _), (r, _) in zip(legs, worst, strict=True) if r > 1 + _ROUNDING),
-    )
+    return _NearestToSliding(ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time)))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The legs of the initial loading and of one cycle, or of a path that does not repeat, and which of them each is part of.
 
-    Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
-    admissible region, that with the worst ratio and that with the largest P, all of which are at rows.
+    Of the rows of a record, which may be millions, those steps alone that decide, block by block: that with the worst ratio and
+    that with the largest P, both of which are at rows.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        return [(leg, "initial loading" if path.cycle else "path") for leg in path.initial_loading] + [
-            (leg, "cycle") for leg in path.cycle
-        ]
+        first = "initial loading" if path.cycle else "path"
+        return [(leg, first) for leg in path.initial_loading] + [(leg, "cycle") for leg in path.cycle]
     first, later = ("initial loading", "cycle") if load.repeats else ("path", "path")
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
@@ -105,8 +95,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
         block = rows[begin : begin + _BLOCK + 1]
         normal, tangential = (np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2))
         ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
-        outside = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
-        for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
+        for k in np.unique([np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
             leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
             legs.append((leg, later if begin + k > 0 else first))
@@ -115,28 +104,30 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
 
 def require_admissible(scene: Scene, source: str) -> None:
     """InputError naming `source`, the instant, the loads and the rule if the path leaves the admissible region."""
-    check = check_path(scene)
-    if not check.reason or check.first_time is None:
-        return
-    if check.reason == "separation" and largest_normal_load(scene) <= 0:
-        raise InputError(
-            f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
-            "turn its sign if compression is negative in this record"
-        )
-    worst = (check.time, check.normal_load, check.tangential_load)
-    fault = InadmissibleLoadError(
-        check.reason, check.first_time, *worst[1:], scene.friction.coefficient, worst, where=f"worst in the {check.part}"
-    )
-    raise InputError(f"{source}: {fault}{_other_initial_loading(scene)}")
+    try:
+        _check(scene)
+    except InadmissibleLoadError as fault:
+        if largest_normal_load(scene) <= 0:
+            raise InputError(
+                f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
+                "turn its sign if compression is negative in this record"
+            ) from fault
+        hint = ""
+        if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
+            with suppress(InadmissibleLoadError):  # the parabola alone is at fault
+                _check(scene.vary(load={"initial_loading": "straight"}))
+                hint = '; or write load.initial_loading = "straight", which is admissible'
+        raise InputError(f"{source}: {fault}{hint}") from fault
 
 
-def _other_initial_loading(scene: Scene) -> str:
-    """What to write where the parabola alone is at fault."""
-    load = scene.load
-    if not isinstance(load, EllipseLoad) or load.initial_loading != "parabola":
-        return ""
-    straight = scene.vary(load={"initial_loading": "straight"})
-    return "" if check_path(straight).reason else '; or write load.initial_loading = "straight", which is admissible'
+def _check(scene: Scene) -> None:
+    from semi_analytic.history import check
+    from semi_analytic.load_series import check_rows
+
+    if isinstance(scene.load, TimeSeriesLoad):
+        return check_rows(scene.load.series(), scene.friction.coefficient)
+    path = scene.load.path()
+    return check([*path.initial_loading, *path.cycle], scene.friction.coefficient)
 
 
 def largest_normal_load(scene: Scene) -> float:
@@ -159,11 +150,6 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
-def _worst_of(leg: LoadSegment, friction: float) -> tuple[float, float]:
-    """(largest ratio, its time) on one leg."""
-    return _highest(leg, lambda time: _ratio(*leg.loads(time), friction))
-
-
 def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
     """(largest value, its time) on one leg: the best sample, then twice the best of samples close around it."""
     time = sampled(leg, _SAMPLES)
@@ -177,20 +163,8 @@ def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, flo
     return found
 
 
-def _first_of(leg: LoadSegment, friction: float) -> float:
-    """When a leg that leaves the admissible region first does so: the first sample outside, of ever closer samples."""
-    time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
-    for _ in range(6):  # 512 samples between two, so often: below the last digit of a time
-        outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])
-        if outside == 0:
-            return float(time[0])
-        time = np.linspace(time[outside - 1], time[outside], _SAMPLES)
-    # A line from P = Q = 0 that slides does so from its start on, where the ratio itself is 0/0.
-    return leg.start if time[-1] - leg.start < _ROUNDING * (leg.end - leg.start) else float(time[-1])
-
-
 @dataclass(frozen=True)
-class Engines:
+class _Engines:
     """Why each engine does not take a scene; "" for one that does."""
 
     half_plane: str
@@ -208,7 +182,7 @@ class Engines:
         return ""
 
 
-def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
+def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _Engines:
     """Which engines take a scene whose load path is admissible; finite elements can be asked where theory refuses alone.
 
     Raises
@@ -242,11 +216,11 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
             if not scene.bodies.half_planes:
                 alone = f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
                 raise InputError(f"{source}: {fault}; {alone}") from fault
-    return Engines(theory, elements)
+    return _Engines(theory, elements)
 
 
 @dataclass(frozen=True)
-class LargestContact:
+class _LargestContact:
     """The contact at the largest normal load of the path, by half-plane theory."""
 
     normal_load: float  # P [force per thickness]
@@ -257,7 +231,7 @@ class LargestContact:
     ratios: dict[str, float]  # a over the radii of the profile, its half-length over a, sizes of the bodies over a
 
 
-def largest_contact(scene: Scene, source: str) -> LargestContact:
+def largest_contact(scene: Scene, source: str) -> _LargestContact:
     """What theory says of the largest load; InputError naming `source` where it can't press the profile together with it.
 
     That is a table or a function which ends within the contact, a shape under which the contact would split, a tilt of a profile
@@ -294,11 +268,11 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[:, 0] / (2e-6 * np.abs(ends))
     slope, mean = float(np.max(slopes)), load / (2 * half)
     strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)
-    return LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
+    return _LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
 
 
 @dataclass(frozen=True)
-class BulkAndTilt:
+class _BulkAndTilt:
     """What bulk stress and tilt do to a contact, from the loads alone."""
 
     strain: float  # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
@@ -311,7 +285,7 @@ class BulkAndTilt:
     centre: float | None
 
 
-def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
+def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     """The bulk strain of a scene's path and what it does; None without bulk stress and tilt."""
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -331,7 +305,7 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
         places = places / np.sqrt(4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material)))
         centre = float(places[np.argmax(np.abs(places))])
     amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
-    return BulkAndTilt(
+    return _BulkAndTilt(
         float(np.max(np.abs(strain))),
         found.value if found is not None and np.isfinite(found.value) else None,
         (amplitude / limit if limit else np.inf) if amplitude else None,
@@ -339,22 +313,9 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     )
 
 
-def bulk_in_words(found: BulkAndTilt) -> str:
+def bulk_in_words(found: _BulkAndTilt) -> str:
     """The same as a sentence or two."""
-    said = []
-    if found.strain:
-        said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
-    if (share := found.share_of_moderate) is not None:
-        if found.eccentricity is not None:
-            said.append(f"By its amplitude in the cycle the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}.")
-        limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
-        said.append(f"Its amplitude in the cycle {limit}.")
-        moderate = "moderate: where it goes with Q both ends of the contact slip one way"
-        large = "large: the ends of the contact slip opposite ways at times"
-        said.append(f"That is {moderate if share <= 1 + 1e-9 else large}.")
-    if found.centre:
-        said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
-    return " ".join(said)
+    return in_template("bulk", found)
 
 
 def _ratios(scene: Scene, half: float) -> dict[str, float]:
@@ -372,25 +333,12 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
     return found
 
 
-def in_words(scene: Scene, found: LargestContact) -> str:
+def in_words(scene: Scene, found: _LargestContact) -> str:
     """The same in sentences."""
-    _, length, stress = units(scene)
-    finite = np.isfinite(found.peak_pressure)
-    peak = f"{found.peak_pressure:.4g} {stress}" if finite else "infinite at the tip"
-    said = [
-        f"The largest load is P = {number(found.normal_load)} {load_unit(scene)}.",
-        f"There half-plane theory gives the half-width a = {found.half_width:.4g} {length} and the peak pressure p0 = {peak}.",
-    ]
-    ratios = found.ratios | ({"p0/E*": found.strain} if finite else {})
-    of_bodies = [name.startswith(("lower", "upper")) for name in ratios]
-    for words, wanted in (("Ratios", False), ("Bodies", True)):
-        listed = [f"{name} = {ratios[name]:.4g}" for name, body in zip(ratios, of_bodies, strict=True) if body is wanted]
-        if listed:
-            said.append(f"{words}: {', '.join(listed)}.")
-    return " ".join(said)
+    return in_template("largest_contact", found, load_unit(scene), *units(scene)[1:])
 
 
-def remarks(scene: Scene, found: LargestContact) -> list[str]:
+def remarks(scene: Scene, found: _LargestContact) -> list[str]:
     """Sentences about numbers that are no fault but look like one; none where all is as usual."""
     said, (force, length, stress) = [], units(scene)
     pascal = stress_in_pascal(stress)
@@ -400,15 +348,7 @@ def remarks(scene: Scene, found: LargestContact) -> list[str]:
     for key, material in pair.items() if pascal else ():
         modulus, soft = material.young_modulus * pascal, material.poisson_ratio < _RUBBER
         if modulus > _DIAMOND or (modulus < _SOFT and soft):
-            stiff = modulus > _DIAMOND
-            kind = "stiffer than diamond" if stiff else "as soft as a weak plastic"
-            said.append(
-                f"{key}.young_modulus = {number(material.young_modulus)} {stress} is {kind}; steel has {number(_STEEL / pascal)} "
-                f"{stress}. {'Is the body meant as rigid, or E in Pa?' if stiff else 'Is E in GPa?'}"
-            )
+            said.append(in_template("odd_modulus", key, material.young_modulus, stress, modulus > _DIAMOND, _STEEL / pascal))
     if found.strain > _STRAIN or found.edge_slope > _SLOPE:
-        said.append(
-            f"Linear elasticity and half-planes mean little here: p0/E* = {found.strain:.3g} (limit {_STRAIN:g}), slope at the "
-            f"edge {found.edge_slope:.3g} (limit {_SLOPE:g}). Is E in {stress}? Are the loads {force} per {length} of thickness?"
-        )
+        said.append(in_template("beyond_elasticity", found, _STRAIN, _SLOPE, force, length, stress))
     return said

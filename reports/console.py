@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-Report = Callable[[int, int | None, str], None]
+_Report = Callable[[int, int | None, str], None]
 
 # Without a terminal a line of progress every so many seconds: enough to see life in a log, not enough to fill it.
 _LINE_EVERY = 2.0
@@ -55,7 +55,7 @@ class Stages:
         self.log: list[str] = []
 
     @contextmanager
-    def stage(self, name: str, things: str = "stretches") -> Generator[Report, None, None]:
+    def stage(self, name: str, things: str = "stretches") -> Generator[_Report, None, None]:
         """Times a stage; yields report(done, total or None, text), which counts `things`."""
         start = time.perf_counter()
         self.note(f"{name} ...")
@@ -86,7 +86,7 @@ class Stages:
         self.log.append(f"{time.strftime('%H:%M:%S')}  {text}")
 
     @contextmanager
-    def _bar(self, name: str) -> Generator[Report, None, None]:
+    def _bar(self, name: str) -> Generator[_Report, None, None]:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -103,7 +103,7 @@ class Stages:
             yield report
 
     @contextmanager
-    def _lines(self, name: str, things: str) -> Generator[Report, None, None]:
+    def _lines(self, name: str, things: str) -> Generator[_Report, None, None]:
         shown, left = time.perf_counter(), TimeLeft()
         self.console.print(Text(f"{name} ..."))
 

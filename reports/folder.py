@@ -58,7 +58,7 @@ def _prefix() -> str:
     return f".halfplane-{_HERE}-{os.getpid()}-"
 
 
-def remove(path: Path) -> None:
+def _remove(path: Path) -> None:
     """Remove a hidden file or folder."""
     with interrupts_wait():
         if path.is_dir():
@@ -84,14 +84,14 @@ def replace_text(path: Path, text: str) -> None:
     """Write a file in one go: a reader sees the old one or the new one; InputError where that is not possible."""
     try:
         remove_left_behind(path.parent)
-        with made(path.parent):
+        with _made(path.parent):
             replace_file(path, text.encode())
     except OSError as reason:
         raise InputError(f"{path}: the file can't be written: {reason.strerror or reason}; name another place") from reason
 
 
 @contextmanager
-def made(folder: Path) -> Generator[None, None, None]:
+def _made(folder: Path) -> Generator[None, None, None]:
     """`folder` is there, with all above it; what had to be made for that goes again after an error, unless something lies in it."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -110,7 +110,7 @@ def remove_left_behind(folder: Path) -> None:
         for entry in [entry for entry in entries if _OURS.fullmatch(entry.name) and not entry.is_symlink()]:
             with suppress(OSError):
                 if _is_dead(Path(entry.path)):
-                    remove(Path(entry.path))
+                    _remove(Path(entry.path))
 
 
 def _is_dead(path: Path) -> bool:
@@ -167,7 +167,7 @@ def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
             raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
         for place in (folder, _above(folder)):
             remove_left_behind(place)
-        remove(_staging(folder))
+        _remove(_staging(folder))
         with (
             suppress(FileNotFoundError),
             _alone_in(folder, out),
@@ -212,7 +212,7 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
         raise _unwritable(out, reason) from reason
     results = staging / "results"
     with ExitStack() as at_the_end:
-        at_the_end.callback(remove, staging)
+        at_the_end.callback(_remove, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
@@ -311,7 +311,7 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
     """
     results, before = staging / "results", staging / "before"
     new = _files(results)
-    with made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
+    with _made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
         _refuse_foreign(folder, new, out)
         others = set(_owned(folder)) - {*new, MANIFEST}
         stale = {name for name in others if name.startswith(fresh)}
@@ -321,7 +321,7 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
         for name in old:
             (before / name).parent.mkdir(parents=True, exist_ok=True)
         for parent in {(folder / name).parent for name in new} - {folder}:
-            folders.enter_context(made(parent))
+            folders.enter_context(_made(parent))
         try:
             with interrupts_wait(), ExitStack() as undo:
                 if os.path.lexists(folder / MANIFEST):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.checking import largest_contact
-from reports.units import minus, number, units
+from reports.units import number, units
 from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, Scene, TimeSeriesLoad
 from scenes.fitting import less_smoothed, resampled
 from scenes.profiles import Fitted
@@ -22,9 +22,6 @@ from scenes.profiles import Fitted
 _RESAMPLES = 100
 # Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer record.
 _MARCHES, _MOST_ROWS = 30, 2_000
-# Standard deviations of a slope: chance alone gives so much in one case of 16,000. Share of the rows' own lean below which a shift
-# of the middle stands for it.
-_LEANS, _SEEN = 4.0, 1e-3
 # Of residuals over the noise: chance alone gives so much in one case of 1,000, as a share of the expected spread.
 _CHANCE = 3.3
 
@@ -148,42 +145,12 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
         said.append(
             f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains: {more if excess > 1 else less}."
         )
-    if (found := lean(scene)) is not None and abs(found.value) > _LEANS * found.uncertainty / 2:
-        slope = f"{minus(f'{found.value:.3g}')} ± {found.uncertainty:.2g}"
-        said.append(f"The rows lean by {slope} rad against the fit, which is upright: level them and fit again.")
     if half_width > fitted.extent:
         said.append(
             f"The largest contact, a = {half_width:.4g} {length}, is wider than the rows, which reach {fitted.extent:.4g} {length} "
             "from the middle: beyond them the fit is an extrapolation."
         )
     return said
-
-
-def lean(scene: Scene) -> Spread | None:
-    """Slope of rows against the curve fitted to them [rad], its 95 % uncertainty by the residuals; None where it can't be seen.
-
-    That is with rows of one side, and of a parabola: there a slope s is the same as a middle that lies R s beside.
-    """
-    fitted, profile = fit_of(scene), scene.profile
-    if fitted is None:
-        return None
-    x, h = fitted.rows.values.T
-    x = x - fitted.centre
-    used = np.argsort(np.abs(x), kind="stable")[: len(x) - fitted.left_out]
-    x, rest = x[used], h[used] - fitted.offset - profile.height(x[used])
-    if not np.min(x) < 0 < np.max(x):
-        return None
-    # What a shift of the middle and of the height makes is no slope.
-    step = 1e-4 * fitted.extent
-    shift = (profile.height(x + step) - profile.height(x - step)) / (2 * step)
-    basis = np.linalg.qr(np.column_stack([np.ones(len(x)), shift] if fitted.centre_fitted else [np.ones(len(x))]))[0]
-    across = x - basis @ (basis.T @ x)
-    square = float(across @ across)
-    if square < _SEEN * float(x @ x):
-        return None
-    slope = float(across @ rest) / square
-    noise = float(np.linalg.norm(rest - slope * across)) / np.sqrt(max(fitted.freedom - 1, 1))
-    return Spread(slope, 2 * noise / float(np.sqrt(square)))
 
 
 def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:

@@ -38,7 +38,7 @@ from scenes import (
 from scenes.frozen import Frozen, validated
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.memory import LAST_DIGITS, PROMISED
-from semi_analytic.profiles import Contact, contact_of
+from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import (
     Ellipses,
@@ -75,7 +75,7 @@ _THREE = np.array([[-1], [0], [1]])
 _DISTINCT = 1e-3
 
 
-def maxima_of(e: Ellipses, contact: Contact) -> Array:
+def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     """The two largest maxima of W(x) of each member, (6, m).
 
     Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|, and that of the largest as a
@@ -139,7 +139,7 @@ def maxima_of(e: Ellipses, contact: Contact) -> Array:
     return np.stack([value, second_value, error, place, second_place, fraction])
 
 
-def _samples(e: Ellipses, contact: Contact) -> Array:
+def _samples(e: Ellipses, contact: SymmetricContact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal: (m, n)."""
     least, most = e.mean - e.amplitude, e.mean + e.amplitude
     events = [e.load(cosine) for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))]
@@ -290,9 +290,9 @@ def dissipation(
     -------
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
     A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
-    take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated over the contact, from corner to corner:
-    20 to 40 us for polynomials, wedges and compound curvatures, 70 us for functions and tables of 31 rows, and 1 ms and more where
-    P - P_c stays below 1e-5 of P0. Where the parameters are arrays each different polynomial or R2/R1 costs 1 to 3 ms.
+    take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of
+    ln a(P): 8 us for polynomials and functions, 16 us for wedges and compound curvatures, 50 us for tables of 31 rows, and 1 ms and
+    more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different polynomial or R2/R1 costs 2 to 4 ms.
 
     Raises
     ------
@@ -413,12 +413,12 @@ class Block:
 
     kind: str
     parameters: list[Array]
-    whole: Contact | None
+    whole: SymmetricContact | None
     modulus: float
     ellipses: Ellipses
     mirrored: NDArray[np.bool_]
 
-    def groups(self) -> Iterator[tuple[Indices, Contact, Ellipses, Array | float, Array | float]]:
+    def groups(self) -> Iterator[tuple[Indices, SymmetricContact, Ellipses, Array | float, Array | float]]:
         """Members whose profiles differ by units only: their contact and loops in these; the units of load and of length."""
         if self.whole is not None:
             yield np.arange(len(self.mirrored)), self.whole, self.ellipses, 1.0, 1.0
@@ -599,7 +599,7 @@ def _alike(kind: str, parameters: list[Array]) -> Iterator[tuple[Indices, tuple[
 
 
 @lru_cache(maxsize=64)
-def _contact(kind: str, shape: tuple[float, ...]) -> Contact:
+def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
     """The contact of a profile in units of its own, with E* = 1."""
     return contact_of(_PROFILES[kind](*shape), Materials(upper=_HALF, lower=_HALF))
 

@@ -1074,8 +1074,8 @@ class Followed:
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
-    Geometric where the last two ratios of changes are below a half and alike. Else they may fall as slowly as k^-4, however fast
-    the first ones were: k/3 times the last.
+    Geometric where the last two ratios of changes are below a half, alike and not rising. Else they may fall as slowly as k^-4,
+    however fast the first ones were: k/3 times the last.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1087,7 +1087,7 @@ def remainder_of(works: Sequence[float]) -> float:
     if len(changes) < 2 or changes[-1] == 0:
         return float(changes[-1]) if len(changes) else math.inf
     before, ratio = np.append(1.0, changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny))[-2:].tolist()
-    if ratio < 0.5 and abs(ratio - before) < ratio / 4:
+    if ratio < 0.5 and 0.8 * before < ratio < 1.05 * before:
         return float(changes[-1]) * ratio / (1 - ratio)
     return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
 
@@ -1118,6 +1118,7 @@ def follow(
     time: Array | None = None,
     *,
     most: int = 12,
+    order: int = ORDER,
 ) -> Followed:
     """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is steady.
 
@@ -1130,6 +1131,7 @@ def follow(
     x : (k,) points
     time : (n,) instants in any order; those of the steps if None
     most : largest number of cycles; they are followed until one repeats the one before to 1e-8 of its work
+    order : degree in time of a step
 
     Raises
     ------
@@ -1146,7 +1148,7 @@ def follow(
     needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
-    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest)
+    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
     straight = all(part is None or part.is_straight for part in (first, first.bulk, first.turning))
     # Of a curved leg but the begin: what bulk and tilt change by then is below 1e-6 of the end.
     touch, state = follower.touch(first.start, first.end if straight else first.start + 1e-4 * (first.end - first.start))

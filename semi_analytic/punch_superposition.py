@@ -321,7 +321,8 @@ class PunchSuperposition:
         return result
 
     def _area_apart(self, load: Array, slipped: Array) -> Array:
-        upper, lower = both = self.law.advance(np.stack([load, np.maximum(load - slipped, 0.0)]))
+        # P - P_c says no more of P_c than its last digit: 0 would stand for any smaller one, and its logarithm for 700.
+        upper, lower = both = self.law.advance(np.stack([load, np.maximum(load - slipped, _EPS / 4 * load)]))
         ratio = np.log1p((upper - lower) / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0)))
         return load * ratio - np.subtract(*self._logarithm(0, both)[0])
 

@@ -72,7 +72,7 @@ from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 Array = NDArray[np.float64]
 
 _INSTANTS = 7
-_POINTS = 25
+_PLACES = 25
 # Of closed forms: a twentieth of what a solution costs.
 _FEW_INSTANTS = 5
 _FEW_POINTS = 9
@@ -806,7 +806,7 @@ def field_errors(
     contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
     if asked.fields.isdisjoint(("pressure", *arcs)):
         return {}
-    instants, points = (_INSTANTS, _POINTS) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
+    instants, points = (_INSTANTS, _PLACES) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
     chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, instants).astype(int))
     loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
     x = asked.distance[np.unique(np.linspace(0, len(asked.distance) - 1, points).astype(int))]

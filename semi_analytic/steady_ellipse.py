@@ -24,14 +24,8 @@ a corner of the profile:
     P = P_b    cos t = (P_b - P0)/P1:            E-G  t_E + s = t,     I-J  t_E + s = t +- pi,   J-M  t_E - s = +-t
     P_c = P_b  E-G  v sin^2((D - s)/2) = P_b - P_T,   J-M  u sin^2(s/2) = P_b - P_T,   I-J  t_E - s = t +- pi
 
-W of many ellipses at once is one of two forms of a double integral over t and eta:
-
-    W = (f A/pi) int w' Lam(P, P_c) dt        by one Gauss rule for each phase, where Lam is known in few passes over the nodes
-    W = (2 f^2/(pi E*)) int M(P(a)) da/a      for any profile, M being the slip moment of the ellipse at the load eta = P(a):
-    M(eta) = int (P - eta) w' dt/f            over the times with P_c < eta < P
-
-since Lam = int (P - eta) d ln a(eta) over P_c < eta < P. M is elementary, and not smooth at six loads of the ellipse only; P(a)
-needs no inverse but at those, and is smooth between the corners.
+Between corners all three phases are smooth in s, so that few nodes are enough; Lam is a difference of a primitive of ln a(P), of
+which a profile has one table.
 """
 
 from __future__ import annotations
@@ -39,23 +33,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
+from scenes.chebyshev import DEGREE, Powers, halved
 from semi_analytic.hertz import log_excess
-from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import gauss, graded
+from semi_analytic.profiles import Contact, SymmetricContact
+from semi_analytic.quadrature import ROOTS, gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")
-# Pieces of phases and points at once: arrays of some megabytes.
-_PIECES, _POINTS = 1024, 500
+# Nodes of pieces, in arrays that fit into the cache, and points at once.
+_ELEMENTS, _POINTS = 32768, 500
 # A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or less (10 times as much where
 # P hardly grows), or after a few halvings this share of P0^2; it is halved so often at most.
 _CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
@@ -136,13 +131,20 @@ def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, 
 
 
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Rate over f, P - P_c and P at angles s of a phase."""
-    if name == "E-G":
-        return e.v * np.sin(e.turn - s), e.u * np.sin(s / 2) ** 2, e.load(np.cos(e.start + s))
-    sine = np.sin(s)
+    """Rate over f, P - P_c and P at angles s of a phase; by tangents of half of them, which numpy has in vector code."""
     if name == "I-J":
-        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(-np.cos(e.start + s))
-    return e.u * sine, e.v * np.sin((e.turn + s) / 2) ** 2, e.load(np.cos(e.start - s))
+        sine = _sine_and_square(s)[0]
+        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * _sine_and_square(e.start + s)[1] - 1)
+    one, other, angle, beside = (e.v, e.u, e.turn - s, s) if name == "E-G" else (e.u, e.v, s, e.turn + s)
+    time = e.start + s if name == "E-G" else e.start - s
+    return one * _sine_and_square(angle)[0], other * _sine_and_square(beside)[1], e.load(1 - 2 * _sine_and_square(time)[1])
+
+
+def _sine_and_square(angle: Array) -> tuple[Array, Array]:
+    """sin of an angle, and sin^2 of half of it."""
+    tangent = np.tan(angle / 2)
+    rest = 1 + tangent * tangent
+    return 2 * tangent / rest, tangent * tangent / rest
 
 
 def half_angle(part: Array) -> Array:
@@ -179,48 +181,6 @@ def quadrature_error(values: Array, size: Array) -> Array:
     apart = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
     near, far = (np.minimum(each, 1e100) for each in apart)  # of slips of 1e-265 too
     return np.where(near <= far**1.5, near**1.5, near)
-
-
-def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to nothing slips: 1 ms and more each.
-
-    The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
-    where that does not help.
-
-    At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
-
-    >>> from semi_analytic.hertz import HertzContact
-    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # k = 0.6
-    >>> forward, reverse = works_over_time(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
-    >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
-    (0.106967414501, 0.106967414501)
-    """
-    pieces = []
-    for number, ends in enumerate(corner_angles(e, contact.break_loads[:, None]).values()):
-        row, owner = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]) & (e.deepest > 0))
-        pieces.append((np.full(len(row), number), owner, ends[row, owner], ends[row + 1, owner]))
-    phase, member, begin, end = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
-    for level in range(_HALVINGS + 1):
-        values = np.empty((2, len(member)))
-        for number, name in enumerate(PHASES):
-            those = np.flatnonzero(phase == number)
-            for here in (those[k : k + _PIECES] for k in range(0, len(those), _PIECES)):
-                s, weight = graded(begin[here], end[here])
-                rate, slipped, load = phase_of(name, e.take(member[here, None]), s)
-                terms = weight * rate * contact.dissipation_kernel(load, np.minimum(slipped, load))
-                values[:, here] = [k * np.sum(terms[:, ::k], axis=1) for k in (1, 2)]
-        size = size if level else np.asarray(np.bincount(member, values[0], len(size)), dtype=float)
-        error = np.abs(values[0] - values[1])
-        done = ~(error > _CONVERGED * size[member]) | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
-        np.add.at(works, (phase[done], member[done]), values[0, done])
-        phase, member, begin, end = (part[~done] for part in (phase, member, begin, end))
-        middle = (begin + end) / 2
-        phase, member, begin, end = np.tile(phase, 2), np.tile(member, 2), np.r_[begin, middle], np.r_[middle, end]
-        if not len(member):
-            break
-    works[phase, member] = np.nan
-    return works[1] + works[2], works[0]
 
 
 def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple[Array, Array]:
@@ -273,23 +233,74 @@ Area = Callable[[Array, Array, Array], Array]
 
 _TINY, _FLOOR = 1e-100, 1e-200
 
-# ------------------------------------------------------------------------------------------- any profile, over the contact
-# Nodes and pieces at once, in arrays that fit into the cache.
-_ELEMENTS = 32768
-# A piece has converged at this share of W, of a share of P0^2 where W is less: 1e-12 of P0^2 is left. Its nodes are doubled up
-# to so many.
-_SETTLED, _NO_WORK, _MOST_NODES = 1e-11, 1e-3, 4096
-# Share of P0 below which P - P_c would not keep ten digits as a difference of loads.
-_SHALLOW = 1e-5
+
+# ------------------------------------------------------------------------- any profile: pieces of phases, and series of Lam
+class Rule(NamedTuple):
+    """Nodes on [0, 1] by their distance `near` from the end that is closer, the lower one or not; weights and checks, (n, k).
+
+    A check is a sum that is 0 but for what the rule leaves out.
+    """
+
+    near: Array
+    lower: NDArray[np.bool_]
+    weight: Array
+    check: Array
 
 
-def dissipation_of(e: Ellipses, contact: Contact) -> Array:
+def _halves() -> Rule:
+    """The graded rule, and what every second of its nodes alone makes of it."""
+    weight = graded(0.0, 1.0)[1]
+    check = weight.copy()
+    check[::2] -= 2 * weight[::2]
+    return Rule(np.minimum(ROOTS.up, ROOTS.down), ROOTS.up < 0.5, weight, check[:, None])
+
+
+def _legendre(count: int, crowded: bool) -> Rule:
+    """Gauss' rule and its last three coefficients; crowded by 3 t^2 - 2 t^3, in which roots at both ends are smooth."""
+    t, weight = gauss(count)
+    small = np.minimum(t, 1 - t)
+    share, rate = (small * small * (3 - 2 * small), 6 * t * (1 - t)) if crowded else (small, np.ones(count))
+    order = np.arange(count - 3, count)
+    check = legendre.legvander(2 * t - 1, count - 1)[:, order] * (2 * order + 1)
+    return Rule(share, t < 0.5, weight * rate, (weight * rate)[:, None] * check)
+
+
+# For all that is singular; for pieces without corners, and between corners by their length up to these [rad].
+_GRADED, _SHORT = _halves(), np.array([0.15, 0.4])
+_QUICK = _legendre(20, False), *(_legendre(count, True) for count in (12, 16, 24))
+# The same for the three last coefficients: they fall like a power where two corners are close, and leave 1e-3 of themselves.
+_SETTLED, _ENOUGH = 3e-8, 0.3
+# Shares of P0 down to which P - P_c goes by series of J, and by those of L: they keep 1e-10 of Lam.
+_DEEP, _SHALLOW = 0.002, 1e-6
+# Fewer members than these go by one rule.
+_SOME = 100
+
+Kernel = Callable[[Array, Array], Array]
+"""Lam from P and P - P_c, (pieces, nodes) each."""
+
+
+def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
+    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to nothing slips: 1 ms and more each.
+
+    The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
+    where that does not help.
+
+    At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
+
+    >>> from semi_analytic.hertz import HertzContact
+    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # k = 0.6
+    >>> forward, reverse = works_over_time(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
+    >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
+    (0.106967414501, 0.106967414501)
+    """
+    works = _over_phases(e, contact, contact.dissipation_kernel, (_GRADED,), _CONVERGED, 0.0)
+    return works[0], works[1]
+
+
+def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
 
-    To ten digits; over time where a difference of loads would not leave P - P_c as many.
-
-    Between two of the half-widths at which M or P(a) is not smooth by Fejer's rule in t, a being the step 3 t^2 - 2 t^3, in which
-    roots at both ends are smooth, with 15 nodes, 31, 63, ...; the rules of every second node show the error.
+    To ten digits: the same pieces by few nodes, Lam by series where P - P_c is no small share of P0.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -298,99 +309,143 @@ def dissipation_of(e: Ellipses, contact: Contact) -> Array:
     >>> round(float(works.sum()), 9), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9)  # theory, constant load
     (0.106967415, 0.106967415)
     """
-    # Half-widths by how far they are beyond that of no load: beside a flat the rest has no digits.
-    corners = np.array(contact.breaks, dtype=float)[:, None] - contact.least
-    chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
-    if len(e.mean) > chunk:
-        parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
-        return np.concatenate([dissipation_of(part, contact) for part in parts], axis=1)
-    loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
-    events = contact.advance(np.clip(loads, loads[0], loads[-1]))
-    ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
-    row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
-    low, high, loops = ends[row, member], ends[row + 1, member], e.take(member)
-    # NaN already where a half-width was not found.
-    works, size = np.zeros((2, 1)) * np.sum(events, axis=0), np.zeros(len(e.mean))
-    known, count = np.empty((2, 0, len(member))), 16
-    while len(member):
-        t = _fejer(count)[0][:: 1 if count == 16 else 2, None]
-        share = np.minimum(t, 1 - t) ** 2 * (1 + 2 * np.maximum(t, 1 - t))
-        advance = np.where(t < 0.5, low + (high - low) * share, high - (high - low) * share)
-        terms = slip_moment(loops, np.maximum(contact.load_at(advance) - loops.permanent, 0.0))
-        terms *= (high - low) / (contact.least + advance) * (6 * t * (1 - t))
-        if count > 16:
-            terms = np.stack([terms, np.append(known, terms[:, :1], axis=1)], axis=2).reshape(2, -1, len(member))[:, :-1]
-        rules = np.stack([_fejer(count // k)[1] @ terms[:, k - 1 :: k] for k in (1, 2, 4)])
-        if count == 16:
-            size = np.maximum(np.bincount(member, np.sum(rules[0], axis=0), len(size)), _NO_WORK * np.square(e.mean))
-        whole, scale = np.sum(rules, axis=1), size[member]
-        # Two rules may agree by chance: the one before them must be as near as such a fall leaves it.
-        left = (quadrature_error(whole, scale) > _SETTLED) | (np.abs(whole[1] - whole[2]) ** 3 > _SETTLED * scale**3)
-        for direction in range(2):
-            np.add.at(works[direction], member[~left], rules[0, direction, ~left])
-        member, low, high, loops, known = member[left], low[left], high[left], loops.take(left), terms[..., left]
-        if count == _MOST_NODES:
-            works[:, member] = np.nan
-            break
-        count *= 2
-    shallow = np.flatnonzero(e.deepest <= _SHALLOW * e.mean)
-    if len(shallow):
-        exact = np.array(works_over_time(e.take(shallow), contact))
-        # What is known to a share of P0^2 only is better than nothing.
-        works[:, shallow] = np.where(np.isfinite(exact), exact, works[:, shallow])
+    works, share = np.empty((2, len(e.mean))), e.deepest / e.mean
+    groups: list[tuple[NDArray[np.bool_], Kernel, float]] = [(share <= _SHALLOW, contact.dissipation_kernel, 0.0)]
+    if np.any(share > _SHALLOW):
+        # Whole octaves, so that the next block or call finds its series; what is 2^-40 of the largest load counts for nothing.
+        most = float(np.max(e.mean + e.amplitude))
+        first = math.frexp(max(float(np.min(e.permanent)), 2.0**-40 * most))[1] - 1
+        series = _slip_area(contact, first // 8 * 8, math.frexp(most)[1])
+        groups += [((share > _SHALLOW) & (share <= _DEEP), series.close, 0.0), (share > _DEEP, series, _ENOUGH)]
+    for some, kernel, least in groups:
+        count = int(np.sum(some))
+        if count:
+            # Of a few every call counts, and not its length.
+            rules, floor = (_QUICK, least) if count >= _SOME else (_QUICK[-1:], 0.0)
+            works[:, some] = _over_phases(e.take(some), contact, kernel, rules, _SETTLED, floor)
     return works
 
 
-@cache
-def _fejer(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of Fejer's second rule on [0, 1], (count - 1,) each; every second node is one of half the count."""
-    angle, order = math.pi * np.arange(1, count) / count, np.arange(1, count // 2 + 1)
-    terms = np.where(2 * order == count, 1.0, 2.0) / (4.0 * order**2 - 1) * np.cos(2 * np.outer(angle, order))
-    return np.square(np.sin(angle / 2)), (1 - np.sum(terms, axis=1)) / count
+def _over_phases(e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float, least: float) -> Array:
+    """Forward and reverse part of W, (2, m), over pieces between corners.
 
-
-def slip_moment(e: Ellipses, above: Array) -> Array:
-    """M(eta) of forward and of reverse slip, (2, n, m), at eta = P_T + `above`, (n, m).
-
-    With s = t - t_I forward slip has the rate f u sin s and P = P0 - P1 cos(t_E + s), reverse slip with s = t_G - t the rate
-    f v sin s and P = P0 + P1 cos(t_G - s). P_c < eta < P holds from where the front passes eta, or P does, to where P does again;
-    in reverse but for the times about the least load at which P < eta, |t - pi| < h with P0 - eta = P1 cos h.
+    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less than `least` of it.
     """
-    start, end = e.start, e.start + e.turn
-    drop = (e.u + e.v) / 2 - above  # P0 - eta
-    open_half = half_angle((e.amplitude - drop) / (2 * np.maximum(e.amplitude, _FLOOR * e.mean)))
-    by_u, by_v = (half_angle(above / np.maximum(size, _FLOOR * e.mean)) for size in (e.u, e.v))
-    drop *= 2
-    begin = np.where(by_u < e.turn, math.pi - by_u, np.abs(start - open_half))
-    forward = _moment(begin, np.maximum(np.minimum(2 * math.pi - open_half - start, math.pi), begin), drop, e.sine, -e.cosine, e)
-    top, middle = np.minimum(by_v, e.turn), end - math.pi
-    sine, cosine = np.sin(end), np.cos(end)
-    reverse = _moment(np.minimum(np.maximum(middle + open_half, 0.0), top), top, drop, sine, cosine, e)
-    first = np.minimum(middle - open_half, top)
-    early = np.flatnonzero(np.any(first > 0, axis=0))
-    if len(early):
-        begin = np.zeros(1)
-        some = (np.maximum(first[:, early], 0.0), drop[:, early], sine[early], cosine[early], e.take(early))
-        reverse[:, early] += _moment(begin, *some)
-    return np.stack([e.u * forward, e.v * reverse])
+    corners, pieces = contact.break_loads, []
+    # A corner that is nearly met counts too.
+    met = (corners > 0.99 * np.min(e.permanent, initial=math.inf)) & (corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0))
+    for number, ends in enumerate(corner_angles(e, corners[met, None]).values()):
+        owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]).T & (e.deepest > 0)[:, None])
+        low, high = ends[row, owner], ends[row + 1, owner]
+        pieces.append((np.full(len(row), number), owner, low, high, high - low < ends[-1, owner]))
+    phase, member, begin, end, cornered = (np.concatenate(part) for part in zip(*pieces, strict=True))
+    works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
+    for level in range(_HALVINGS + 1):
+        value, error = np.empty(len(member)), np.empty(len(member))
+        kind = np.minimum(cornered * (1 + np.searchsorted(_SHORT, end - begin)), len(rules) - 1)
+        for number, rule in enumerate(rules):
+            those, step = np.flatnonzero(kind == number), _ELEMENTS // len(rule.near)
+            for here in (those[k : k + step] for k in range(0, len(those), step)):
+                low, high, length = begin[here, None], end[here, None], (end - begin)[here]
+                s = np.where(rule.lower, low + length[:, None] * rule.near, high - length[:, None] * rule.near)
+                rate, slipped, load = np.empty((3, *s.shape))
+                for name, first, last in zip(PHASES, *np.searchsorted(phase[here], [[0, 1, 2], [1, 2, 3]]), strict=True):
+                    some = slice(first, last)
+                    rate[some], slipped[some], load[some] = phase_of(name, e.take(member[here[some], None]), s[some])
+                terms = rate * kernel(load, np.minimum(slipped, load))
+                value[here], error[here] = (terms @ rule.weight) * length, np.max(np.abs(terms @ rule.check), axis=1) * length
+        size = size if level else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
+        done = ~(error > settled * size[member]) | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
+        np.add.at(works, (phase[done], member[done]), value[done])
+        # Halves side by side: phases stay in order.
+        phase, member, cornered = (np.repeat(part[~done], 2) for part in (phase, member, cornered))
+        begin, end = begin[~done], end[~done]
+        middle = (begin + end) / 2
+        begin, end = np.ravel([begin, middle], order="F"), np.ravel([middle, end], order="F")
+        if not len(member):
+            break
+    works[phase, member] = np.nan
+    return np.stack([works[1] + works[2], works[0]])
 
 
-def _moment(begin: Array, end: Array, twice: Array, sine: Array, cosine: Array, e: Ellipses) -> Array:
-    """int sin s (P0 - eta + P1 cos(s - psi)) ds from begin to end, from 2 (P0 - eta) and P1's part sin psi, cos psi.
+class SlipArea:
+    """Lam of any profile by series of L = ln a and of J = int L dP over v = sqrt(P - P_b) behind each corner P_b.
 
-    = 2 (P0 - eta) sin m sin d + P1 [sin(2 m - psi) sin d cos d + d sin psi], m the middle and d half the range.
+        Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c)
+
+    From P = 0 on series are in octaves of v. J is the integral of the series of L itself: what L leaves out cancels.
     """
-    half, middle = (end - begin) / 2, (end + begin) / 2
-    # One tangent for sine and cosine: numpy has it in vector code.
-    tangent = np.tan(half / 2)
-    over = 1 / (1 + tangent * tangent)
-    sine_half, cosine_half = 2 * tangent * over, 2 * over - 1
-    tangent = np.tan(middle / 2)
-    over = 1 / (1 + tangent * tangent)
-    sine_middle, cosine_middle = 2 * tangent * over, 2 * over - 1
-    double = (2 * e.amplitude * cosine) * sine_middle * cosine_middle
-    double += (e.amplitude * sine) * (2 * sine_middle * sine_middle - 1)
-    return sine_half * (twice * sine_middle + cosine_half * double) + (e.amplitude * sine) * half
+
+    def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
+        """From the load 2^first to 2^last, or to where the profile ends."""
+        corners = contact.break_loads
+        most = 2.0**last if contact.extent == math.inf else min(2.0**last, float(contact.load(contact.extent)))
+        self._begins = np.append(0.0, corners[(corners > 0) & (corners < most)])
+        ends = np.append(self._begins[1:], most)
+        level = replace(contact, datum_length=contact.least / 2 if contact.least > 0 else 0.5)  # ln(a/a_0) beside a flat
+        self._places = np.concatenate([[0.0], np.cumsum(np.sqrt(ends - self._begins))])
+        edges, logs, areas, area = [], [], [], 0.0
+        for begin, whole, place in zip(self._begins.tolist(), np.diff(self._places).tolist(), self._places.tolist(), strict=False):
+            octaves = max(math.ceil(math.log2(whole) - first / 2), 1)
+            marks = np.append(0.0, whole) if begin else whole * 2.0 ** np.arange(-octaves, 1.0)
+            found = halved(lambda v, b=begin: -level.log_ratio(b + v * v), marks, max(contact.noise / 4e-14, 1.0))  # type: ignore[misc]
+            low, half = found.edges[:-1], np.diff(found.edges) / 2
+            # int L 2 v dv, v = low + half (1 + t).
+            twice = chebyshev.chebmul
+            rise = np.transpose(
+                [
+                    chebyshev.chebint(twice(c, [v + h, h]) * 2 * h, lbnd=-1)[: DEGREE + 1]
+                    for c, v, h in zip(found.coefficients.T, low, half, strict=True)
+                ]
+            )
+            sums = area + np.cumsum(np.append(0.0, np.sum(rise, axis=0)))
+            rise[0] += sums[:-1]
+            area = float(sums[-1])
+            edges.append(low + place)
+            logs.append(found.coefficients)
+            areas.append(rise)
+        self._edges = np.append(np.concatenate(edges), self._places[-1])
+        self._scale = 2 / np.diff(self._edges)
+        self._log, self._area = Powers(np.concatenate(logs, axis=1)), Powers(np.concatenate(areas, axis=1))
+
+    def _behind(self, load: Array) -> Indices:
+        """Number of the corner behind which loads are, (rows, 1); no row passes one."""
+        return np.searchsorted(self._begins[1:], load[:, load.shape[1] // 2])[:, None]
+
+    def _at(self, place: Array) -> tuple[Indices, Array]:
+        """Piece of the series, and where in it."""
+        piece = np.searchsorted(self._edges[1:-1], place, side="right")
+        return piece, (place - self._edges.take(piece)) * self._scale.take(piece) - 1
+
+    def __call__(self, load: Array, slipped: Array) -> Array:
+        """Lam from P and P - P_c, (rows, nodes), to some 1e-16 of P^2."""
+        upper, lower = (
+            self._at(self._places[number] + np.sqrt(np.maximum(values - self._begins[number], 0.0)))
+            for values in (load, load - slipped)
+            for number in (self._behind(values),)
+        )
+        return self._area(*upper) - self._area(*lower) - slipped * self._log(*lower)
+
+    def close(self, load: Array, slipped: Array) -> Array:
+        """The same to 1e-16 of P - P_c: int [L - L(P_c)] d eta from P_c on, from corner to corner by Gauss' rule in v."""
+        front, (node, weight) = load - slipped, gauss(4)
+        number, last = self._behind(front), self._behind(load)
+        v = np.sqrt(np.maximum(front - self._begins[number], 0.0))
+        base, total, left = self._log(*self._at(self._places[number] + v)), np.zeros(load.shape), slipped
+        for _ in range(int(np.max(last - number)) + 1):
+            room = np.where(number < last, np.square(self._places[number + 1] - self._places[number]) - v * v, np.inf)
+            rise = np.clip(room, 0.0, left)
+            step = rise / np.maximum(v + np.sqrt(v * v + rise), 1e-300)
+            at = v[..., None] + step[..., None] * node
+            log = self._log(*self._at(self._places[number][..., None] + at))
+            total += step * np.sum(weight * 2 * at * (log - base[..., None]), axis=-1)
+            left, number, v = left - rise, np.minimum(number + 1, last), np.zeros(load.shape)
+        return total
+
+
+@lru_cache(maxsize=8)
+def _slip_area(contact: SymmetricContact, first: int, last: int) -> SlipArea:
+    return SlipArea(contact, first, last)
 
 
 # ------------------------------------------------------------------- Hertz, power laws, flat and rounded faces: by Lam

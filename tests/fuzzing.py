@@ -157,7 +157,7 @@ def _fitted(path: Path) -> object:
 
 
 def _read(path: Path) -> object:
-    return read(path, Mapping(), load_scene("hertz-paper"))
+    return read(path, Mapping())
 
 
 def _scored(path: Path) -> object:

@@ -24,9 +24,8 @@ from command_line import COARSE, ROOT, Done, everything, forked, halfplane, rais
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
-from reports.cli.application import app
+from reports.cli.application import FORMAT, KEYS, answer_schema, app
 from reports.cli.machine import Finding
-from reports.cli.options import FORMAT, KEYS, answer_schema
 from reports.cli.scene_files import example
 from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft, say, show_table
@@ -77,7 +76,7 @@ values = [1.0, 1.2]
 # Files in the folder where the commands below are given; test_scenes_reading.py has every fault of a scene file.
 SPOILT = {
     "sliding.toml": GOOD.replace("tangential_amplitude = 20.0", "tangential_amplitude = 60.0"),
-    "separating.toml": GOOD.replace("normal_amplitude = 30.0", "normal_amplitude = 95.0"),
+    "separating.toml": GOOD.replace("= 30.0", "= 95.0").replace("= 20.0", "= 0.0"),
     "smooth.toml": GOOD.replace("coefficient = 0.5", "coefficient = 0.0"),
     "tilted.toml": GOOD + "tilt = 1e-4\n",
     "misspelt.toml": GOOD.replace("radius", "radias"),

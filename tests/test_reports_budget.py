@@ -18,8 +18,21 @@ from reports.charts.templating import marked
 from reports.cli.solving import exit_code, verdict_shown
 from reports.comparison import Comparison, Report, compare
 from reports.comparison import budget as budgets
-from reports.comparison.budget import Budget, Refinements, Run, Term, climb, coarser, error_budget, mesh_ratio, with_budget
-from reports.comparison.convergence import Refinement, extrapolate, kind_of, observed_order
+from reports.comparison.budget import (
+    Budget,
+    Refinement,
+    Refinements,
+    Run,
+    Term,
+    climb,
+    coarser,
+    error_budget,
+    extrapolate,
+    kind_of,
+    mesh_ratio,
+    observed_order,
+    with_budget,
+)
 from reports.comparison.words import as_json, how_judged, lead, share, verdict
 from reports.console import show
 from reports.page.writing import render

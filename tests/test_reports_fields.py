@@ -23,8 +23,8 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.charts.templating import style_of
 from reports.cli import main
+from reports.cli.application import Options
 from reports.cli.field_output import named as named_by
-from reports.cli.options import Options
 from reports.field_output import fatigue, film
 from reports.field_output.files import (
     NO_PEAK,
@@ -363,20 +363,6 @@ class TestFilm:
             assert np.abs(seen - frame).mean() < 4
             assert (seen[:5] == 255).all()
             assert not k or (seen != shown[k - 1]).any()
-        monkeypatch.setattr(film, "LARGEST_GIF", (tmp_path / "cycle.gif").stat().st_size // 2)
-        smaller = film.write_film(frames(), tmp_path, "cycle")
-        assert (tmp_path / "cycle.gif").stat().st_size <= film.LARGEST_GIF
-        with Image.open(tmp_path / "cycle.gif") as picture:
-            assert picture.size == smaller.size < found.size
-        now, full = (f"{width} x {height}" for width, height in (smaller.size, found.size))
-        assert f"{now} pixels instead of {full}" in smaller.notes[-1]
-
-    def test_a_gif_that_is_too_large_at_every_size_is_refused(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """At a width of two pixels three quarters of it were two again, for ever."""
-        monkeypatch.setattr(film, "LARGEST_GIF", 10)
-        monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-        with pytest.raises(InputError, match=r"cycle\.gif: 2 frames take more than 8 MB at every size"):
-            film.write_film([np.full((40, 60, 3), 255, dtype=np.uint8)] * 2, tmp_path, "cycle")
 
     def test_mp4_is_read_back(self, tmp_path: Path) -> None:
         ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="the extra halfplane[animation] is not installed")

@@ -19,7 +19,7 @@ from reports import compare, write
 from reports.comparison import Comparison, Report
 from reports.comparison.metrics import METRICS, events, last_cycle, markdown, sample
 from reports.comparison.words import as_json, unit_of
-from reports.page.figures import draw
+from reports.page.writing import draw
 from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
@@ -666,12 +666,20 @@ def test_a_reference_that_ends_inside_the_contact_is_refused(least: float) -> No
         compare(short, ROUGH)
 
 
-def test_events_of_a_cycle_under_constant_pressure_are_the_extremes_of_q_and_of_one_that_stands_still_the_first() -> None:
+def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over_increments() -> None:
+    """P stands still: only Q has extremes; the rest of the six are as far from all others as can be, wherever an engine landed."""
     cycle = last_cycle(ROUGH)
-    labels = {event.label: cycle.time[event.index] for event in events(cycle, ROUGH.scene.friction.coefficient)}
-    assert labels == {"Q largest": 2.0, "Q least": 3.0}
-    still = dataclasses.replace(cycle, tangential_load=0 * cycle.time)
-    assert [(event.index, event.label) for event in events(still, 0.5)] == [(0, "the only instant")]
+    found = events(cycle, ROUGH.scene.friction.coefficient)
+    labels = {event.label: cycle.time[event.index] for event in found}
+    assert (len(found), labels["Q largest"], labels["Q least"]) == (6, 2.0, 3.0)
+    assert not any(label.startswith("P ") for label in labels)
+    assert [event.index for event in found] == sorted({event.index for event in found})
+    # Nine tenths of the instants in the first hundredth of the cycle.
+    time = np.concatenate([np.linspace(0, 0.01, 9 * len(cycle.time) * 2), np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:]])
+    flat = np.ones(len(time))
+    crowded = dataclasses.replace(cycle, time=time, fraction=time, normal_load=flat, tangential_load=0 * flat)
+    chosen = [time[event.index] for event in events(crowded, 0.5)]
+    assert (len(chosen), min(np.diff(chosen)) > 0.1) == (6, True)
 
 
 def test_events_of_the_papers_ellipse() -> None:

@@ -30,10 +30,10 @@ from command_line import halfplane, sentence
 from reports import Report, compare
 from reports.cli.solving import write_solution
 from reports.comparison import findings as baseline
-from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
+from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, patterned_tolerances
 from reports.comparison.words import as_json
 from reports.maps.laws import PUBLISHED
-from reports.page.figures import published
+from reports.page.writing import published
 from scenes import InputError, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -156,7 +156,7 @@ def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) 
     assert not difference(a, kept, {"metric.shear": 0.0}).same
     for word in ("metric.shear", "=1", "metric.shear=", "metric.shear=-1", "metric.shear=nan", "metric.shear=x"):
         with pytest.raises(InputError, match="KEY=VALUE"):
-            tolerances_of([word])
+            patterned_tolerances([word])
     with pytest.raises(InputError, match=r"no figure is called so; there are metric\.largest_pressure, .*halfplane_fe\."):
         difference(a, a, {"metric.sheer": 1.0})
 

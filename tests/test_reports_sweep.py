@@ -302,7 +302,7 @@ def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(mon
     partial_solution = semi_analytic.solve(scene)
 
     fault = ConvergenceError("residual 0.3 after 100 iterations", partial_solution)
-    monkeypatch.setattr(solving, "finite_elements", raising(fault))
+    monkeypatch.setattr(solving, "_finite_elements", raising(fault))
     [answer] = answers(blocks(axes=[F | {"values": [1.0]}], figures=["fe.dissipation"]))
     assert (answer["status"], answer["figures"]) == ("failed", {})
     assert answer["reason"] == "not converged: residual 0.3 after 100 iterations"

@@ -35,7 +35,7 @@ from reports.comparison.words import (
     verdict,
     with_uncertainty,
 )
-from reports.page.figures import outline, sketch
+from reports.page.writing import outline, sketch
 from reports.units import minus, units
 from scenes import Block, Bodies, ContactSolution, Cylinder, InputError, Pad, Scene, load_scene, scene_names
 from scenes.scene import OWN_TOLERANCES

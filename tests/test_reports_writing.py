@@ -39,7 +39,7 @@ from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.comparison import Comparison
 from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
-from reports.page.figures import draw
+from reports.page.writing import draw
 from reports.sweep import running
 from reports.sweep.page import write_page
 from reports.sweep.store import Planned, Store

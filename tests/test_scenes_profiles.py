@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.checking import largest_contact
-from reports.page.figures import fit_residuals
-from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, lean
+from reports.page.writing import fit_residuals
+from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty
 from scenes import (
     Block,
     CallableProfile,
@@ -162,25 +162,6 @@ def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
         assert (found.radius, found.flat_half_length) == (pytest.approx(300.0, rel=1e-6), pytest.approx(0.5, rel=1e-6))
     if kind == "even_polynomial":  # which bends down nowhere although a power of it is negative
         np.testing.assert_allclose(np.array(found.rises) / found.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("slope", [0.0, 1e-4, -5e-5])
-def test_rows_that_lean_are_seen_with_their_slope(kind, slope):
-    """10 nm of noise on rows that rise by 1 um: level ones are never said to lean; of a parabola a slope moves the middle."""
-    for seed in range(3):
-        rows = rows_of(TRUTHS[kind], noise=10e-6, seed=seed)
-        rows[:, 1] += slope * rows[:, 0]
-        scene = scene_of(rows, kind)
-        found, said = lean(scene), [words for words in fit_in_words(scene, 1.0) if "lean by" in words]
-        if kind == "hertz":
-            assert (found, said) == (None, [])
-            assert scene.profile.fitted.centre == pytest.approx(0.1 - 1000 * slope, abs=0.02)
-            continue
-        assert found.value == pytest.approx(slope, rel=0.35, abs=1.5e-5)
-        assert len(said) == (slope != 0)
-    one_side = rows_of(TRUTHS[kind], middle=0.0)
-    assert lean(scene_of(one_side[one_side[:, 0] >= 0], kind)) is None
 
 
 def test_a_parabola_is_that_of_least_squares():

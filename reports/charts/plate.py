@@ -51,12 +51,12 @@ class Scale:
         return f"{self.low:.9g} {self.high:.9g} {self.start:.6g} {self.end:.6g} {int(self.log)}"
 
 
-def ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list[float]:
+def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list[float]:
     """Round numbers from low to high, about `count` of them; powers of ten on a logarithmic axis, 1, 2, 5 on a short one.
 
-    >>> ticks(-1.2, 1.2), ticks(1e-4, 1.0, log=True), ticks(0.9, 9.0, log=True)
+    >>> _ticks(-1.2, 1.2), _ticks(1e-4, 1.0, log=True), _ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
-    >>> ticks(-17.0, 17.0, 3)
+    >>> _ticks(-17.0, 17.0, 3)
     [-10.0, 0.0, 10.0]
     """
     if log:
@@ -157,7 +157,7 @@ class Band:
 
 
 # Of the axes: what segments that a page holds once are rounded to.
-GRAIN = 2e-4
+_GRAIN = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -428,7 +428,7 @@ def colour_scale(
     """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
     high = high if high > low else low + (abs(low) or 1.0)
     row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades((np.arange(64) + 0.5) / 64, colours))
-    numbers = [value for value in own if low <= value <= high] if own else ticks(low, high, 4, log=log)
+    numbers = [value for value in own if low <= value <= high] if own else _ticks(low, high, 4, log=log)
     axis = Axis(low, high, words, log, ticks=tuple(zip(numbers, labels(numbers), strict=True)))
     return Panel(name, axis, Axis(0.0, 1.0, "", count=0), [row], f"Colours: {words}", width, 74.0, css="colours")
 
@@ -488,10 +488,10 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
     return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
 
 
-def png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
+def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
     """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept unless `whole`.
 
-    >>> png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
+    >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
     """
     from PIL import Image
@@ -566,7 +566,7 @@ class _Pen:
             case Block():
                 return self.block(mark)
             case Bitmap():
-                address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours, whole=self.alone)).decode()
+                address = "data:image/png;base64," + base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone)).decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
                 return _element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
             case Note():
@@ -592,12 +592,12 @@ class _Pen:
             seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
             lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
             return _element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
-        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * GRAIN
+        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * _GRAIN
         x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
         transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         if "again" in mark.name.split():
             return _element("g", _element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
-        whole = np.rint(mark.ends / GRAIN).astype(int)
+        whole = np.rint(mark.ends / _GRAIN).astype(int)
         moves = (whole[:, 1] - whole[:, 0]).tolist()
         d = "".join(f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True))
         return _element("g", _element("path", d=d, id=mark.name, **look), transform=transform)
@@ -651,7 +651,7 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     """Each tick of an axis with its text: the axis' own, or round numbers."""
     if axis.ticks or not axis.count:
         return axis.ticks
-    numbers = ticks(scale.low, scale.high, axis.count, log=axis.log)
+    numbers = _ticks(scale.low, scale.high, axis.count, log=axis.log)
     return tuple(zip(numbers, labels(numbers), strict=True))
 
 
@@ -673,7 +673,7 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
-    first = top - 7.0 - _LINE * (len(lines) - 1)
+    first = top - 9.0 - _LINE * (len(lines) - 1)
     parts += [pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css) for k, (text, css) in enumerate(lines)]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:

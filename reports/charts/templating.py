@@ -126,6 +126,11 @@ def template(name: str) -> Template:
     return _pages().get_template(name)
 
 
+def in_template(macro: str, *values: Any) -> str:
+    """A sentence, or several, of templates/words.txt."""
+    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
+
+
 def _contents(page: str) -> Markup:
     """Links to every section of a page that has a name and a heading, in their order.
 

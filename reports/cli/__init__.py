@@ -1,8 +1,7 @@
 """The command line `halfplane`: a command is a function of what it is about and of one frozen value of options.
 
-    options.py       the tables of options and of commands, and what a command answers
-    application.py   from the tables to commands; exit codes, what is said of a fault; the one place that prints answers
-    process.py       the streams and signals of the process
+    application.py   the tables of options and of commands, and commands made of them; exit codes, what is said of a fault, the
+                     one place that prints answers; streams and signals
     solving.py       run, exact, fe, export, paper
     field_output.py  fields: files for ParaView, pictures, a film
     results.py       score, diff, advise

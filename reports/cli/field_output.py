@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options
-from reports.cli.process import WITHIN
-from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
+from reports.cli.application import WITHIN, Answer, Options
+from reports.cli.solving import Job, at_work, load_engines, require_drawing, require_times, solve_finite_elements
 from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
@@ -44,69 +43,67 @@ def _criteria(options: Options) -> Criteria | None:
     return given if options.fatigue or given != Criteria() else None
 
 
-def fields(scene: str, options: Options) -> Answer:
+@at_work
+def fields(job: Job) -> Answer:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
     from reports.comparison.words import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled
 
+    scene, stages, options = job.scene, job.stages, job.options
     files.require_series(options.every, options.frames)
-    options, source, criteria = replace(options, at=named(options)), scene, _criteria(options)
+    criteria, options = _criteria(options), replace(options, at=named(options))
+    require_times(options.at, "--at", scene)
+    if (options.pictures and options.at) or options.animate:
+        require_drawing(stages)
+    load_engines(stages)
+    solution = files.with_bodies(solve_finite_elements(job), "fields")
+    chosen = files.instants_of(options.at, solution, "--at")
+    series, notes = files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
+    instants = sorted({one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time)
+    rows: list[dict[str, Any]] = []
+    stills: list[tuple[Instant, Snapshot]] = []
 
-    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
-        require_times(options.at, "--at", scene)
-        if (options.pictures and options.at) or options.animate:
-            require_drawing(stages)
-        load_engines(stages)
-        solution = files.with_bodies(solve_finite_elements(scene, options, stages), "fields")
-        chosen = files.instants_of(options.at, solution, "--at")
-        series, notes = files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
-        instants = sorted({one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time)
-        rows: list[dict[str, Any]] = []
-        stills: list[tuple[Instant, Snapshot]] = []
+    def passing() -> Generator[Snapshot, None, None]:
+        """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
+        wanted = {one.time for one in chosen}
+        for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
+            rows.append(files.stated(instant, snapshot))
+            if instant.time in wanted:
+                stills.append((instant, snapshot))
+            yield snapshot
 
-        def passing() -> Generator[Snapshot, None, None]:
-            """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
-            wanted = {one.time for one in chosen}
-            for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
-                rows.append(files.stated(instant, snapshot))
-                if instant.time in wanted:
-                    stills.append((instant, snapshot))
-                yield snapshot
-
-        with filled(folder, fresh=("fields/", "pictures/", "animation/")) as staging:
-            with stages.stage("files for ParaView", "instants") as report:
-                names = files.write_fields(solution, passing(), staging / "fields", report, len(instants))
-            written = [f"fields/{name}" for name in names]
-            drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
-            film = _animate(solution, series, staging / "animation", stages, notes) if options.animate else None
-            measured = {}
-            if criteria is not None:
-                with stages.stage("measures of fatigue"):
-                    places = fatigue.survey(solution, criteria)
-                places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
-                written.append("fields/fatigue.csv")
-                measured = {"fatigue": fatigue.largest(places)}
-            content = files.record(
-                solution,
-                command=options.command("fields", source, folder),
-                instants=rows,
-                notes=notes,
-                files=written,
-                pictures=drawn,
-                animation=film,
-                seconds=dict(stages.seconds),
-                **measured,
-            )
-            text = json.dumps(strict(content), allow_nan=False, indent=1)
-            (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
-        films = [f"animation/{name}" for name in film["files"]] if film else []
-        whole, file = ["fields/fields.json", *written, *drawn, *films], str(folder / "fields" / "fields.pvd")
-        more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
-        result = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)} | more
-        return Answer(WITHIN, _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file), lambda: result, scene.name)
-
-    return at_work(source, options, work)
+    with filled(job.folder, fresh=("fields/", "pictures/", "animation/")) as staging:
+        with stages.stage("files for ParaView", "instants") as report:
+            names = files.write_fields(solution, passing(), staging / "fields", report, len(instants))
+        written = [f"fields/{name}" for name in names]
+        drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
+        film = _animate(solution, series, staging / "animation", stages, notes) if options.animate else None
+        measured = {}
+        if criteria is not None:
+            with stages.stage("measures of fatigue"):
+                places = fatigue.survey(solution, criteria)
+            places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
+            written.append("fields/fatigue.csv")
+            measured = {"fatigue": fatigue.largest(places)}
+        content = files.record(
+            solution,
+            command=options.command("fields", job.source, job.folder),
+            instants=rows,
+            notes=notes,
+            files=written,
+            pictures=drawn,
+            animation=film,
+            seconds=dict(stages.seconds),
+            **measured,
+        )
+        text = json.dumps(strict(content), allow_nan=False, indent=1)
+        (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
+    films = [f"animation/{name}" for name in film["files"]] if film else []
+    whole, file = ["fields/fields.json", *written, *drawn, *films], str(job.folder / "fields" / "fields.pvd")
+    more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
+    result = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)} | more
+    return Answer(WITHIN, _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file), lambda: result, scene.name)
 
 
 def _shown(

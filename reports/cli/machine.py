@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -14,12 +13,10 @@ from platform import machine as processor
 from platform import python_version, system
 from typing import Literal
 
-from reports.cli.options import Answer, Options
-from reports.cli.process import OUTSIDE, WITHIN
+from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
 from reports.console import Sheet
 
 _PACKAGES = ("numpy", "scipy", "pydantic", "xarray", "scikit-fem", "gmsh", "meshio", "matplotlib", "pyvista", "jinja2")
-_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _GMSH = """
 import gmsh
 gmsh.initialize(interruptible=False)
@@ -67,17 +64,13 @@ def completion(shell: Literal["bash", "zsh", "fish"], _: Options) -> Answer:
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:
-    """Python, packages, gmsh, off-screen rendering, the output folder, threads, the store of condensed bodies."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    said = ", ".join(f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ)
+    """Python, packages, gmsh, off-screen rendering, the output folder."""
     return (
         Finding("Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"),
         Finding("packages", *_packages()),
         Finding("gmsh", *_alone(_GMSH, "it needs the Debian packages that the README lists")),
         Finding("off-screen rendering", *drawing()),
         Finding("output folder", *_folder(out)),
-        Finding("threads", True, f"{cores} cores; BLAS: {said or 'as many threads as cores (no *_NUM_THREADS set)'}"),
-        Finding("condensation store", True, _store()),
     )
 
 
@@ -118,13 +111,3 @@ def _folder(out: str | Path) -> tuple[bool, str]:
     except InputError as reason:
         return False, str(reason)
     return True, f"{out}: can be written to"
-
-
-def _store() -> str:
-    from halfplane_fe.store import cache_folder, stored_bytes, switched_off
-
-    folder = cache_folder()
-    if folder is None:
-        return "none: HALFPLANE_CACHE=off" if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
-    count, size = stored_bytes()
-    return f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"

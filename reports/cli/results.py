@@ -8,8 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options, share_of, tolerances_of
-from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.cli.application import NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances, share_of
 from reports.cli.solving import exit_code, read, verdict_shown
 from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
@@ -48,7 +47,7 @@ def score(result: str | None, options: Options) -> Answer:
         raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
     if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
         raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
-    tolerances = tolerances_of(options.tolerance)
+    tolerances = requested_tolerances(options.tolerance)
     folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
     command = options.command("score", result, folder)
     try:
@@ -133,10 +132,10 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
 # ------------------------------------------------------------------------------------------------- two runs, or one and a baseline
 def diff(a: str, b: str, options: Options) -> Answer:
     """The table of A and B; with --accept B becomes a baseline of A."""
-    from reports.comparison.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
+    from reports.comparison.findings import difference, is_baseline, patterned_tolerances, read_findings, write_baseline
     from scenes import InputError
 
-    given, path, first = tolerances_of(options.tolerance), Path(b), read_findings(a)
+    given, path, first = patterned_tolerances(options.tolerance), Path(b), read_findings(a)
     if not options.accept:
         if not path.exists():
             raise InputError(f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it as a baseline")

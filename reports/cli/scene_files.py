@@ -13,8 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import KEYS, Answer, Options, answer_schema
-from reports.cli.process import WITHIN
+from reports.cli.application import KEYS, WITHIN, Answer, Options, answer_schema
 from reports.cli.solving import load_engines, read
 from reports.console import Stages, width
 
@@ -104,7 +103,7 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: str, _: Options) -> Answer:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import bulk_and_tilt, bulk_in_words, check_path, engines_for, in_words, largest_contact, remarks
+    from reports.checking import bulk_and_tilt, bulk_in_words, engines_for, in_words, largest_contact, nearest_to_sliding, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, sentence, unlike_materials
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
@@ -115,7 +114,11 @@ def check(scene: str, _: Options) -> Answer:
     source, found = scene, read(scene)
     count = len(found.load.kept_rows()) if isinstance(found.load, TimeSeriesLoad) else 0
     load_engines(Stages(quiet=True))
-    engines, path, bulk = engines_for(found, source, finite_elements=count <= _MOST_ROWS), check_path(found), bulk_and_tilt(found)
+    engines, path, bulk = (
+        engines_for(found, source, finite_elements=count <= _MOST_ROWS),
+        nearest_to_sliding(found),
+        bulk_and_tilt(found),
+    )
     largest, doubts = None, []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
         largest = largest_contact(found, source)
@@ -139,10 +142,9 @@ def check(scene: str, _: Options) -> Answer:
         f"in the {path.part} at time {number(path.time)} (P = {number(path.normal_load)}, Q = {number(path.tangential_load)}). "
         "Gross sliding starts at 1."
     )
-    nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
     size = filter(None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""])
     content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "engines": vars(engines)}
-    content |= {"largest_contact": vars(largest) if largest else None, "nearest_to_sliding": nearest}
+    content |= {"largest_contact": vars(largest) if largest else None, "nearest_to_sliding": vars(path)}
     content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
     return Answer(WITHIN, [*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last], lambda: content, found.name)
 

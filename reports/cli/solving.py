@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import wraps
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import Answer, Options, tolerances_of
-from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.cli.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances
 from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
@@ -37,35 +37,55 @@ def read(source: str) -> Scene:
     return scene
 
 
-def at_work(source: str, options: Options, work: Callable[[Scene, Path, Stages], Answer]) -> Answer:
-    """Read the scene, claim the folder, do the work of a command; what was solved before a failure is kept there."""
-    from reports.comparison.words import summary_rows
-    from reports.folder import claim, default_folder
-    from scenes import ConvergenceError, InputError, Interrupted
+@dataclass(frozen=True)
+class Job:
+    """What a command that solves is about: its scene, as the user named it and as it was read, options, folder and stages."""
 
-    stages, scene = Stages(options.quiet), read(source)
-    folder = claim(options.out or default_folder(scene.name))
-    try:
-        return work(scene, folder, stages)
-    except InputError as fault:
-        # One about an option or the file names that already, one of an engine does not.
-        raise fault if str(fault).startswith((source, "--")) else InputError(f"{source}: {fault}") from fault
-    except Interrupted as stop:
-        solved = stop.partial
-        if solved is None or len(solved.time) < 2:
-            raise KeyboardInterrupt from stop
-        path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
-        complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
-        return Answer(INTERRUPTED)
-    except ConvergenceError as failure:
-        complain(f"halfplane: {scene.name}: not converged: {failure}")
-        sentence, shown, file = str(failure), list[Part](), None
-        if failure.partial is not None:
-            file = str(write_solution(failure.partial, folder, name="partial"))
-            shown = [Sheet("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial)), file]
-        elif not options.json:
-            complain("halfplane: no step was solved, so nothing was written")
-        return Answer(NOT_CONVERGED, shown, lambda: {"passed": False, "error": sentence, "file": file}, scene.name)
+    source: str
+    scene: Scene
+    options: Options
+    folder: Path
+    stages: Stages
+
+    def command(self, name: str) -> str:
+        """The command line that repeats this."""
+        return self.options.command(name, self.source, self.folder)
+
+
+def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
+    """A command that reads a scene, claims a folder and does its work; what was solved before a failure is kept there."""
+
+    @wraps(work)
+    def command(scene: str, options: Options) -> Answer:
+        from reports.comparison.words import summary_rows
+        from reports.folder import claim, default_folder
+        from scenes import ConvergenceError, InputError, Interrupted
+
+        source, stages, found = scene, Stages(options.quiet), read(scene)
+        folder = claim(options.out or default_folder(found.name))
+        try:
+            return work(Job(source, found, options, folder, stages))
+        except InputError as fault:
+            # One about an option or the file names that already, one of an engine does not.
+            raise fault if str(fault).startswith((source, "--")) else InputError(f"{source}: {fault}") from fault
+        except Interrupted as stop:
+            solved = stop.partial
+            if solved is None or len(solved.time) < 2:
+                raise KeyboardInterrupt from stop
+            path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
+            complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
+            return Answer(INTERRUPTED)
+        except ConvergenceError as failure:
+            complain(f"halfplane: {found.name}: not converged: {failure}")
+            sentence, shown, file = str(failure), list[Part](), None
+            if failure.partial is not None:
+                file = str(write_solution(failure.partial, folder, name="partial"))
+                shown = [Sheet("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial)), file]
+            elif not options.json:
+                complain("halfplane: no step was solved, so nothing was written")
+            return Answer(NOT_CONVERGED, shown, lambda: {"passed": False, "error": sentence, "file": file}, found.name)
+
+    return command
 
 
 def load_engines(stages: Stages) -> None:
@@ -104,26 +124,26 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
             instant_of(word, option, float(segments[0].start), float(segments[-1].end))
 
 
-def solve_finite_elements(scene: Scene, options: Options, stages: Stages) -> ContactSolution:
+def solve_finite_elements(job: Job) -> ContactSolution:
     """The finite-element answer; its cost is stated first where that is long."""
     import halfplane_fe
     from scenes import ConvergenceError, InputError
 
-    mesh, settings = options.settings()
+    mesh, settings = job.options.settings()
     with suppress(InputError, ConvergenceError):  # of theory: it is no reason to refuse finite elements
-        cost = cost_of(scene, mesh, settings)
+        cost = cost_of(job.scene, mesh, settings)
         if cost.seconds > LONG:
-            stages.remark(f"finite elements: {cost} (an order of magnitude)")
-    with stages.stage("finite elements") as report:
-        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report)
+            job.stages.remark(f"finite elements: {cost} (an order of magnitude)")
+    with job.stages.stage("finite elements") as report:
+        return halfplane_fe.solve(job.scene, mesh=mesh, settings=settings, progress=report)
 
 
-def _solve_half_plane(scene: Scene, stages: Stages, **where: Any) -> ContactSolution:
+def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
     """The half-plane answer, at the x and time of `where` if it has them."""
     import semi_analytic
 
-    with stages.stage("half-plane theory"):
-        return semi_analytic.solve(scene, **where)
+    with job.stages.stage("half-plane theory"):
+        return semi_analytic.solve(job.scene, **where)
 
 
 # Of one increment, measured on one core of a 2026 server: 1 ms, and 15 ns for each pair of contact nodes; on one half where the
@@ -145,7 +165,7 @@ _LONG_FOR_A_BUDGET = 120.0
 
 
 @dataclass(frozen=True)
-class Cost:
+class _Cost:
     """What the finite elements of a scene take, to a factor of two or three: increments, seconds of one core, bytes of memory."""
 
     increments: int
@@ -160,7 +180,7 @@ class Cost:
         return f"about {count:,} increments, {time}, {in_words(memory)} of memory"
 
 
-def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
+def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> _Cost:
     """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
@@ -206,7 +226,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     seconds = _MESHES + increments * each
     straight = all(one.is_straight for one in (*path.initial_loading, *path.cycle))
     kept = min(increments, MOST_INSTANTS) if straight else increments
-    return Cost(round(increments), seconds, _LIBRARIES + nodes * (_KEPT * kept + _PASSED * increments))
+    return _Cost(round(increments), seconds, _LIBRARIES + nodes * (_KEPT * kept + _PASSED * increments))
 
 
 def _seconds_of_a_budget(scene: Scene, options: Options) -> float | None:
@@ -223,53 +243,48 @@ def _seconds_of_a_budget(scene: Scene, options: Options) -> float | None:
 
 
 # ------------------------------------------------------------------------------------------------------------- both engines
-def run(scene: str, options: Options) -> Answer:
+@at_work
+def run(job: Job) -> Answer:
     """Both engines on one scene, their comparison, its page; the exit code is that of the verdict.
 
     A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
     """
+    from reports.checking import engines_for
     from scenes import InputError
 
-    source = scene
+    options, scene, source = job.options, job.scene, job.source
     if options.pdf:
         raise InputError("--pdf: print report.html from a browser, it has a style of its own for paper; leave the option out")
     if options.third is None and options.third_limit is not None:
         raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
-    tolerances = tolerances_of(options.tolerance)
+    tolerances = requested_tolerances(options.tolerance)
+    require_times(options.vtu, "--vtu", scene)
+    require_times(options.stress, "--stress", scene)
+    if options.stress:
+        require_drawing(job.stages)
+    load_engines(job.stages)
+    taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
+    options.settings()
+    if alone := taken.in_words(source):
+        for name in ("tolerance", "budget", "vtu", "stress", "plots", "third", "third_limit"):
+            if getattr(options, name):
+                raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
+        complain(f"halfplane: {scene.name}: no comparison. {alone}")
+        solve, name = (solve_finite_elements, "fe") if taken.half_plane else (_solve_half_plane, "exact")
+        return replace(_answer_alone(job, solve(job), alone), command=name)
+    if options.third:
+        from reports.third.calculix import find_calculix
 
-    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
-        from reports.checking import engines_for
-
-        command = options.command("run", source, folder)
-        require_times(options.vtu, "--vtu", scene)
-        require_times(options.stress, "--stress", scene)
-        if options.stress:
-            require_drawing(stages)
-        load_engines(stages)
-        taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
-        options.settings()
-        if alone := taken.in_words(source):
-            for name in ("tolerance", "budget", "vtu", "stress", "plots", "third", "third_limit"):
-                if getattr(options, name):
-                    raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
-            complain(f"halfplane: {scene.name}: no comparison. {alone}")
-            if taken.half_plane:
-                return replace(_answer_alone(folder, stages, solve_finite_elements(scene, options, stages), alone), command="fe")
-            return replace(_answer_alone(folder, stages, _solve_half_plane(scene, stages), alone), command="exact")
-        if options.third:
-            from reports.third.calculix import find_calculix
-
-            find_calculix()
-        return _answer_of_both(_compared(scene, options, stages, tolerances, folder, command), folder / "report.html", stages)
-
-    return at_work(source, options, work)
+        find_calculix()
+    return _answer_of_both(_compared(job, tolerances), job.folder / "report.html", job.stages)
 
 
-def _compared(scene: Scene, options: Options, stages: Stages, tolerances: dict[str, float], folder: Path, command: str) -> Report:
+def _compared(job: Job, tolerances: dict[str, float]) -> Report:
     """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked, and write the page."""
     from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
     from reports.comparison.metrics import are_half_planes
 
+    scene, options, stages, command = job.scene, job.options, job.stages, job.command("run")
     # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
     measured, left_out = not are_half_planes(scene) if options.budget is None else options.budget, ""
     if measured and options.budget is None and (more := _seconds_of_a_budget(scene, options)) is not None:
@@ -277,9 +292,9 @@ def _compared(scene: Scene, options: Options, stages: Stages, tolerances: dict[s
         left_out = f"no uncertainty was measured: it would take about {float(f'{more:.1g}'):.0f} s more; --budget measures it"
         stages.remark(left_out)
     begun = time.process_time()
-    result = solve_finite_elements(scene, options, stages)
+    result = solve_finite_elements(job)
     with _kept_if_interrupted(result):
-        reference = _solve_half_plane(scene, stages, x=result.x, time=result.time)
+        reference = _solve_half_plane(job, x=result.x, time=result.time)
         # Of a thinned answer the steps are those of the path itself.
         polygon: ContactSolution | None = reference
         if not result.thinned:
@@ -292,25 +307,23 @@ def _compared(scene: Scene, options: Options, stages: Stages, tolerances: dict[s
             report = Report(replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found)
         if measured:
             plain = time.process_time() - begun
-            refinements = climb(
-                found, *options.settings(), stages.stage, 3 if options.budget else 2
-            )  # every run a stage of its own
+            # Every run is a stage of its own.
+            refinements = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)
             report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
         if options.third:
             from reports.third.calculix import solve_with_calculix
             from reports.third.deck import DeckSettings
 
-            steps = {} if options.steps_per_cycle is None else {"steps_per_cycle": options.steps_per_cycle}
             limit = 1800.0 if options.third_limit is None else options.third_limit
-            scales = getattr(result, "scales", None)
-            report = replace(report, third=solve_with_calculix(scene, DeckSettings(**steps), limit, stages, scales, command))
+            deck, scales = DeckSettings(**options.given(("steps_per_cycle",))), getattr(result, "scales", None)
+            report = replace(report, third=solve_with_calculix(scene, deck, limit, stages, scales, command))
         with stages.stage("report"):
             from reports.field_output.files import instants_of
             from reports.page.writing import write
 
             write(
                 report,
-                folder,
+                job.folder,
                 vtu_instants=[instant.time for instant in instants_of(options.vtu, result, "--vtu")],
                 command=command,
                 seconds=dict(stages.seconds),
@@ -432,22 +445,18 @@ def exit_code(comparison: Comparison) -> int:
 
 
 # ----------------------------------------------------------------------------------------------------------- one engine alone
-def exact(scene: str, options: Options) -> Answer:
+@at_work
+def exact(job: Job) -> Answer:
     """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone(scene, options, _solve_half_plane)
+    load_engines(job.stages)
+    return _answer_alone(job, _solve_half_plane(job))
 
 
-def fe(scene: str, options: Options) -> Answer:
+@at_work
+def fe(job: Job) -> Answer:
     """Finite elements alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone(scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages))
-
-
-def _alone(source: str, options: Options, solve: Callable[[Scene, Stages], ContactSolution]) -> Answer:
-    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
-        load_engines(stages)
-        return _answer_alone(folder, stages, solve(scene, stages))
-
-    return at_work(source, options, work)
+    load_engines(job.stages)
+    return _answer_alone(job, solve_finite_elements(job))
 
 
 _OF_ONE_ENGINE = (
@@ -457,7 +466,7 @@ _OF_ONE_ENGINE = (
 )
 
 
-def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note: str = "") -> Answer:
+def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer:
     """Files and summary of one engine's answer; `note` is kept with the answer."""
     from reports import profile_fit
     from reports.comparison.laws import certificates, expected_content, expected_numbers
@@ -465,7 +474,7 @@ def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note:
 
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
-    scene, path = solution.scene, str(write_solution(solution, folder))
+    scene, path = solution.scene, str(write_solution(solution, job.folder))
     findings, checks = list(expected_numbers(scene, (solution,))), certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
@@ -479,7 +488,7 @@ def _answer_alone(folder: Path, stages: Stages, solution: ContactSolution, note:
     def result() -> dict[str, Any]:
         whole = solution_content(solution, checks)
         content = {"passed": code == WITHIN, "admissible": admissible, **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole}}
-        content |= {"expected": expected_content(findings), "file": path, "seconds": stages.seconds}
+        content |= {"expected": expected_content(findings), "file": path, "seconds": job.stages.seconds}
         return content | {"profile_fit": profile_fit.content(scene)}
 
     return Answer(code, shown(), result, scene.name)
@@ -520,48 +529,43 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
 
 
 # ----------------------------------------------------------------------------------------------------- a deck for another code
-def export(scene: str, options: Options) -> Answer:
+@at_work
+def export(job: Job) -> Answer:
     """The bodies and the load history as an input deck."""
     from reports.folder import default_folder, filled
 
-    source = scene
-
-    def work(scene: Scene, folder: Path, stages: Stages) -> Answer:
-        with stages.stage("loading"):
-            from halfplane_fe.solve import versions
-            from reports.third.deck import DeckSettings, build_deck, deck_text
-            from reports.units import units
-        with stages.stage("deck"):
-            deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
-        # The deck's first comment: where it lies is nobody's business.
-        text = deck_text(deck, options.to, options.command("export", source, folder).rpartition(" --out ")[0], versions())
-        file = f"{default_folder(scene.name).name}_{options.to}.inp"
-        with filled(folder, fresh=(file,)) as staging:
-            (staging / file).write_text(text, encoding="utf-8")
-        found = {
-            "nodes": deck.reference,
-            "elements": len(deck.lower.elements) + len(deck.upper.elements),
-            "edge_element_size": deck.element_size,
-            "instants": len(deck.time) - 1,
-            "pressure_per_penetration": deck.stiffness,
-            "shear_per_elastic_slip": deck.stick_slope,
-        }
-        _, length, stress = units(scene)
-        kind = "CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"
-        rows = [
-            ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
-            (f"surface elements at the edges [{length}]", f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"),
-            ("instants", f"{found['instants']}"),
-            (
-                f"pressure per penetration, shear per elastic slip [{stress}/{length}]",
-                f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}",
-            ),
-        ]
-        whole = {"passed": True, "to": options.to, **found, "file": str(folder / file), "seconds": stages.seconds}
-        shown: list[Part] = [Sheet(f"Deck for {kind}", ("what", "value"), rows), str(folder / file)]
-        return Answer(WITHIN, shown, lambda: whole, scene.name)
-
-    return at_work(source, options, work)
+    scene, options, stages = job.scene, job.options, job.stages
+    with stages.stage("loading"):
+        from halfplane_fe.solve import versions
+        from reports.third.deck import DeckSettings, build_deck, deck_text
+        from reports.units import units
+    with stages.stage("deck"):
+        deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
+    # The deck's first comment: where it lies is nobody's business.
+    text = deck_text(deck, options.to, job.command("export").rpartition(" --out ")[0], versions())
+    file = f"{default_folder(scene.name).name}_{options.to}.inp"
+    with filled(job.folder, fresh=(file,)) as staging:
+        (staging / file).write_text(text, encoding="utf-8")
+    found = {
+        "nodes": deck.reference,
+        "elements": len(deck.lower.elements) + len(deck.upper.elements),
+        "edge_element_size": deck.element_size,
+        "instants": len(deck.time) - 1,
+        "pressure_per_penetration": deck.stiffness,
+        "shear_per_elastic_slip": deck.stick_slope,
+    }
+    _, length, stress = units(scene)
+    kind = "CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"
+    layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
+    rows = [
+        ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
+        (f"surface elements at the edges [{length}]", f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"),
+        ("instants", f"{found['instants']}"),
+        (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
+    ]
+    path = str(job.folder / file)
+    whole = {"passed": True, "to": options.to, **found, "file": path, "seconds": stages.seconds}
+    return Answer(WITHIN, [Sheet(f"Deck for {kind}", ("what", "value"), rows), path], lambda: whole, scene.name)
 
 
 # ------------------------------------------------------------------------------------------------------------- the paper again

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.options import WORKERS, Answer, Options
-from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
+from reports.cli.application import INTERRUPTED, NOT_CONVERGED, WITHIN, WORKERS, Answer, Options
 from reports.console import Part, Sheet, Stages, complain, say
 
 if TYPE_CHECKING:

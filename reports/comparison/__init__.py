@@ -9,15 +9,15 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
                     `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    convergence.py  mesh-refinement study: order, value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
-                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`
+                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
+                    mesh-refinement study of one value, its order and value at size zero: `Refinement` `Extrapolation` `extrapolate`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline` `lead` `verdict` `how_judged`
                     `standing` `uncertain_work` `question` `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
                     `SUPPORT_WORDS` `sentence` `cost`; in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
                     `first_rows` `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
-                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `tolerances_of`
+                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -234,35 +234,24 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
 
 def _notes(pair: Pair) -> Iterator[str]:
     """What a reader must not miss, as sentences."""
-    if pair.expected.interpolation:
-        errors = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in pair.expected.interpolation.items())
-        yield (
-            "The reference is not on the result's points and instants and was interpolated; error of the interpolation "
-            f"over the largest value, estimated by leaving out every second sample: {errors}."
-        )
+    from reports.charts.templating import in_template
+
+    scene, solutions = pair.result.scene, (pair.reference, pair.result)
+    if errors := pair.expected.interpolation:
+        yield in_template("interpolated", errors)
     if light := int((pair.touching & ~pair.judged).sum()):
-        yield (
-            f"{light} of {int(pair.touching.sum())} instants carry less than {LIGHT:g} P_ref; they are shown and not judged, "
-            "for a contact of a few elements has no relative error worth the name."
-        )
-    periodic = pair.result.scene.load.path().period is not None
-    for solution in (pair.reference, pair.result):
+        yield in_template("light", light, int(pair.touching.sum()), LIGHT)
+    for solution in solutions:
         name = name_of(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
         # Our finite elements note it themselves, with how the dissipation changes.
-        if solution.steady_from is None and periodic and solution.engine != "halfplane_fe" and not missing(solution):
-            yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the initial loading."
+        if solution.steady_from is None and pair.periodic and solution.engine != "halfplane_fe" and not missing(solution):
+            yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if not pair.result.scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):
-        yield (
-            "Tangential displacement and approach of finite bodies are counted from their supports, of half-planes from a place "
-            "that does not move: their difference is for the most part that of the two, whatever the contact does."
-        )
-    if (pair.pulled or pair.turned) and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
-        yield (
-            "The error of the steps is not set apart: it takes half-plane theory on the straight lines between the instants, which "
-            "was not compared, and which not every bulk stress and tilt has."
-        )
-    if not pair.result.scene.friction.coefficient:
-        yield "Frictionless scene: shear and dissipation are over p and A P², without f."
+    if not scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):
+        yield in_template("displacements")
+    if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
+        yield in_template("steps_not_apart")
+    if not scene.friction.coefficient:
+        yield in_template("frictionless")

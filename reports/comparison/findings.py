@@ -300,10 +300,10 @@ def _notes(a: Findings, b: Findings) -> Iterator[str]:
         yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 
 
-def tolerances_of(words: Sequence[str]) -> dict[str, float]:
+def patterned_tolerances(words: Sequence[str]) -> dict[str, float]:
     """What --tolerance KEY=VALUE says; InputError for anything else.
 
-    >>> tolerances_of(["metric.*=1e-4"])
+    >>> patterned_tolerances(["metric.*=1e-4"])
     {'metric.*': 0.0001}
     """
     found = {}

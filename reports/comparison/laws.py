@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 Array = NDArray[np.float64]
 
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken shows above 1e-6.
-LIMIT = 1e-9
+_LIMIT = 1e-9
 # Of a foreign result: what a file of four printed digits leaves of a law that its code kept to rounding.
 _PRINTED = 1e-3
 # Name of what was worked out from other fields of a foreign result -> nothing is checked with it that only repeats how.
@@ -45,7 +46,7 @@ class Certificate:
     series: Array
     value: float
     time: float
-    limit: float = LIMIT
+    limit: float = _LIMIT
 
     @property
     def label(self) -> str:
@@ -75,7 +76,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         from_fields["slip"] = _slip(solution)
     if "normal_load" not in derived(solution):
         from_fields["loads"] = _loads(solution)
-    limit = _PRINTED if derived(solution) else LIMIT
+    limit = _PRINTED if derived(solution) else _LIMIT
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
         for source, found in (("fields", from_fields), ("record", solution.record.certificates))
@@ -153,10 +154,6 @@ def _largest_half_width(solution: ContactSolution) -> float:
     return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
 
-def _stick_half_width(solution: ContactSolution) -> float:
-    return float(solution.permanent_stick_half_width)
-
-
 def _stick_edges(solution: ContactSolution) -> list[float]:
     edges = solution.permanent_stick_edges
     return [math.nan, math.nan] if edges is None else [float(edge) for edge in edges]
@@ -174,7 +171,7 @@ def _bulk_work(solution: ContactSolution) -> float:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class _Quantity:
     """A number of a solution's last cycle: its words, its kind ("energy", "length", "stress", "moment", "share"), its function."""
 
     words: str
@@ -184,21 +181,23 @@ class Quantity:
 
 # In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own points. A scene may expect each.
 QUANTITIES = {
-    "dissipation": Quantity("dissipation of the last cycle", "energy", lambda s: float(s.dissipation)),
-    "loop_work": Quantity("closed integral of Q dU", "energy", lambda s: float(s.loop_work)),
-    "bulk_work": Quantity("of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work),
-    "permanent_stick_half_width": Quantity("permanent stick half-width", "length", _stick_half_width),
-    "permanent_stick_left": Quantity("left end of permanent stick", "length", lambda s: _stick_edges(s)[0]),
-    "permanent_stick_right": Quantity("right end of permanent stick", "length", lambda s: _stick_edges(s)[1]),
-    "largest_half_width": Quantity("largest contact half-width", "length", _largest_half_width),
-    "largest_pressure": Quantity("largest pressure at the points", "stress", lambda s: float(np.max(s.pressure[s.last_cycle]))),
-    "stick_centre": Quantity("middle of the permanent stick zone", "length", lambda s: float(np.mean(_stick_edges(s)))),
-    "contact_left": Quantity("left edge of the contact", "length", lambda s: float(np.nanmin(s.contact_edges[s.last_cycle, 0]))),
-    "contact_right": Quantity("right edge of the contact", "length", lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1]))),
-    "moment": Quantity("moment of the pressure about x = 0", "moment", _moment),
-    "lower_face_displacement": Quantity("displacement of the lower face's middle along y", "length", _lower_face_displacement),
-    "least_half_width": Quantity("least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))),
-    "stick_share": Quantity("stick half-width over largest", "share", lambda s: _stick_half_width(s) / _largest_half_width(s)),
+    "dissipation": _Quantity("dissipation of the last cycle", "energy", lambda s: float(s.dissipation)),
+    "loop_work": _Quantity("closed integral of Q dU", "energy", lambda s: float(s.loop_work)),
+    "bulk_work": _Quantity("of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work),
+    "permanent_stick_half_width": _Quantity("permanent stick half-width", "length", attrgetter("permanent_stick_half_width")),
+    "permanent_stick_left": _Quantity("left end of permanent stick", "length", lambda s: _stick_edges(s)[0]),
+    "permanent_stick_right": _Quantity("right end of permanent stick", "length", lambda s: _stick_edges(s)[1]),
+    "largest_half_width": _Quantity("largest contact half-width", "length", _largest_half_width),
+    "largest_pressure": _Quantity("largest pressure at the points", "stress", lambda s: float(np.max(s.pressure[s.last_cycle]))),
+    "stick_centre": _Quantity("middle of the permanent stick zone", "length", lambda s: float(np.mean(_stick_edges(s)))),
+    "contact_left": _Quantity("left edge of the contact", "length", lambda s: float(np.nanmin(s.contact_edges[s.last_cycle, 0]))),
+    "contact_right": _Quantity("right edge of the contact", "length", lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1]))),
+    "moment": _Quantity("moment of the pressure about x = 0", "moment", _moment),
+    "lower_face_displacement": _Quantity("displacement of the lower face's middle along y", "length", _lower_face_displacement),
+    "least_half_width": _Quantity("least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))),
+    "stick_share": _Quantity(
+        "stick half-width over largest", "share", lambda s: s.permanent_stick_half_width / _largest_half_width(s)
+    ),
 }
 # What solutions with bulk stress, tilt or unequal sides have beside the others.
 OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")

@@ -26,7 +26,7 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, Ell
 from scenes.scene import OWN_TOLERANCES
 
 # -------------------------------------------------------------------------------------------------------- the last cycle
-FIELDS = ("pressure", "shear", "slip")
+_FIELDS = ("pressure", "shear", "slip")
 _EDGES = ("contact_edges", "stick_edges")
 _SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
 # Only of scenes with bulk stress, tilt or an unsymmetric profile.
@@ -73,7 +73,7 @@ class Cycle:
 def last_cycle(solution: ContactSolution) -> Cycle:
     """The last whole cycle of `solution`, or all instants where it says itself that it holds none; InputError where it has none."""
     if "whole_cycle" in solution.work.skipped:
-        return instants(solution)
+        return _instants(solution)
     steps = solution.last_cycle
     if len(steps) < 2:
         raise InputError(
@@ -84,14 +84,14 @@ def last_cycle(solution: ContactSolution) -> Cycle:
     return _cycle(solution, steps, (time - time[0]) / (time[-1] - time[0]), whole=True)
 
 
-def instants(solution: ContactSolution) -> Cycle:
+def _instants(solution: ContactSolution) -> Cycle:
     """Every instant of `solution`, `fraction` being the time."""
     return _cycle(solution, np.arange(len(solution.time)), solution.time, whole=False)
 
 
 def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
     """`reference` at the times of `like` (not whole) and on its points; times after its end are those of its last cycle."""
-    cycle, period = instants(reference), reference.scene.load.path().period
+    cycle, period = _instants(reference), reference.scene.load.path().period
     if len(cycle.time) == len(like.time) and np.array_equal(cycle.time, like.time):
         return sample(cycle, like, reference.engine)
     late = np.maximum(like.time - cycle.time[-1], 0.0)
@@ -106,7 +106,7 @@ def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, 
         return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
 
     known = [name for name in OF_BULK if getattr(solution, name) is not None]
-    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *_EDGES, *_SERIES, *known)}
+    picked: dict[str, Any] = {name: of_cycle(name) for name in (*_FIELDS, *_EDGES, *_SERIES, *known)}
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),
@@ -133,7 +133,7 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     """
     error: dict[str, float] = {}
     if len(cycle.fraction) != len(like.fraction) or not np.allclose(cycle.fraction, like.fraction, rtol=0, atol=1e-9):
-        cycle, error = _resampled(cycle, "fraction", like.fraction, (*FIELDS, *_EDGES, *cycle.series))
+        cycle, error = _resampled(cycle, "fraction", like.fraction, (*_FIELDS, *_EDGES, *cycle.series))
         cycle = replace(cycle, time=like.time)
     if len(cycle.x) != len(like.x) or not np.allclose(cycle.x, like.x, rtol=0, atol=1e-12 * np.ptp(like.x)):
         carries = np.max(cycle.pressure[:, [0, -1]], axis=0) > 1e-12 * np.max(cycle.pressure)
@@ -143,7 +143,7 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
                 f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it still carries pressure, "
                 "short of the points that it is compared at; give it points out to the largest contact"
             )
-        cycle, in_x = _resampled(cycle, "x", like.x, (*FIELDS, "dissipation_density"))
+        cycle, in_x = _resampled(cycle, "x", like.x, (*_FIELDS, "dissipation_density"))
         error = {name: error.get(name, 0.0) + value for name, value in in_x.items()}
     return replace(cycle, interpolation=error)
 
@@ -196,7 +196,7 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
-    """Instants of the extremes of P, Q, Q - f P, Q + f P, at most six, in the order of time; the first one where nothing moves.
+    """Six instants (all, of fewer) in the order of time: extremes of P, Q, Q - f P, Q + f P, then those furthest from all chosen.
 
     Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends.
     """
@@ -217,12 +217,17 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
         if np.ptp(quantity) > 1e-9 * size:
             # The first instant, to rounding: the end of a cycle repeats its start.
             found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
-    return tuple(Event(index, found[index]) for index in sorted(found)) or (Event(0, "the only instant"),)
+    found = found or {0: "the only instant" if len(normal) == 1 else "between"}
+    while len(found) < min(len(wanted), len(normal) - 1):
+        apart = np.abs(cycle.fraction[:, None] - cycle.fraction[list(found)])
+        nearest = (np.minimum(apart, 1 - apart) if cycle.whole else apart).min(axis=1)  # the end of a cycle is its start
+        found[int(np.argmax(nearest))] = "between"
+    return tuple(Event(index, found[index]) for index in sorted(found))
 
 
 Array = NDArray[np.float64]
 _Mask = NDArray[np.bool_]
-_Measure = Callable[["Pair"], "Measured"]
+_Measure = Callable[["Pair"], "_Measured"]
 
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
 # passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
@@ -301,7 +306,7 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 
 @dataclass(frozen=True)
-class Scales:
+class _Scales:
     """What makes the comparison dimensionless."""
 
     normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
@@ -351,7 +356,7 @@ def energy_scale(scene: Scene, load: float) -> float:
     return compliance(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
 
 
-def scales(reference: ContactSolution) -> Scales:
+def scales(reference: ContactSolution) -> _Scales:
     """The scales of `reference`; a(P_ref) is read off its own half-widths, linear in P between its instants."""
     load, friction = reference.scene.load, reference.scene.friction.coefficient
     if isinstance(load, EllipseLoad):
@@ -360,7 +365,7 @@ def scales(reference: ContactSolution) -> Scales:
         normal_load = float(np.max(reference.normal_load[reference.last_cycle]))
     order = np.argsort(reference.normal_load, kind="stable")
     half_width = float(np.interp(normal_load, reference.normal_load[order], reference.contact_half_width[order]))
-    return Scales(
+    return _Scales(
         normal_load=normal_load,
         half_width=half_width,
         pressure=2 * normal_load / (np.pi * half_width),
@@ -395,7 +400,7 @@ class Pair:
     reference: ContactSolution
     result: ContactSolution
     polygon_reference: ContactSolution | None
-    scales: Scales
+    scales: _Scales
     expected: Cycle
     found: Cycle
 
@@ -434,7 +439,7 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Measured:
+class _Measured:
     """What the function of a metric finds.
 
     Attributes
@@ -468,7 +473,7 @@ class Measured:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Definition:
+class _Definition:
     """A row of the table."""
 
     # key, label: for programs and for people
@@ -497,15 +502,15 @@ class Definition:
         return _row_of, (self.key,)  # its functions have no names of their own
 
 
-def _row_of(key: str) -> Definition:
+def _row_of(key: str) -> _Definition:
     return METRICS[key]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Metric(Measured):
+class Metric(_Measured):
     """One discrepancy: what was measured, its row of the table, and the largest |value| admitted (None: not judged)."""
 
-    definition: Definition
+    definition: _Definition
     tolerance: float | None = None
 
     @property
@@ -583,10 +588,10 @@ def tolerances_of(scene: Scene, exact: bool, given: Mapping[str, float] | None =
 def markdown() -> str:
     """The table of docs/metrics.md: one row for each metric, in the order of the tables."""
 
-    def unit(row: Definition) -> str:
+    def unit(row: _Definition) -> str:
         return f"{row.unit}; {row.absolute_unit} where that is 0" if row.absolute_unit else row.unit
 
-    def tolerance(row: Definition) -> str:
+    def tolerance(row: _Definition) -> str:
         limit = OWN_TOLERANCES.get(row.judged_by)
         return "–" if limit is None else f"{limit:g}" + ("" if row.judged_by == row.key else f" (`{row.judged_by}`)")
 
@@ -643,10 +648,10 @@ def _largest(size: Array) -> NDArray[np.intp]:
     return np.argmax(size >= (1 - _ALIKE) * size.max(axis=-1, keepdims=True), axis=-1)
 
 
-def worst(series: Array, applies: _Mask, time: Array) -> tuple[float | None, float | None]:
+def _worst(series: Array, applies: _Mask, time: Array) -> tuple[float | None, float | None]:
     """The value of largest size and its instant, the first of like ones, among those that apply; a NaN is the worst there is.
 
-    >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
+    >>> _worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
     """
     if not applies.any():
@@ -679,7 +684,7 @@ def _peak_place(expected: Array, found: Array, x: Array) -> Array:
     rim = np.full((len(expected), 1), -np.inf)
     rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
     high = (expected >= (1 - _EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
-    apart = x[np.argmax(found, axis=1)][:, None] - x
+    apart = x[_largest(found)][:, None] - x
     size = np.where(rises & falls & high, np.abs(apart), np.inf)
     nearest = np.argmin(size, axis=1)
     rows = np.arange(len(expected))
@@ -689,32 +694,32 @@ def _peak_place(expected: Array, found: Array, x: Array) -> Array:
 
 def _at_worst(
     pair: Pair, series: Array, applies: _Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
-) -> Measured:
+) -> _Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply.
 
     `places` (k,) [length] gives the place of that value; `to_a_point`: the spacing of the points there is the uncertainty.
     """
-    value, time = worst(series, pair.judged if applies is None else applies, pair.found.time)
+    value, time = _worst(series, pair.judged if applies is None else applies, pair.found.time)
     length, place, doubt = pair.scales.half_width, None, None
     if places is not None and time is not None:
         place = float(places[pair.found.time == time][0]) / length
         doubt = _spacing_at(pair.found.x, place * length) / length if to_a_point else None
-    return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)
+    return _Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)
 
 
-def _none(why: str) -> Measured:
+def _none(why: str) -> _Measured:
     """Nothing to compare, with the reason in words."""
-    return Measured(value=None, note=why)
+    return _Measured(value=None, note=why)
 
 
-def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Measured:
+def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> _Measured:
     """Found less expected over expected; over `scale` where that is nothing beside it (1e-12)."""
     nothing = abs(expected) <= 1e-12 * scale
     value = (found - expected) / (scale if nothing else expected)
-    return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
+    return _Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
 
 
-def _amounts(pair: Pair, of: Callable[[ContactSolution, Cycle], float], scale: str) -> Measured:
+def _amounts(pair: Pair, of: Callable[[ContactSolution, Cycle], float], scale: str) -> _Measured:
     """A figure `of` a solution and its last cycle, found less expected over expected."""
     expected, found = (float(of(*side)) for side in ((pair.reference, pair.expected), (pair.result, pair.found)))
     return _of_amounts(expected, found, getattr(pair.scales, scale))
@@ -728,21 +733,21 @@ def _place(pair: Pair, values: Array) -> float:
 # ---------------------------------------------------------------------------------- the first table: absolute values of both
 
 
-def _of_stick_zone(pair: Pair, of: Callable[[ContactSolution], float]) -> Measured:
+def _of_stick_zone(pair: Pair, of: Callable[[ContactSolution], float]) -> _Measured:
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is none."""
     expected, found = (float(of(solution)) for solution in (pair.reference, pair.result))
     lacking = [name_of(s.engine) for s, it in ((pair.reference, expected), (pair.result, found)) if math.isnan(it)]
     if lacking:
         amounts = None if len(lacking) == 2 else (expected, found)
-        return Measured(value=None, note=f"none in {' and '.join(lacking)}", amounts=amounts)
-    return Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
+        return _Measured(value=None, note=f"none in {' and '.join(lacking)}", amounts=amounts)
+    return _Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
 
 
 def _middle_of_stick(solution: ContactSolution) -> float:
     return math.nan if solution.permanent_stick_edges is None else float(np.mean(solution.permanent_stick_edges))
 
 
-def _largest_slip(pair: Pair) -> Measured:
+def _largest_slip(pair: Pair) -> _Measured:
     # Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips.
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     if not pair.result.scene.friction.coefficient or not touching.any():
@@ -755,17 +760,17 @@ def _largest_slip(pair: Pair) -> Measured:
     return _of_amounts(float(theirs.max()), float(ours.max()), pair.scales.slip, place=_place(pair, ours))
 
 
-def _dissipation(pair: Pair) -> Measured:
+def _dissipation(pair: Pair) -> _Measured:
     found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
     return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
 
 
-def _largest_density(pair: Pair) -> Measured:
+def _largest_density(pair: Pair) -> _Measured:
     found = _amounts(pair, lambda _, cycle: cycle.dissipation_density.max(), "density")
     return replace(found, place=_place(pair, pair.found.dissipation_density))
 
 
-def _edge_tension(pair: Pair) -> Measured:
+def _edge_tension(pair: Pair) -> _Measured:
     if not pair.result.scene.friction.coefficient:
         return _none("frictionless: nothing stretches the faces")
     sides = [_largest_tension(solution, pair.found.time) for solution in (pair.reference, pair.result)]
@@ -793,31 +798,31 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
 # --------------------------------------------------------------------------------------------------- pressure and shear
 
 
-def _peak_pressure(pair: Pair) -> Measured:
+def _peak_pressure(pair: Pair) -> _Measured:
     # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
     # every result look too low by up to (h/a)^2/8.
     expected, found = pair.expected.pressure.max(axis=1), pair.found.pressure.max(axis=1)
     return _at_worst(pair, over(found - expected, expected))
 
 
-def _peak_shear(pair: Pair) -> Measured:
+def _peak_shear(pair: Pair) -> _Measured:
     difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
     return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
 
 
-def _traction(pair: Pair, name: str, friction: float = 1.0) -> Measured:
+def _traction(pair: Pair, name: str, friction: float = 1.0) -> _Measured:
     """L2 norm of the difference of a traction, over `friction` times that of the pressure."""
     x, off = pair.found.x, getattr(pair.found, name) - getattr(pair.expected, name)
     return _at_worst(pair, over(norm(x, off), friction * norm(x, pair.expected.pressure)))
 
 
-def _traction_maximum(pair: Pair, name: str, friction: float = 1.0) -> Measured:
+def _traction_maximum(pair: Pair, name: str, friction: float = 1.0) -> _Measured:
     peak = friction * pair.expected.pressure.max(axis=1, keepdims=True)
     series, places = _worst_point(over(getattr(pair.found, name) - getattr(pair.expected, name), peak), pair.found.x)
     return _at_worst(pair, series, places=places)
 
 
-def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> Measured:
+def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> _Measured:
     """Of instants at which the reference's peak is above `least`."""
     x, expected, found = pair.found.x, of(pair.expected), of(pair.found)
     # Asked the other way round, a NaN would count as no shear and hide.
@@ -825,7 +830,7 @@ def _place_of_peak(pair: Pair, of: Callable[[Cycle], Array], least: float) -> Me
     if not carries.any() and least >= 0:
         return _none("the reference carries no shear")
     series = _peak_place(expected, found, x) / pair.scales.half_width
-    return _at_worst(pair, series, carries, places=x[np.argmax(found, axis=1)], to_a_point=True)
+    return _at_worst(pair, series, carries, places=x[_largest(found)], to_a_point=True)
 
 
 def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
@@ -843,7 +848,7 @@ def _resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> t
     return normal, cycle.shear @ (surface * across) - cycle.pressure @ (surface * along)
 
 
-def _resultant(pair: Pair, component: int) -> Measured:
+def _resultant(pair: Pair, component: int) -> _Measured:
     """With the result's own weights nothing of the reference enters; by the trapezoidal rule the rule's own error is taken off."""
     weights, normals = (getattr(pair.result, name, None) for name in ("weights", "normals"))
     loads = [(cycle.normal_load, cycle.tangential_load)[component] for cycle in (pair.found, pair.expected)]
@@ -874,7 +879,7 @@ def _elements(pair: Pair, value: float | None) -> float | None:
     return value * pair.scales.half_width / float(size) if size and value is not None else None
 
 
-def _contact_edge(pair: Pair) -> Measured:
+def _contact_edge(pair: Pair) -> _Measured:
     found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
     return replace(found, elements=_elements(pair, found.value))
 
@@ -889,7 +894,7 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
-def _stick_edge(pair: Pair) -> Measured:
+def _stick_edge(pair: Pair) -> _Measured:
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
     length = pair.scales.half_width
     theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
@@ -902,7 +907,7 @@ def _stick_edge(pair: Pair) -> Measured:
     return replace(found, note=note, elements=_elements(pair, found.value))
 
 
-def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
+def _edge_of_side(pair: Pair, kind: str, side: str) -> _Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
     length, column, applies = pair.scales.half_width, _SIDES.index(side), pair.judged
     if kind == "stick":
@@ -922,21 +927,21 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     )
 
 
-def _state(pair: Pair) -> Measured:
+def _state(pair: Pair) -> _Measured:
     expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
     touching = (expected != OPEN) | (found != OPEN)
     series = over(((expected != found) * length).sum(axis=1), (touching * length).sum(axis=1))
     time = pair.found.time[pair.touching]
     passed = len(time) and time[-1] != time[0]
     value = float(np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])) if passed else None
-    return Measured(value=value, series=series)
+    return _Measured(value=value, series=series)
 
 
-def _stick_set(pair: Pair) -> Measured:
+def _stick_set(pair: Pair) -> _Measured:
     theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
     times, lengths = shares(pair.found.time), shares(pair.found.x)
     both, either = (float(times @ sticks @ lengths) for sticks in (theirs & ours, theirs | ours))
-    return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
+    return _Measured(value=1 - both / either) if either else _none("nothing sticks in either")
 
 
 def _onsets(applies: _Mask, periodic: bool) -> NDArray[np.intp]:
@@ -954,7 +959,7 @@ def _onsets(applies: _Mask, periodic: bool) -> NDArray[np.intp]:
     return np.flatnonzero(now & ~before & after) if not now.all() else np.zeros(0, np.intp)
 
 
-def _instants(pair: Pair, of: Sequence[Callable[[Cycle], NDArray[np.intp]]], none: str) -> Measured:
+def _lateness(pair: Pair, of: Sequence[Callable[[Cycle], NDArray[np.intp]]], none: str) -> _Measured:
     """How late the result's instants (indices) of some kinds are, over the length of the cycle; the shorter way round if periodic.
 
     Each of the reference's against the nearest of its kind; not finite where the result has not as many.
@@ -972,22 +977,22 @@ def _instants(pair: Pair, of: Sequence[Callable[[Cycle], NDArray[np.intp]]], non
     note = "; ".join(f"{count} of {one} without a counterpart in the {other}" for count, one, other in whose if count)
     if not late:
         return _none("; ".join(filter(None, (none, note))))
-    value, time = worst(np.array(late), np.ones(len(late), bool), pair.found.time[at])
+    value, time = _worst(np.array(late), np.ones(len(late), bool), pair.found.time[at])
     step = float(np.max(np.diff(fraction), initial=0.0))
-    return Measured(value=value, time=time, note=note, uncertainty=step, unmatched=bool(note))
+    return _Measured(value=value, time=time, note=note, uncertainty=step, unmatched=bool(note))
 
 
-def _full_stick(pair: Pair, *, ends: bool) -> Measured:
+def _full_stick(pair: Pair, *, ends: bool) -> _Measured:
     """Starts or ends of full stick."""
 
     def at(cycle: Cycle) -> NDArray[np.intp]:
         whole = _stick_status(cycle, pair.scales.half_width) == _FULL_STICK
         return len(whole) - 1 - _onsets(whole[::-1], pair.periodic)[::-1] if ends else _onsets(whole, pair.periodic)
 
-    return _instants(pair, [at], f"the reference does not come {'out of' if ends else 'into'} full stick")
+    return _lateness(pair, [at], f"the reference does not come {'out of' if ends else 'into'} full stick")
 
 
-def _slip_reversal(pair: Pair) -> Measured:
+def _slip_reversal(pair: Pair) -> _Measured:
     """First instants of slip in each sense after slip in the other, whatever stick there was in between."""
 
     def turns(sense: int, cycle: Cycle) -> NDArray[np.intp]:
@@ -999,10 +1004,10 @@ def _slip_reversal(pair: Pair) -> Measured:
             turned[:1] = False
         return np.asarray(slipping[turned])
 
-    return _instants(pair, [partial(turns, 1), partial(turns, -1)], "slip does not reverse in either")
+    return _lateness(pair, [partial(turns, 1), partial(turns, -1)], "slip does not reverse in either")
 
 
-def _slip(pair: Pair, maximum: bool) -> Measured:
+def _slip(pair: Pair, maximum: bool) -> _Measured:
     """s - s_ref over the range of s_ref, where both are in contact: apart from there it is a displacement and nothing slips.
 
     Absolute, over f p_ref a_ref/E*, where the range of s_ref is below 1e-12 of that.
@@ -1022,7 +1027,7 @@ def _slip(pair: Pair, maximum: bool) -> Measured:
     return _at_worst(pair, np.sqrt(mean), applies, absolute=nothing)
 
 
-def _moved(pair: Pair, name: str, unit: Callable[[Scales], float]) -> Measured:
+def _moved(pair: Pair, name: str, unit: Callable[[_Scales], float]) -> _Measured:
     """A series over time that not every solution states, result − reference."""
     expected, found = getattr(pair.expected, name), getattr(pair.found, name)
     if expected is None or found is None:
@@ -1030,7 +1035,7 @@ def _moved(pair: Pair, name: str, unit: Callable[[Scales], float]) -> Measured:
     return _at_worst(pair, (found - expected) / unit(pair.scales))
 
 
-def _contact_centre(pair: Pair) -> Measured:
+def _contact_centre(pair: Pair) -> _Measured:
     apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
     return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
 
@@ -1048,7 +1053,7 @@ def _stroke(pair: Pair) -> tuple[Array, _Mask, str]:
     return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
 
 
-def _displacement(pair: Pair, *, centred: bool) -> Measured:
+def _displacement(pair: Pair, *, centred: bool) -> _Measured:
     """`centred`: without its mean over time."""
     difference, moves, note = _stroke(pair)
     weight = shares(pair.found.time)
@@ -1089,14 +1094,14 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
-def _steps(pair: Pair, *, out: bool) -> Measured:
+def _steps(pair: Pair, *, out: bool) -> _Measured:
     """W with the error of the steps taken `out`, or that error alone."""
     polygon = pair.polygon_reference or pair.reference
     expected, found = (polygon, pair.result) if out else (pair.reference, polygon)
     return _of_amounts(expected.dissipation, found.dissipation, pair.scales.dissipation)
 
 
-def _loop(pair: Pair, *, bulk: bool) -> Measured:
+def _loop(pair: Pair, *, bulk: bool) -> _Measured:
     """`bulk`: with its bulk term."""
     works = _bulk_works(pair) if bulk else (0.0, 0.0) if pair.periodic else _NO_LOOP
     if isinstance(works, str):
@@ -1119,23 +1124,23 @@ def _bulk_works(pair: Pair) -> tuple[float, float] | str:
     return bulk_work(pair.expected, materials), bulk_work(pair.found, materials)
 
 
-def _bulk_work(pair: Pair) -> Measured:
+def _bulk_work(pair: Pair) -> _Measured:
     works = _bulk_works(pair)
     if isinstance(works, str):
         return _none(works)
     work, scale = pair.reference.dissipation, pair.scales.dissipation
     nothing = abs(work) <= _NO_DISSIPATION * scale
-    return Measured(value=(works[1] - works[0]) / (scale if nothing else work), absolute=nothing)
+    return _Measured(value=(works[1] - works[0]) / (scale if nothing else work), absolute=nothing)
 
 
-def _drift(pair: Pair) -> Measured:
+def _drift(pair: Pair) -> _Measured:
     both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
     words = "; ".join(
         f"{name}: {'not known' if math.isnan(it) else minus(f'{it:+.1e}') + ' in its last cycle'}" for name, it in both if it
     )
     if any(math.isnan(it) for _, it in both):
         return _none(words)
-    return Measured(value=both[1][1] - both[0][1], note=words)
+    return _Measured(value=both[1][1] - both[0][1], note=words)
 
 
 def _works_nowhere(pair: Pair) -> bool:
@@ -1143,31 +1148,31 @@ def _works_nowhere(pair: Pair) -> bool:
     return bool(np.max(np.abs(pair.expected.dissipation_density)) <= _NO_DISSIPATION * pair.scales.density)
 
 
-def _density(pair: Pair) -> Measured:
+def _density(pair: Pair) -> _Measured:
     nothing, expected, found = _works_nowhere(pair), pair.expected.dissipation_density, pair.found.dissipation_density
     difference = (found - expected) / (pair.scales.density if nothing else np.max(np.abs(expected)))
-    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
-    return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
+    value, place = _worst(difference, np.ones(len(difference), bool), pair.found.x)
+    return _Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
 
 
-def _density_norm(pair: Pair) -> Measured:
+def _density_norm(pair: Pair) -> _Measured:
     nothing, x = _works_nowhere(pair), pair.found.x
     expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
     whole = pair.scales.density * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
-    return Measured(value=float(norm(x, found - expected) / whole), absolute=nothing)
+    return _Measured(value=float(norm(x, found - expected) / whole), absolute=nothing)
 
 
-def _place_of_density(pair: Pair) -> Measured:
+def _place_of_density(pair: Pair) -> _Measured:
     if _works_nowhere(pair):
         return _none("the reference dissipates nothing")
     x, length = pair.found.x, pair.scales.half_width
     expected, found = (np.atleast_2d(cycle.dissipation_density) for cycle in (pair.expected, pair.found))
     place = float(x[np.argmax(found)])
     shift = float(_peak_place(expected, found, x)[0] / length)
-    return Measured(value=shift, place=place / length, uncertainty=_spacing_at(x, place) / length)
+    return _Measured(value=shift, place=place / length, uncertainty=_spacing_at(x, place) / length)
 
 
-def _energy_balance(pair: Pair) -> Measured:
+def _energy_balance(pair: Pair) -> _Measured:
     # From the record of the result, which alone knows what its bodies store.
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
@@ -1179,11 +1184,11 @@ def _energy_balance(pair: Pair) -> Measured:
 # -------------------------------------------------------------------------------------------------------------- the table
 
 
-def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: _Measure, **more: Any) -> Definition:
+def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, measure: _Measure, **more: Any) -> _Definition:
     """Of `words`, "label: how it is computed"; `where`: norm and region; `needs`: separated by blanks."""
     label, _, text = words.partition(": ")
     row: dict[str, Any] = {"unit": unit, "norm": where[0], "region": where[1], "needs": tuple(needs.split())}
-    return Definition(key=key, label=label, text=text, measure=measure, **row, **{"judged_by": key, **more})
+    return _Definition(key=key, label=label, text=text, measure=measure, **row, **{"judged_by": key, **more})
 
 
 _POINTS = "every point, edges included; judged instants"
@@ -1306,7 +1311,7 @@ METRICS = {row.key: row for row in (
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
         "state whole_cycle friction", _stick_set, signed=False),
     _row("full_stick_start", "Start of full stick: first instant of full stick, result − reference, to a step; full stick: at "
-        "least two instants whose stick edges are the contact edges; intervals that share most instants are compared",
+        "least two instants whose stick edges are the contact edges; the nearest start is compared",
         "of the period", _IN_CYCLE, "state whole_cycle friction",
         partial(_full_stick, ends=False)),
     _row("full_stick_end", "End of full stick: last instant of full stick, result − reference, as its start",
@@ -1322,7 +1327,7 @@ METRICS = {row.key: row for row in (
         partial(_slip, maximum=True), absolute_unit="f p_ref a_ref/E*"),
     _row("dissipation_absolute", "Dissipation, absolute: (W − W_ref)/(A f² P_ref²): of use near full stick, where W_ref goes to 0",
         f"of {_WORK}", _ONE_VALUE, "dissipation whole_cycle",
-        lambda pair: Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)),
+        lambda pair: _Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)),
     _row("hysteresis_distance", "Hysteresis loop, distance: U − U_ref, without its mean over time: distance of the loops in U at "
         "the same phase", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement whole_cycle",
         partial(_displacement, centred=True)),

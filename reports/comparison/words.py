@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reports.charts.templating import in_template
 from reports.comparison.laws import (
     OF_UNSYMMETRIC,
     QUANTITIES,
@@ -41,13 +42,6 @@ SUPPORT_WORDS = {
     "half_plane": "joined to the half-plane around it",
     "pulled": "free, with the bulk stress on them",
 }
-
-
-def in_template(macro: str, *values: Any) -> str:
-    """A sentence of templates/words.txt."""
-    from reports.charts.templating import template
-
-    return " ".join(str(getattr(template("words.txt").module, macro)(*values)).split())
 
 
 # ------------------------------------------------------------------------------------------------------- what is asked
@@ -115,10 +109,10 @@ def _both_ours(comparison: Comparison) -> bool:
 _ROUNDING = 1e-13
 
 
-def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
+def _shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
     """A value to so many significant digits, in per cent if it is a share of something; rounding, below 1e-13, is 0.
 
-    >>> shown(-0.00123456), shown(0.5, plus=False), shown(-1.87e-16), shown(float("nan")), shown(0.25, share=False)
+    >>> _shown(-0.00123456), _shown(0.5, plus=False), _shown(-1.87e-16), _shown(float("nan")), _shown(0.25, share=False)
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
     if not math.isfinite(value):
@@ -130,30 +124,30 @@ def shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 
 
 def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
     """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
-    return shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
+    return _shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
-    return "–" if metric.value is None else shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
+    return "–" if metric.value is None else _shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
 
 
 def unit_of(metric: Metric) -> str:
     """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
     counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(f" ({shown(count, share=False)} {of})" for count, of in counts if count is not None)
+    return metric.unit + "".join(f" ({_shown(count, share=False)} {of})" for count, of in counts if count is not None)
 
 
 def uncertainty_of(metric: Metric) -> str:
     """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
     if metric.uncertainty is None:
         return ""
-    return f"± {shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
+    return f"± {_shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
-    return "–" if metric.tolerance is None else shown(metric.tolerance, share=not metric.absolute, plus=False)
+    return "–" if metric.tolerance is None else _shown(metric.tolerance, share=not metric.absolute, plus=False)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -221,7 +215,7 @@ def _stated(comparison: Comparison) -> list[tuple[str, str]]:
 
 
 def _agreement(metric: Metric) -> tuple[str, str, str]:
-    return "agreement", _name(metric), shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2)
+    return "agreement", _name(metric), _shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2)
 
 
 def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
@@ -282,7 +276,7 @@ def uncertain_work(comparison: Comparison) -> str:
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
         return ""
-    share = shown(found.dissipation_uncertainty / found.dissipation, plus=False) if found.dissipation else ""
+    share = _shown(found.dissipation_uncertainty / found.dissipation, plus=False) if found.dissipation else ""
     return in_template("uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene))
 
 
@@ -487,7 +481,7 @@ def _of_bulk(solution: ContactSolution) -> dict[str, float]:
 
 
 # ------------------------------------------------------------------------------------------------------- comparison.json
-FORMAT = "halfplane comparison 2"
+_FORMAT = "halfplane comparison 2"
 
 
 def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
@@ -531,7 +525,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
     verdicts = {name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")}
     return {
-        "format": FORMAT,
+        "format": _FORMAT,
         **said(report),
         "profile_fit": fit_content(comparison.scene),
         "verdict": {**verdicts, "judged": how_judged(report), "honest": report.honest, "sentence": verdict(report)},

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Report = Callable[[int, int | None, str], None]
-COLLECTION = "fields.pvd"
+_COLLECTION = "fields.pvd"
 # Snapshots that are computed at once: the bodies are factorised once for all of them, and each takes about a megabyte.
 _AT_ONCE = 64
 # Beside every largest stress.
@@ -159,8 +159,8 @@ def write_fields(
             file = f"{name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file, points, cells, data)
             entries.append(meshes.PvdEntry(snapshot.time, part, name, file))
-    meshes.write_pvd(folder / COLLECTION, entries)
-    return [COLLECTION, *(entry.file for entry in entries)]
+    meshes.write_pvd(folder / _COLLECTION, entries)
+    return [_COLLECTION, *(entry.file for entry in entries)]
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:

@@ -33,9 +33,6 @@ Indices = NDArray[np.int64]
 Frame = NDArray[np.uint8]
 
 RATE = 12  # frames a second
-LARGEST_GIF = 8_000_000  # bytes; what mail and web pages take
-# Times that a film is made smaller: at the last it has 1/300 of its width.
-_SHRINKINGS = 20
 # Half the width of the window over the largest contact half-width; largest exaggerated motion over half the window's width.
 _WIDTH, _SHOWN = 1.7, 0.16
 _SIZE, _PIXELS = (480.0, 330.0), 440  # of a panel of stress, in units of a drawing, and of what is rendered in it
@@ -121,12 +118,12 @@ def frames_of(
     """Pictures (height, width, 3) of every instant, all of one size, with an even number of pixels each way."""
     for k, step in enumerate(views.steps):
         report(k, len(views.steps), f"time {solution.time[step]:.6g}")
-        frame = pixels_of(figure(solution, views, k))
+        frame = pixels_of(_figure(solution, views, k))
         yield frame[: len(frame) // 2 * 2, : frame.shape[1] // 2 * 2]
     report(len(views.steps), len(views.steps), f"{len(views.steps)} frames")
 
 
-def figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
+def _figure(solution: FiniteElementSolution, views: Views, k: int) -> Plate:
     """The frame of instant `k`: both stresses with their colours, the tractions, and the point in the plane of the loads."""
     scene, step, half = solution.scene, int(views.steps[k]), views.half_width
     _, length, stress = units(scene)
@@ -215,10 +212,7 @@ def _movie(ffmpeg: str, file: Path, width: int, height: int) -> Iterator[IO[byte
 
 
 def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
-    """Write name.gif, and name.mp4 where imageio-ffmpeg is installed; frames are (height, width, 3), all of one size.
-
-    A GIF above `LARGEST_GIF` bytes is written once more at three quarters of the size, and so on; a sentence says so.
-    """
+    """Write name.gif, and name.mp4 where imageio-ffmpeg is installed; frames are (height, width, 3), all of one size."""
     from PIL.Image import Dither, Quantize
     from PIL.Image import fromarray as picture_of
 
@@ -240,17 +234,6 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
             pictures.append(picture_of(frame).quantize(palette=palette, dither=Dither.NONE))  # so that what stays costs nothing
             if movie is not None:
                 movie.write(frame.tobytes())
-    size, scaled, gif = pictures[0].size, pictures, folder / files[0]
-    for power in range(1, _SHRINKINGS + 1):
-        scaled[0].save(gif, save_all=True, append_images=scaled[1:], duration=round(1000 / RATE), loop=0, optimize=False)
-        if gif.stat().st_size <= LARGEST_GIF:
-            break
-        width, height = (max(round(0.75**power * side), 1) for side in size)
-        smaller = (picture.convert("RGB").resize((width, height)) for picture in pictures)
-        scaled = [picture.quantize(palette=palette, dither=Dither.NONE) for picture in smaller]
-    else:
-        raise InputError(f"{files[0]}: {len(pictures)} frames take more than 8 MB at every size; --frames: ask for fewer")
-    if scaled[0].size != size:
-        now, full = (f"{across} x {down}" for across, down in (scaled[0].size, size))
-        notes.append(f"{files[0]}: {now} pixels instead of {full}, to stay below 8 MB")
-    return Film(files, scaled[0].size, notes)
+    more = pictures[1:]
+    pictures[0].save(folder / files[0], save_all=True, append_images=more, duration=round(1000 / RATE), loop=0, optimize=False)
+    return Film(files, pictures[0].size, notes)

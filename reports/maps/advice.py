@@ -15,7 +15,7 @@ from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
-RATIO, SHEAR = 0.6, 0.3  # of the study `pad`: Q over f P, and over P
+RATIO, _SHEAR = 0.6, 0.3  # of the study `pad`: Q over f P, and over P
 _COORDINATES = {"flat": "b/a", "aspect": "width/height"}
 # Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded up.
 _LEFT = 0.15
@@ -202,11 +202,11 @@ def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder
     # Of the rest no other loop is in the map: as much as it would move by with the law.
     other = abs(rest) * abs(constant / work_constant(flat, RATIO) - 1)
     pressure, unsure = found.values["error.p0"]
-    scaled = pressure * share * cycle.largest / SHEAR
+    scaled = pressure * share * cycle.largest / _SHEAR
     values = {
         **found.values,
         "error.dissipation": (share * (constant * curvature + rest), share * (doubt + other)),
-        "error.p0": (scaled, unsure * max(1.0, share * cycle.largest / SHEAR) + abs(scaled - pressure) / 2),
+        "error.p0": (scaled, unsure * max(1.0, share * cycle.largest / _SHEAR) + abs(scaled - pressure) / 2),
     }
     return replace(found, values=values, how=f"law of its contour, first power of a/R, for this loop; {found.how}")
 

@@ -34,14 +34,14 @@ _CELLS, _STEPS = 600, 400  # of the memory curve and of an ellipse: W of half-pl
 _NOTHING = 1e-9  # full stick leaves round-off of the order of 1e-16
 _NODES = 24  # a part of the rule for contours: 1e-6 up to b/a = 0.99
 # Where the held-out points of the maps were tried: see docs/maps.md for what is left there.
-LEAST_HEIGHT, LEAST_ASPECT, POISSON = 3.6, 1.0, (0.25, 0.35)  # height in half-widths at the largest load
-MOST_CURVATURE, FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
+_LEAST_HEIGHT, _LEAST_ASPECT, _POISSON = 3.6, 1.0, (0.25, 0.35)  # height in half-widths at the largest load
+_MOST_CURVATURE, _FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
 _PER_LEG = 80
 _STILL = 1e-9
 
 
 # ----------------------------------------------------------------------------------------------------------------- layers
-def response(base: Base, tangential: bool, poisson_ratio: float) -> Callable[[Array], Array]:
+def _response(base: Base, tangential: bool, poisson_ratio: float) -> Callable[[Array], Array]:
     """L(w) of a layer that is fixed to its base or slides on it, for normal or tangential forces (Johnson 1985, section 5.8)."""
     kappa, sense = 3 - 4 * poisson_ratio, 1.0 if tangential else -1.0
 
@@ -61,7 +61,7 @@ def curvature_sum(base: Base, *, tangential: bool = False, poisson_ratio: float 
     >>> round(-curvature_sum("fixed") / 4, 4)
     0.358
     """
-    layer = response(base, tangential, poisson_ratio)
+    layer = _response(base, tangential, poisson_ratio)
     if np.isinf(aspect):
         return float(quad(lambda w: (layer(np.array(w)) - 1) * w, 1e-12, _FAR, limit=200)[0])
     # Walls are a row of images; zeta(-1) is what the same sum does to L = 1.
@@ -142,20 +142,20 @@ def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: 
 
 
 # ---------------------------------------------------------------------------------------------- contours that are no parabola
-def potential(x: Array, flat: float) -> Array:
+def _potential(x: Array, flat: float) -> Array:
     """Phi (n,) at x (n,) of a flat of half-length `flat` with edges of radius 1, its linear part left out.
 
-    >>> potential(np.array([0.0, 1.0]), 1.0).round(6).tolist()
+    >>> _potential(np.array([0.0, 1.0]), 1.0).round(6).tolist()
     [0.0, 1.386294]
     """
     return (xlogy((x + flat) ** 2, np.abs(x + flat)) - xlogy((x - flat) ** 2, np.abs(x - flat))) / 2
 
 
-def kernel(x: Array, xi: Array, flat: float) -> Array:
+def _kernel(x: Array, xi: Array, flat: float) -> Array:
     """K (n, m) between points x (n,) and xi (m,): the slope of Phi where they coincide."""
     apart = x[:, None] - xi[None, :]
     slope = xlogy(x + flat, np.abs(x + flat)) - xlogy(x - flat, np.abs(x - flat)) + flat
-    quotient = (potential(x, flat)[:, None] - potential(xi, flat)[None, :]) / np.where(apart == 0, 1.0, apart)
+    quotient = (_potential(x, flat)[:, None] - _potential(xi, flat)[None, :]) / np.where(apart == 0, 1.0, apart)
     return np.where(apart == 0, slope[:, None], quotient)
 
 
@@ -185,8 +185,8 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     x = np.sin(angle)
     force = (contact.pressure(x, load) - contact.pressure(x, stuck)) * np.cos(angle) * weight
     within, share = _angles((flat / edge, 1.0), nodes)
-    punch = share / np.pi @ kernel(edge * np.sin(within), x, flat) @ force
-    change = 4 * (2 / np.pi**2) * (shear * punch - force @ kernel(x, x, flat) @ force)
+    punch = share / np.pi @ _kernel(edge * np.sin(within), x, flat) @ force
+    change = 4 * (2 / np.pi**2) * (shear * punch - force @ _kernel(x, x, flat) @ force)
     cycle = {"mean_normal_load": load, "normal_amplitude": 0.0, "mean_tangential_load": 0.0, "tangential_amplitude": shear}
     plain = semi_analytic.dissipation(profile=profile, material=materials, friction_coefficient=1.0, phase=0.0, **cycle)
     return float(change) / float(plain.value)
@@ -275,14 +275,14 @@ def correction(scene: Scene) -> Correction:
     largest = float(normal.max())
     height = block.height / float(contact_of(scene.profile, scene.material).half_width(largest))
     aspect = block.width / block.height
-    if height < LEAST_HEIGHT:
+    if height < _LEAST_HEIGHT:
         raise _refusal(
-            scene, f"bodies: height = {height:.3g} half-widths is refused: the correction holds from {LEAST_HEIGHT:g} on"
+            scene, f"bodies: height = {height:.3g} half-widths is refused: the correction holds from {_LEAST_HEIGHT:g} on"
         )
-    if aspect < LEAST_ASPECT:
-        raise _refusal(scene, f"bodies: width/height = {aspect:.3g} is refused: the correction holds from {LEAST_ASPECT:g} on")
-    if block.base == "fixed" and not POISSON[0] <= ratio <= POISSON[1]:
-        words = f"material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {POISSON}"
+    if aspect < _LEAST_ASPECT:
+        raise _refusal(scene, f"bodies: width/height = {aspect:.3g} is refused: the correction holds from {_LEAST_ASPECT:g} on")
+    if block.base == "fixed" and not _POISSON[0] <= ratio <= _POISSON[1]:
+        words = f"material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {_POISSON}"
         raise _refusal(scene, words)
     added = added_curvatures(block.base, aspect, 1 / height, ratio)
     error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
@@ -318,8 +318,8 @@ def pad_correction(scene: Scene) -> float:
     cycle = to_and_fro(scene)
     half_width = float(contact_of(profile, scene.material).half_width(cycle.load))
     curvature, flat = half_width / profile.radius, profile.flat_half_length / half_width
-    if curvature > MOST_CURVATURE * (1 + 1e-9) or not FLATS[0] * (1 - 1e-9) <= flat <= FLATS[1] * (1 + 1e-9):
-        held = f"the correction holds up to {MOST_CURVATURE:g} and for b/a of {FLATS[0]:g} to {FLATS[1]:g}"
+    if curvature > _MOST_CURVATURE * (1 + 1e-9) or not _FLATS[0] * (1 - 1e-9) <= flat <= _FLATS[1] * (1 + 1e-9):
+        held = f"the correction holds up to {_MOST_CURVATURE:g} and for b/a of {_FLATS[0]:g} to {_FLATS[1]:g}"
         raise _refusal(scene, f"profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: {held}")
     return work_constant(flat, cycle.ratio) * curvature
 

@@ -26,7 +26,7 @@ from reports.sweep.study import Point, expand, load_study
 from scenes import InputError
 
 Array = NDArray[np.float64]
-FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
+_FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
 _BEND = 2.0  # standard deviations of curvature before a range counts as not asymptotic
 _SHARE = 0.1  # of an error, its uncertainty where none was asked for
 _SURE = 0.5  # half the interval of an exponent up to which its law is extrapolated
@@ -208,7 +208,7 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
     # From the first change of sign on, the error is no longer that of the leading term.
     same = np.cumprod(sign * e[resolved] > 0).astype(bool)
     x, e, u = (column[resolved][same] for column in (x, np.abs(e), u))
-    if len(x) < FEWEST:
+    if len(x) < _FEWEST:
         return None
 
     def free(x: Array, e: Array, u: Array, *more: Array) -> tuple[Array, Array, float]:
@@ -223,7 +223,7 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
         found, covariance, _ = free(x, e, u, np.log(x) ** 2)
         return bool(abs(found[3]) > _BEND * math.sqrt(covariance[3, 3]))
 
-    count = next((k for k in range(len(x), FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k])), FEWEST)
+    count = next((k for k in range(len(x), _FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k])), _FEWEST)
     total, (x, e, u) = len(x), (column[:count] for column in (x, e, u))
     (log, order, _), (log_doubt, order_doubt, _), misfit = _with_doubt(x, e, u, free)
     (log_held, following), (held_doubt, _), _ = _with_doubt(x, e, u, held)

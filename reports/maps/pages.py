@@ -84,7 +84,7 @@ def write(folder: Path) -> None:
         (made / "laws.json").write_text(laws_text(made, there), encoding="utf-8")
         for asked in there:
             for chart in asked.charts:
-                for name, svg, _ in drawings(chart, read(made, chart.study)):
+                for name, svg, _ in _drawings(chart, read(made, chart.study)):
                     (made / name).write_text(svg, encoding="utf-8")
             (made / f"{asked.name}.md").write_text(page(asked, made), encoding="utf-8")
         (made / "README.md").write_text(index(made, there), encoding="utf-8")
@@ -139,26 +139,26 @@ def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
 
 
 # ------------------------------------------------------------------------------------------------------------------ pages
-def drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
+def _drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
     """(file name, SVG, caption) of a chart."""
     shown = [name for name in _DRAWN if name in figures(table)]
     if chart.up:
-        svg = heat(chart, table, shown if chart.expected else [name for name in shown if name in _DRAWN[:2]]).svg()
+        svg = _heat(chart, table, shown if chart.expected else [name for name in shown if name in _DRAWN[:2]]).svg()
         yield f"{chart.study}-map.svg", svg, PAGE_WORDS["map"]
     if chart.expected is not None or not chart.up:
         caption = PAGE_WORDS["discrepancy" if chart.expected is None else "law"]
-        yield f"{chart.study}-law.svg", slopes(chart, list(lines(chart, table, shown)), shown).svg(), caption
+        yield f"{chart.study}-law.svg", _slopes(chart, list(lines(chart, table, shown)), shown).svg(), caption
 
 
 def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
     made = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
-    made.append(f"**{asked.question}** {answer(asked, folder)}")
+    made.append(f"**{asked.question}** {_answer(asked, folder)}")
     for chart in asked.charts:
         table = read(folder, chart.study)
         found = list(lines(chart, table, _TABLED))
         made += [f"## {chart.study}"] * (len(asked.charts) > 1)
-        made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in drawings(chart, table)]
+        made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in _drawings(chart, table)]
         if chart.expected is not None:
             made += [*_within(chart, found), *_laws(chart, [line for line in found if line.figure in _DRAWN])]
     for section in _TRIALS.get(asked.name, ()):
@@ -184,11 +184,11 @@ def index(folder: Path, there: list[Map]) -> str:
     made += [markdown_table(head, [[part.what, *cells(part), part.how] for part in found]), PAGE_WORDS["index"]]
     for asked in there:
         points = sum(len(read(folder, study)) for study in asked.studies)
-        made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
+        made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {_answer(asked, folder)} ({points} points.)"]
     return "\n\n".join(made) + "\n"
 
 
-def answer(asked: Map, folder: Path) -> str:
+def _answer(asked: Map, folder: Path) -> str:
     """The first paragraph: errors at the designer's place, and from where on theory holds within 5 %."""
     tables = {chart.study: read(folder, chart.study) for chart in asked.charts}
     if asked.name == "loop":
@@ -271,14 +271,14 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     constant, span = f"constant at exponent {chart.expected:g}", f"range of {chart.small} (points)"
     head = ["figure", "where", "exponent", "theory", constant, span, "χ²"]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
-    straight = [straight_exponent(line) for line in found if line.figure == "error.dissipation"]
+    straight = [_straight_exponent(line) for line in found if line.figure == "error.dissipation"]
     fits = PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")
     if straight and np.isfinite(straight).all():
         fits += PAGE_WORDS["straight"].format(low=min(straight), high=max(straight))
     return ["### Laws", prediction, markdown_table(head, rows), fits]
 
 
-def straight_exponent(line: Line) -> float:
+def _straight_exponent(line: Line) -> float:
     """The exponent of a straight line through all resolved points, log e over log s, without the next term of the series."""
     used = line.known & (np.abs(line.error) > line.uncertainty)
     s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
@@ -286,7 +286,7 @@ def straight_exponent(line: Line) -> float:
 
 
 # --------------------------------------------------------------------------------------------------------------- drawings
-def heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
+def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
     """A row for each error, a column for each panel; |error| in per cent, hatched where it is not resolved."""
     columns = list(parts(table, (chart.panels,)))
     every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
@@ -346,7 +346,7 @@ def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> I
             yield Note(float(x[0]), float(y[0]), f"{level:g} %", "tick over", "middle", (0.0, -3.0))
 
 
-def slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
+def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
     """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the predicted slope."""
     panels, keys = [], dict[str, Key]()
     for number, figure in enumerate(shown):
@@ -408,7 +408,7 @@ def _beside(fit: float, doubt: float, known: float) -> str:
     return "in the interval" if abs(fit - known) <= doubt else f"differs by {fit - known:+.2g}"
 
 
-def derived_blocks(folder: Path) -> list[str]:
+def _derived_blocks(folder: Path) -> list[str]:
     """Constants of (a/h)^2 from the Fourier integrals and sums of layers, beside the fits."""
     p, q, cycle = ellipse_path(*_PAPER)
     rows = []
@@ -429,7 +429,7 @@ def derived_blocks(folder: Path) -> list[str]:
     return _section("derived_blocks", rows)
 
 
-def derived_pads(folder: Path) -> list[str]:
+def _derived_pads(folder: Path) -> list[str]:
     """The first-order constant of dissipation by the contour's law beside the fitted one."""
     rows = []
     for line in work_lines(folder):
@@ -439,7 +439,7 @@ def derived_pads(folder: Path) -> list[str]:
     return _section("derived_pads", rows)
 
 
-def odd_part(folder: Path) -> list[str]:
+def _odd_part(folder: Path) -> list[str]:
     """What is left of one block's error beside half of what two equal blocks do: the coupling by the odd part of its kernel."""
     rows = []
     for row in read(folder, "one-block").to_dict("records"):
@@ -452,7 +452,7 @@ def odd_part(folder: Path) -> list[str]:
     return _section("odd_part", rows)
 
 
-def tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
+def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
     table, points, rows, sizes = read(folder, study), points_of(study), [], []
     scenes = {tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points}
@@ -478,7 +478,7 @@ def tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     return _section(name, rows, **spans, **medians)
 
 
-def growth(folder: Path) -> list[str]:
+def _growth(folder: Path) -> list[str]:
     """The constant of beta^2, and times f^2."""
     rows = []
     for law in _known(folder, "unlike", *FIGURES[:2]):
@@ -488,7 +488,7 @@ def growth(folder: Path) -> list[str]:
     return _section("growth", rows)
 
 
-def other_sign(folder: Path) -> list[str]:
+def _other_sign(folder: Path) -> list[str]:
     """Other signs of beta and other alpha, beside the laws: their constant and next term interpolated over log f."""
     laws = sorted(_known(folder, "unlike", "error.dissipation"), key=lambda law: float(law["f"]))
     fs, rows = np.array([float(law["f"]) for law in laws]), []
@@ -506,11 +506,11 @@ def other_sign(folder: Path) -> list[str]:
 # Map -> its tables after the laws.
 _TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
     "block": (
-        derived_blocks,
-        lambda folder: tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
+        _derived_blocks,
+        lambda folder: _tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
     ),
-    "curvature": (derived_pads, lambda folder: tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
-    "one-block": (odd_part,),
-    "loop": (lambda folder: tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
-    "unlike": (growth, other_sign),
+    "curvature": (_derived_pads, lambda folder: _tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
+    "one-block": (_odd_part,),
+    "loop": (lambda folder: _tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
+    "unlike": (_growth, _other_sign),
 }

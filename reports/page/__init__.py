@@ -1,4 +1,4 @@
-"""The page: its figures (figures.py), the page and its folder (writing.py), and what a notebook shows (notebook.py).
+"""The page with its figures, and its folder (writing.py), and what a notebook shows (notebook.py).
 
 Offered to the rest of reports: `write`, and `published`, the picture of a published scene.
 """

@@ -28,7 +28,7 @@ from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 
-HERTZ, ROUNDED = "hertz-paper", "flat-rounded-paper"
+_HERTZ, _ROUNDED = "hertz-paper", "flat-rounded-paper"
 FRICTIONS = (1.0, 0.8, 0.6, 0.4)
 """Coefficients of friction of figure 4b, used in the grids of figures 7 and 10 as well."""
 POINTS = (0.77, 0.82, 1.0, 1.13)
@@ -318,7 +318,7 @@ class Sweep:
     place: Array  # (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
 
 
-def sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
+def _sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
     """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what they are: one call each."""
     friction = np.array(FRICTIONS)
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself is rounding's.
@@ -343,7 +343,7 @@ class Paper:
     @cached_property
     def sweeps(self) -> tuple[Sweep, Sweep]:
         """Hertz, flat and rounded."""
-        return sweep(self.hertz), sweep(self.rounded)
+        return _sweep(self.hertz), _sweep(self.rounded)
 
     @cached_property
     def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
@@ -358,4 +358,4 @@ def paper() -> Paper:
     >>> round(paper().hertz.length, 12)  # a(P0) = 1 mm
     1.0
     """
-    return Paper(Case(load_scene(HERTZ)), Case(load_scene(ROUNDED)))
+    return Paper(Case(load_scene(_HERTZ)), Case(load_scene(_ROUNDED)))

@@ -29,10 +29,10 @@ _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
 def sheets(paper: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order."""
     hertz, rounded, (sweep, other) = paper.hertz, paper.rounded, paper.sweeps
-    first = (figure_1(rounded), figure_2(hertz), figure_3(hertz), figure_4a(hertz), figure_4b(hertz), figure_5(hertz))
-    work = [pointwise("figure_06", paper, 0), swept("figure_07a", "work", sweep), swept("figure_07b", "peak", sweep)]
-    work += [figure_8(rounded), pointwise("figure_09", paper, 1)]
-    return (*first, *work, swept("figure_10a", "work", other, sweep), swept("figure_10b", "peak", other, sweep))
+    first = (_figure_1(rounded), _figure_2(hertz), _figure_3(hertz), _figure_4a(hertz), _figure_4b(hertz), _figure_5(hertz))
+    work = [_pointwise("figure_06", paper, 0), _swept("figure_07a", "work", sweep), _swept("figure_07b", "peak", sweep)]
+    work += [_figure_8(rounded), _pointwise("figure_09", paper, 1)]
+    return (*first, *work, _swept("figure_10a", "work", other, sweep), _swept("figure_10b", "peak", other, sweep))
 
 
 def _line(x: ArrayLike, y: ArrayLike, label: str = "", look: str = "solid") -> Curve:
@@ -68,7 +68,7 @@ def _panel(
 
 
 # --------------------------------------------------------------------------------------------------- loads and tractions
-def figure_1(case: Case) -> Plate:
+def _figure_1(case: Case) -> Plate:
     """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn much higher."""
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
@@ -109,7 +109,7 @@ def figure_1(case: Case) -> Plate:
     return _plate("figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": height})
 
 
-def figure_2(case: Case) -> Plate:
+def _figure_2(case: Case) -> Plate:
     """The initial loading and the ellipse in the plane of the loads, with the letters and the lines that define them."""
     f, cone = case.friction, np.array([0.0, 4.6])
     points = {
@@ -151,7 +151,7 @@ def figure_2(case: Case) -> Plate:
     return _plate("figure_02", [panel], {**table, **{f"{name} / (P0/3)": column for name, column in columns.items()}})
 
 
-def figure_3(case: Case) -> Plate:
+def _figure_3(case: Case) -> Plate:
     """Pressure and shear traction at A to M; what slips is filled between zero and the limit of friction."""
     x, scale = np.linspace(-1.25, 1.25, 251), case.length / case.unit
     times = [case.time(letter) for letter in LETTERS]
@@ -221,7 +221,7 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
     return [(case.time("M"), -1), (case.time("G") + turn, 0), (case.time("I") + turn, 1), (case.time("M") + turn, 0)]
 
 
-def figure_4a(case: Case) -> Plate:
+def _figure_4a(case: Case) -> Plate:
     """Half-widths over the way that P has gone."""
     turns = ((case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True))
     # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the instants.
@@ -238,7 +238,7 @@ def figure_4a(case: Case) -> Plate:
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
 
 
-def figure_4b(case: Case) -> Plate:
+def _figure_4b(case: Case) -> Plate:
     """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
     others = {f: case.about_no_shear(f) for f in FRICTIONS}
     first, last, start = others[FRICTIONS[0]], others[FRICTIONS[-1]], others[FRICTIONS[0]].time("M")
@@ -264,7 +264,7 @@ def figure_4b(case: Case) -> Plate:
     return _plate("figure_04b", [panel], table)
 
 
-def figure_5(case: Case) -> Plate:
+def _figure_5(case: Case) -> Plate:
     """Extent of contact and slip above, displacement of four points beneath: slip broad, separation dotted."""
     start, angles = case.time("M"), (0.0, 360.0, _ANGLE)
     zones = _zones(case, _steady_marks(case))
@@ -307,7 +307,7 @@ def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(here | np.roll(here, 1) | np.roll(here, -1))
 
 
-def figure_8(case: Case) -> Plate:
+def _figure_8(case: Case) -> Plate:
     """Contact and stick of the flat and rounded contact."""
     zones, flat = _zones(case, _steady_marks(case)), float(case.width(0.0))
     angle = np.degrees(zones.time - case.time("M"))
@@ -318,7 +318,7 @@ def figure_8(case: Case) -> Plate:
 
 
 # ----------------------------------------------------------------------------------------------------------------- work
-def pointwise(name: str, paper: Paper, number: int) -> Plate:
+def _pointwise(name: str, paper: Paper, number: int) -> Plate:
     """Figures 6 and 9: W(x) with its parts."""
     case, peak = (paper.hertz, paper.rounded)[number], paper.peaks[number]
     inner, outer, share = case.stick_edge, case.outer_edge, float(peak.fraction)
@@ -343,7 +343,7 @@ def pointwise(name: str, paper: Paper, number: int) -> Plate:
     return _plate(name, [panel], table, fraction=share, place=place)
 
 
-def swept(name: str, what: str, sweep: Sweep, other: Sweep | None = None) -> Plate:
+def _swept(name: str, what: str, sweep: Sweep, other: Sweep | None = None) -> Plate:
     """Figures 7 and 10: curves of one quantity over P0/P1, one for each f; another sweep in pale lines beneath."""
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[what]
     values, largest, marks = getattr(sweep, what), float(getattr(sweep, what).max()), list[Mark]()

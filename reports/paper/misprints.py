@@ -24,27 +24,27 @@ _PHASES = ("EG", "IJ", "JM")
 
 def proofs(paper: Paper) -> dict[str, Found]:
     """Key of a misprint -> whether it is proven (None: by reading) and its numbers."""
-    found = cycle(paper.hertz) | slip(paper.hertz) | work(paper.hertz, float(paper.peaks[0].place))
+    found = _cycle(paper.hertz) | _slip(paper.hertz) | work(paper.hertz, float(paper.peaks[0].place))
     return found | {
-        "(25)": sliding_condition(paper.hertz),
-        "flat-and-rounded law": rounded_law(paper.rounded),
+        "(25)": _sliding_condition(paper.hertz),
+        "flat-and-rounded law": _rounded_law(paper.rounded),
         "reference [7]": (None, {}),
     }
 
 
-def share(found: float, right: float) -> float:
+def _share(found: float, right: float) -> float:
     """Relative error."""
     return abs(found / right - 1)
 
 
 def _proof(right: float, printed: float, moved: float, more: Mapping[str, float], holds: bool = True) -> Found:
     """Whether the mended and the printed reading of what the engine says is `moved` prove a misprint, with their errors."""
-    errors = {"right": share(right, moved), "printed": share(printed, moved)}
+    errors = {"right": _share(right, moved), "printed": _share(printed, moved)}
     return proves(errors["right"], errors["printed"]) and holds, {**errors, **more}
 
 
 # -------------------------------------------------------------------------------------------- loads, friction and tractions
-def cycle(case: Case) -> dict[str, Found]:
+def _cycle(case: Case) -> dict[str, Found]:
     """Sections 2 and 3: which loads, letters and conditions are meant."""
     formulas, events = Formulas(case), case.events
     # Stick, at instants of the steady cycle: the share at which each reading is wrong.
@@ -62,7 +62,7 @@ def cycle(case: Case) -> dict[str, Found]:
     at |= {f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"}
     least = abs(at["P at F"] - p) < EXACT < at["P at H"] - p and abs(at["Q at H"] - q) < EXACT
     j, i = (math.degrees(case.time(letter) - case.time("K")) for letter in "JI")
-    front = share(events["J"].front_load, events["G"].normal_load)
+    front = _share(events["J"].front_load, events["G"].normal_load)
     degrees = {"J after K in degrees": j, "I after K in degrees": i, "I before K in degrees": -i}
 
     def halved(name: str) -> float:
@@ -77,7 +77,7 @@ def cycle(case: Case) -> dict[str, Found]:
     whole = case.steady.dissipation / case.work_unit
     named = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
     return {
-        "(2)": corrective_load(case),
+        "(2)": _corrective_load(case),
         "condition of stick": (right == 0 and printed > 0.01, {"printed": printed, "right": right}),
         "(9), (10)": _proof(g, b, case.stick_edge, named),
         "3H": (least, at | {"least P": p, "least Q": q}),
@@ -87,7 +87,7 @@ def cycle(case: Case) -> dict[str, Found]:
     }
 
 
-def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Found:
+def _corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Found:
     """Cattaneo and Mindlin's problem, Q = 0.6 f P."""
     p = case.load.mean_normal_load
     q = part * friction * p
@@ -103,7 +103,7 @@ def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Fou
     return proves(errors["right"], min(errors["printed"], errors["sign turned only"])), errors
 
 
-def sliding_condition(case: Case) -> Found:
+def _sliding_condition(case: Case) -> Found:
     """Circles between the two formulas slide; the engine's limit is within a share of 1e-10 of the mended one."""
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     right, printed, bracket = sliding_limit(friction), math.sqrt(2) * (1 + friction) / (2 * friction), 1e-10
@@ -117,7 +117,7 @@ def sliding_condition(case: Case) -> Found:
     met = slides(friction, right * (1 - bracket)) & ~slides(friction, right * (1 + bracket))
     errors = {"right": bracket if met.all() else math.nan, "printed": float(np.min(np.abs(printed / right - 1)[apart]))}
     return sliding == 1 and proves(errors["right"], errors["printed"]), errors | {
-        "apart at f = 1": share(float(printed[4]), float(right[4])),
+        "apart at f = 1": _share(float(printed[4]), float(right[4])),
         "sliding share between": sliding,
         "circles between": between.size,
         "mended limit at f = 0.4": float(right[1]),
@@ -125,7 +125,7 @@ def sliding_condition(case: Case) -> Found:
     }
 
 
-def rounded_law(case: Case) -> Found:
+def _rounded_law(case: Case) -> Found:
     """The contact law of section 4.2, from the pressure that the engine computes; (1 + kappa)/mu = 2 A."""
     load, profile = case.load.mean_normal_load, case.scene.profile.model_dump()
     flat, radius = profile["flat_half_length"], profile["radius"]
@@ -143,7 +143,7 @@ def rounded_law(case: Case) -> Found:
 
 
 # --------------------------------------------------------------------------------------------------------------------- slip
-def slip(case: Case) -> dict[str, Found]:
+def _slip(case: Case) -> dict[str, Found]:
     """Equations (14) to (19): slip and movement between two letters, at points in and out of contact."""
     formulas, factor = Formulas(case), case.compliance * case.friction / math.pi
     loads, rates, reach, front = formulas.loads, formulas.rates, formulas.reach, formulas.front
@@ -197,21 +197,21 @@ def slip(case: Case) -> dict[str, Found]:
     net = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
     return {
         "(14), I–J": _proof(right, printed, moved, halves, halves["printed I-K"] * after < 0),
-        "(15)": gap_for_slope(case),
+        "(15)": _gap_for_slope(case),
         "(16), second line": second,
-        "(17)": stick_displacement(case),
+        "(17)": _stick_displacement(case),
         "(18)": _proof(right, nearest, moved, products),
         "P_K in (19)": _proof(mended, outside, formulas.moved(x1, *phase), named),
         "reference before (23)": _proof(slipped, net, forward, {"net over the slip": abs(net / forward)}),
     }
 
 
-def gap_for_slope(case: Case) -> Found:
+def _gap_for_slope(case: Case) -> Found:
     """What h_o is: slip from J to M at 0.8 a0, and how it grows with all lengths and loads at the same stresses."""
     names, sizes = ("slope", "gap of the increment", "gap of the punch"), (case, case.ten_times())
     moved, grown = (Formulas(each).moved(0.8 * each.length, each.time("J"), each.time("M")) for each in sizes)
     slips = {name: [_by_15(each, 0.8 * each.length, name) for each in sizes] for name in names}
-    errors = {name: share(pair[0], moved) for name, pair in slips.items()}
+    errors = {name: _share(pair[0], moved) for name, pair in slips.items()}
     powers = {f"power with the {name}": math.log10(pair[1] / pair[0]) for name, pair in slips.items()}
     power, printed = math.log10(grown / moved), min(errors[name] for name in names[1:])
     numbers = {"right": errors["slope"], "printed": printed, "power of the slip": power}
@@ -236,7 +236,7 @@ def _by_15(case: Case, x: float, reading: str) -> float:
     return case.compliance * case.friction / math.pi * formulas.rubbing("JM", x, rate)
 
 
-def stick_displacement(hertz: Case) -> Found:
+def _stick_displacement(hertz: Case) -> Found:
     """A point out of contact from G to H, in full stick, at two coefficients of friction."""
 
     def ratio(f: float) -> float:
@@ -304,7 +304,7 @@ def work(case: Case, x: float) -> dict[str, Found]:
     edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
     marks = sorted({case.stick_edge, case.outer_edge, *edges})
     halves = (integral(lambda x: total(case.density(x)), begin, end) for begin, end in pairwise(marks))
-    whole = share(2 * sum(halves) * case.work_unit, case.steady.dissipation)
+    whole = _share(2 * sum(halves) * case.work_unit, case.steady.dissipation)
     holds = whole <= EXACT and abs(powers[0] - 1) <= EXACT and abs(powers[1] - 2) <= EXACT
     negative = signed["printed JM"] < 0 < right["mended JM"]
     return {

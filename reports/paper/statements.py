@@ -31,7 +31,7 @@ _HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
 
 def judged(paper: Paper) -> dict[str, Found]:
     """Key of a statement -> its verdict and numbers."""
-    return tractions(paper.hertz) | course(paper.hertz) | loads(paper) | work(paper.hertz) | comparisons(paper)
+    return tractions(paper.hertz) | course(paper.hertz) | loads(paper) | work(paper.hertz) | _comparisons(paper)
 
 
 # ------------------------------------------------------------------------------------------ tractions of the first cycle
@@ -76,11 +76,11 @@ def tractions(case: Case) -> dict[str, Found]:
         "(6)": (judge(worst[0] <= EXACT), forward | {"largest error": worst[0]}),
         "full stick at E": (judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5), rest),
         "(7)": (judge(worst[1] <= EXACT), reverse | {"largest error": worst[1]}),
-        "residual tractions": residual_tractions(case),
+        "residual tractions": _residual_tractions(case),
     }
 
 
-def residual_tractions(case: Case) -> Found:
+def _residual_tractions(case: Case) -> Found:
     """What the slip of the transient leaves: the locked-in slip, and the tractions that the initial loading alone has not."""
     formulas = Formulas(case)
     inner, outer = formulas.initial_meeting(case.time("E")), float(formulas.front("EG", case.time("G")))
@@ -142,7 +142,7 @@ def course(case: Case) -> dict[str, Found]:
         "forward slip is slower": slip_speed(case),
         "permanent stick": (judge_number(case.stick_edge, 0.73, 2), {"a(P_T)/a0": case.stick_edge}),
         "no net displacement": (judge(net <= _ROUNDING), {"net over largest": net}),
-        **{f"history of x = {x}": point_history(case, x) for x in POINTS},
+        **{f"history of x = {x}": _point_history(case, x) for x in POINTS},
         "one-way slip": one_way_slip(case),
     }
 
@@ -167,22 +167,22 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     return judge(own < 1 - _ROUNDING, nearly=phase < 1 - _ROUNDING), found
 
 
-def point_history(case: Case, x: float) -> Found:
+def _point_history(case: Case, x: float) -> Found:
     """Sequence of stick, slip and separation of a point of figure 5."""
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
-    found = sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
-    stated = sequence(_HISTORIES[x])
+    found = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
+    stated = _sequence(_HISTORIES[x])
     letters = [{"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}[name] for name in found]
     turns = [stated[k:] + stated[:k] for k in range(len(stated))]
     numbers = {"share of separation": float(np.mean(states == SurfaceState.OPEN)), "runs": len(found)}
     return judge(letters in turns), numbers | {"history": ", ".join(found).replace("open", "separation")}
 
 
-def sequence(states: Sequence[str]) -> list[str]:
+def _sequence(states: Sequence[str]) -> list[str]:
     """The runs of a closed cycle.
 
-    >>> sequence("SSFOS")
+    >>> _sequence("SSFOS")
     ['S', 'F', 'O']
     """
     names = [name for name, _ in groupby(states)]
@@ -281,7 +281,7 @@ def work(case: Case) -> dict[str, Found]:
     }
 
 
-def comparisons(paper: Paper) -> dict[str, Found]:
+def _comparisons(paper: Paper) -> dict[str, Found]:
     """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal loads, f, material and a0."""
     cases, (hertz, rounded), names = (paper.hertz, paper.rounded), paper.sweeps, ("Hertz", "flat and rounded")
     found: dict[str, Found] = {}

@@ -55,14 +55,14 @@ Found = tuple[Any, dict[str, Any]]
 
 
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with its numbers, in Python's formats and `small`; names hold any sign but : and braces.
+    """A text of paper.toml with its numbers, in Python's formats and `_small`; names hold any sign but : and braces.
 
     >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
 
     def number(found: re.Match[str]) -> str:
-        return small(values[found[1]]) if found[2] == "small" else format(values[found[1]], found[2] or "")
+        return _small(values[found[1]]) if found[2] == "small" else format(values[found[1]], found[2] or "")
 
     return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
 
@@ -92,10 +92,10 @@ def judge_number(computed: float, printed: float, digits: int, slack: float = 0.
     return judge(round(computed, digits) == printed, abs(computed - printed) <= slack * abs(printed))
 
 
-def small(value: float) -> str:
+def _small(value: float) -> str:
     """A discrepancy to one digit; nothing at all is 0.
 
-    >>> small(0.0), small(3.14e-15)
+    >>> _small(0.0), _small(3.14e-15)
     ('0', '3e-15')
     """
     return "0" if value == 0 else f"{value:.0e}"

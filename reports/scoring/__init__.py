@@ -5,7 +5,7 @@ abaqus.py          reports of field output; reports of XY data are tables
 fields.py          VTU, VTK, XDMF and their collections
 calculix.py        CalculiX' results as tractions; calculix_files.py: the forms .frd and .dat
 mapping.py         names of columns, factors of units, signs
-surface.py         the one form; surface of a foreign mesh, elements inside out
+surface.py         the one form; surface of a foreign mesh
 history.py         which instant is which on the scene's load path
 solution.py        units and signs that can't be; the result as a ContactSolution: states, edges, friction work, by the same
                    rule in the reference

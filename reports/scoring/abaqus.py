@@ -22,7 +22,7 @@ from scenes.text_tables import plain
 
 Array = NDArray[np.float64]
 
-TITLE = "Field Output Report"
+_TITLE = "Field Output Report"
 _SAID = re.compile(
     r"\s*(?:Step:\s*(?P<step>.+?)|Frame:\s*(?P<frame>.+?)|Field Output reported at (?P<where>.+?) for "
     r"(?:part|region|element set|node set|set|surface):\s*(?P<region>.+?))\s*$"
@@ -52,7 +52,7 @@ class _Block:
 def is_field_report(path: Path) -> bool:
     """Whether a file begins as a report of field output does."""
     with path.open("rb") as stream:
-        return TITLE.encode() in stream.read(4096)
+        return _TITLE.encode() in stream.read(4096)
 
 
 def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]]:

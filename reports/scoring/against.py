@@ -79,8 +79,7 @@ def score_file(
     if path.suffix.lower() == OWN and path.is_file():
         return score_solution(own_solution(path, scene), (), None, against=against, polygon=True, tolerances=tolerances)
     sure = mapping.times is not None or mapping.columns.time is not None
-    surface = read(path, mapping, scene)
-    return score_surface(surface, mapping, scene, against=against, sure_of_times=sure, tolerances=tolerances)
+    return score_surface(read(path, mapping), mapping, scene, against=against, sure_of_times=sure, tolerances=tolerances)
 
 
 def own_solution(path: Path, scene: Scene) -> ContactSolution:

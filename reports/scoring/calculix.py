@@ -26,8 +26,12 @@ from scenes import InputError
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_CONTACT = ("COPEN", "CSLIP1", "CPRESS", "CSHEAR1")
-_STRESS = ("SYY", "SXY")
+# Of the blocks that tractions are read from: quantities, and the components that they are.
+_Quantity = Literal["pressure", "shear", "slip"]
+_COMPONENTS: dict[str, dict[_Quantity, str]] = {
+    "CONTACT": {"pressure": "CPRESS", "shear": "CSHEAR1", "slip": "CSLIP1"},
+    "STRESS": {"pressure": "SYY", "shear": "SXY"},
+}
 _SLIP_NOTE = "CalculiX' slip holds the elastic slip of its stick stiffness and is 0 at points that are open"
 _Faces = dict[int, tuple[int, ...]]
 # Corners (from 0) of the faces of bricks, wedges, tetrahedra, and of plane elements: CalculiX counts their edges as faces 3 to 6.
@@ -109,26 +113,23 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: no block CONTACT and none STRESS; it has {', '.join(file.names) or 'none'}: add *CONTACT FILE "
             "(DISP and FORC alone are what CalculiX leaves of a run whose first increment did not converge)"
         )
-    mesh = CalculixMesh(file)
-    if file.blocks[0].name == "STRESS":  # p = -SYY and q = SXY: the traction on the lower body's outward normal +y
-        height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    mesh, kind = CalculixMesh(file), file.blocks[0].name
+    names = _COMPONENTS[kind]
+    blocks, notes = _one_block_a_time(file, list(names.values()), "stress" if kind == "STRESS" else "contact values")
+    if kind == "STRESS":  # p = -SYY and q = SXY: the traction on the lower body's outward normal +y
+        height, factor = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0), mapping.factors.stress or 1.0
         face = np.flatnonzero((np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0))
         if not len(face):
             raise InputError(
                 f"{path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it lies by y_offset of a mapping"
             )
-        rows, depth, notes = one_plane(mesh.points, face)
-        blocks, left_out = _one_block_a_time(file, _STRESS, "stress")
-        factor = mapping.factors.stress or 1.0
-        wanted = {"pressure": ("SYY", -factor), "shear": ("SXY", factor)}
+        factors: dict[_Quantity, float] = {"pressure": -factor, "shear": factor}
         notes = [
             "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at its face, outward normal +y; "
             "stress extrapolated to the nodes is coarser than the contact values",
             *notes,
-            *left_out,
         ]
     else:
-        blocks, left_out = _one_block_a_time(file, _CONTACT, "contact values")
         for block in file.blocks:  # whatever is not 0 counts as touched: a NaN would
             if not np.isfinite(block.values).all():
                 raise InputError(f"{path}: line {block.line}: block CONTACT holds numbers that are not finite")
@@ -137,23 +138,17 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             raise InputError(f"{path}: every contact value is 0 at every instant: the bodies do not touch in this result")
         body = _body_of_face(path, mesh.above[touched])
         face, curved = _whole_face(mesh, touched)
-        rows, depth, notes = one_plane(mesh.points, face)
-        wanted = {
-            "pressure": ("CPRESS", _factor(mapping, "pressure", body)),
-            "shear": ("CSHEAR1", _factor(mapping, "shear", body)),
-            "slip": ("CSLIP1", _factor(mapping, "slip", body)),
-        }
-        notes = [*left_out, f"contact values stand at the slave face, that of the {body} body", _SLIP_NOTE, *notes, *curved]
-    fields = {
-        quantity: factor * np.array([mesh.scattered(block, name)[rows] for block in blocks])
-        for quantity, (name, factor) in wanted.items()
+        factors = {quantity: _factor(mapping, quantity, body) for quantity in names}
+        notes += [f"contact values stand at the slave face, that of the {body} body", _SLIP_NOTE, *curved]
+    if not file.ended:
+        notes.append("the file has no end (9999): the run goes on or was stopped, and later instants are missing")
+    rows, depth, planes = one_plane(mesh.points, face)
+    fields: dict[str, Array] = {
+        q: factors[q] * np.array([mesh.scattered(block, name)[rows] for block in blocks]) for q, name in names.items()
     }
-    x = mesh.points[rows, 0]
-    beside = path.with_suffix(".dat")
+    beside, times = path.with_suffix(".dat"), np.array([block.time for block in blocks])
     printed = read_dat(beside) if beside.exists() and beside.stat().st_size else None
-    times = np.array([block.time for block in blocks])
-    end = [] if file.ended else ["the file has no end (9999): the run goes on or was stopped, and later instants are missing"]
-    return _result(path, mapping, mapping.code or file.version, (x, depth), fields, times, printed, notes, end)
+    return _result(path, mapping, file.version, (mesh.points[rows, 0], depth), fields, times, printed, [*notes, *planes])
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -195,41 +190,33 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     rows, _, more = one_plane(places, np.arange(len(keys)))
     notes = [f"contact values stand at the slave face, that of the {body} body", *notes, *more]
 
-    def column(tables: Sequence[DatTable], k: int) -> Array:
+    def column(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has none."""
-        found = []
-        for table in tables:
-            number = {tuple(key): place for place, key in enumerate(keys[rows].tolist())}
-            own = np.array([number.get(tuple(ids), -1) for ids in table.ids.tolist()], np.int64)
-            total, count = (
-                np.bincount(own[own >= 0], weights=weights, minlength=len(rows))
-                for weights in (table.values[own >= 0, k], np.ones(int(np.sum(own >= 0))))
-            )
-            found.append(total / np.maximum(count, 1.0))
-        return np.array(found)
+        means = np.zeros((len(tables), len(rows)))
+        for mean, table in zip(means, tables, strict=True):
+            values = dict[tuple[int, ...], list[float]]()
+            for ids, value in zip(map(tuple, table.ids.tolist()), table.values[:, k].tolist(), strict=True):
+                values.setdefault(ids, []).append(value)
+            mean[:] = [np.mean(values.get(tuple(key), 0.0)) for key in keys[rows].tolist()]
+        return _factor(mapping, quantity, body) * means
 
-    tables = list(stress.values())
-    fields = {
-        "pressure": column(tables, 0) * _factor(mapping, "pressure", body),
-        "shear": column(tables, 1) * _factor(mapping, "shear", body),
-    }
+    tables = [*stress.values()]
+    fields = {"pressure": column(tables, 0, "pressure"), "shear": column(tables, 1, "shear")}
     if set(slip) >= set(stress):
-        fields["slip"] = column([slip[time] for time in stress], 1) * _factor(mapping, "slip", body)
+        fields["slip"] = column([slip[time] for time in stress], 1, "slip")
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
-    return _result(
-        path, mapping, mapping.code or "CalculiX", (places[rows, 0], depth), fields, np.array(list(stress)), printed, notes, []
-    )
+    return _result(path, mapping, "CalculiX", (places[rows, 0], depth), fields, np.array([*stress]), printed, notes)
 
 
-def _factor(mapping: Mapping, quantity: Literal["pressure", "shear", "slip"], body: str) -> float:
+def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     """Unit factor and sign: the mapping's sign where it states one, else that of the slave face, which is part of `body`."""
     one = float(converted(mapping, quantity, np.ones(1))[0])
     stated = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
     return one if stated or body == "upper" else -one
 
 
-def _one_block_a_time(file: FrdFile, wanted: tuple[str, ...], what: str) -> tuple[list[FrdBlock], list[str]]:
+def _one_block_a_time(file: FrdFile, wanted: Sequence[str], what: str) -> tuple[list[FrdBlock], list[str]]:
     """The last block of each time, of which all hold the components `wanted`; frames without one and doubles are named."""
     for block in file.blocks:
         if missing := [name for name in wanted if name not in block.components]:
@@ -278,16 +265,15 @@ def _result(
     times: Array,
     printed: DatFile | None,
     notes: list[str],
-    end: list[str],
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted. `place`: x of the points, and the depth of the mesh."""
     x, depth = converted(mapping, "x", place[0]), place[1]
-    loads, said = pair_loads(printed, mapping, times, depth) if printed else ({}, [])
+    loads, said = _pair_loads(printed, mapping, times, depth) if printed else ({}, [])
     time = stated_times(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
-    return surface_result(str(path), code, x, dict(fields), {"time": time, **loads}, [*notes, *said, *end])
+    return surface_result(str(path), mapping.code or code, x, dict(fields), {"time": time, **loads}, [*notes, *said])
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
+def _pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
     They are what the upper body does to the lower; the file states the force on the slave face, which is the lower body's where its

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
-FARTHEST = 1e100  # the square of a larger coordinate would be none
-WIDTH = 12  # characters a number, with no blank kept between two
+_FARTHEST = 1e100  # the square of a larger coordinate would be none
+_WIDTH = 12  # characters a number, with no blank kept between two
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
 # Fortran drops the E before an exponent of three digits: 1.46685-100.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?", re.ASCII)
@@ -177,7 +177,7 @@ class _Lines(Iterator[str]):
         nodes, points = self.table(records, label, 3)
         if len(np.unique(nodes)) < len(nodes):
             raise self.refusal("every node once: a number comes twice", at + 1)
-        if not (np.abs(points) <= FARTHEST).all():
+        if not (np.abs(points) <= _FARTHEST).all():
             raise self.refusal("finite coordinates", at + 1)
         return nodes, points
 
@@ -212,13 +212,13 @@ class _Lines(Iterator[str]):
         nodes, words = list[int](), list[str]()
         for line, text, more in records:
             body = text[label:] + "".join(rest[label:] for rest in more)
-            if len(body) != WIDTH * columns:
-                length = f"{3 + label + WIDTH * columns} in all, found {3 + label + len(body)}"
-                raise self.refusal(f"{columns} numbers of {WIDTH} characters, {length}: {text[:40]!r}", line)
+            if len(body) != _WIDTH * columns:
+                length = f"{3 + label + _WIDTH * columns} in all, found {3 + label + len(body)}"
+                raise self.refusal(f"{columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line)
             nodes.append(self.integer(text[:label], "a node's number", line))
-            words += [body[k : k + WIDTH] for k in range(0, len(body), WIDTH)]
+            words += [body[k : k + _WIDTH] for k in range(0, len(body), _WIDTH)]
         try:
-            values = np.array(words, f"S{WIDTH}").astype(float)
+            values = np.array(words, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
             values = np.array([self.float(word, "a number", records[k // columns].line) for k, word in enumerate(words)])
         return np.array(nodes, np.int64), values.reshape(len(nodes), columns)

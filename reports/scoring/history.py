@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +17,15 @@ Loads = tuple[Array, Array]
 
 # Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file states them, printed to some
 # digits; and of resultants, which the trapezoidal rule takes from the pressures of a mesh of perhaps ten elements.
-STATED, INTEGRATED = 0.005, 0.05
-CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
-PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
+_STATED, _INTEGRATED = 0.005, 0.05
+_CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
+_PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
-_AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
-_BACK = 100.0  # a step back by noise next to a turn is some hundredths of a period; the other choice is a period ahead
+_PLACES = 64  # at which one instant may lie
+# Costs of a place, over that of a mean step, and for each revolution gone ahead among equal matches; a step back by so small a part
+# of a revolution costs as much as a mean step ahead.
+_DISTANCE, _AHEAD, _BACK = 1e3, 1e-9, 3000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +62,7 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
     """
     if result.time is not None:
         try:
-            found = _by_time(result, result.time, scene)
-            return found if sure_of_times else replace(found, guess=_other_instants(result, found, scene))
+            return _by_time(result, result.time, scene)
         except InputError as fault:
             if sure_of_times:
                 raise
@@ -73,26 +73,8 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
             why = str(fault).removeprefix(f"{result.source}: ").split(";", maxsplit=1)[0]
             return replace(other, guess=f"the file's times can't be those of the scene's path and were not used ({why})")
     if result.normal_load is not None and result.tangential_load is not None:
-        return _by_loads(result, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
+        return _by_loads(result, scene, (result.normal_load, result.tangential_load), _STATED, "the loads that it states")
     return _by_resultants(result, scene)
-
-
-def _other_instants(result: SurfaceResult, found: History, scene: Scene) -> str:
-    """A sentence where the shear does not add up to Q at times that nobody vouches for, and does at other instants of the path."""
-    own, limit = resultants(result)[1], 4 * INTEGRATED * float(np.max(found.normal_load))
-    off, turned = (np.abs(sense * own - found.tangential_load) for sense in (1, -1))
-    if not result.sheared or off.max() <= limit or turned.max() <= limit:  # turned: the oddities name it
-        return ""
-    try:
-        matched(replace(result, time=None), scene)
-    except InputError:
-        return ""
-    k = int(np.argmax(off))
-    return (
-        f"the file's times lie on the scene's path and were used, but at instant {k + 1} its shear adds up to {own[k]:.4g} "
-        f"where the scene's Q is {found.tangential_load[k]:.4g}, and its tractions fit other instants of the path: "
-        "times counted within each step of the file are a likely cause (times of a mapping state those of the path)"
-    )
 
 
 def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
@@ -110,26 +92,26 @@ def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
 
     def turned(sense: float, words: str) -> History | None:
         try:
-            return _by_loads(result, scene, (normal, sense * tangential), INTEGRATED, words)
+            return _by_loads(result, scene, (normal, sense * tangential), _INTEGRATED, words)
         except InputError:
             return None
 
     sense = 1.0
     try:
-        found = _by_loads(result, scene, (normal, tangential), INTEGRATED, by)
+        found = _by_loads(result, scene, (normal, tangential), _INTEGRATED, by)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         sense, other = -1.0, turned(-1.0, f"{by}, the latter turned")
         if other is None:
             raise
         found = other
-    for _ in range(CORRECTIONS):
+    for _ in range(_CORRECTIONS):
         theory = semi_analytic.solve(scene, x=result.x, time=found.time, fields=("pressure", "shear"))
         own = (np.trapezoid(field, result.x, axis=1) for field in (theory.pressure, theory.shear))
         missed = [integral - load for integral, load in zip(own, (found.normal_load, found.tangential_load), strict=True)]
         loads = normal - integrated * missed[0], sense * tangential - missed[1]
-        found = _by_loads(result, scene, loads, INTEGRATED, f"{by}, less what that misses of theory")
-    sheared = float(np.max(np.abs(tangential))) > INTEGRATED * float(np.max(normal))
+        found = _by_loads(result, scene, loads, _INTEGRATED, f"{by}, less what that misses of theory")
+    sheared = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
     return replace(found, either_sign=sheared and turned(-sense, by) is not None)
 
 
@@ -153,9 +135,9 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
     # At the times stated, loads stated must be the scene's, and so must the integral of the pressure.
     size = float(np.max(normal)) or 1.0
     for name, own, theirs, limit in (
-        ("P", result.normal_load, normal, STATED),
-        ("Q", result.tangential_load, tangential, STATED),
-        ("the integral of the pressure", resultants(result)[0], normal, 4 * INTEGRATED),
+        ("P", result.normal_load, normal, _STATED),
+        ("Q", result.tangential_load, tangential, _STATED),
+        ("the integral of the pressure", resultants(result)[0], normal, 4 * _INTEGRATED),
     ):
         if own is not None and np.any(np.abs(own - theirs) > limit * size):
             step = int(np.flatnonzero(np.abs(own - theirs) > limit * size)[0])
@@ -167,9 +149,9 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `PRINTED_TIME` of a cycle."""
+    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `_PRINTED_TIME` of a cycle."""
     ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
-    close = (path.period or ends[-1] - ends[0]) * PRINTED_TIME
+    close = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
     after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
     nearest = np.where(time - ends[after - 1] < ends[after] - time, ends[after - 1], ends[after])
     return np.where(np.abs(time - nearest) <= close, nearest, time)
@@ -192,7 +174,7 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
     """In order along the path; where every instant lies on the cycle, in its last one."""
     path = scene.load.path()
     size = float(np.max(path.at(_samples(path, 1))[0]))
-    if np.max(loads[0]) <= STATED * size:
+    if np.max(loads[0]) <= _STATED * size:
         raise InputError(
             f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's {size:.4g}: too little to tell "
             "its instants by; see to thickness and factors of the mapping, or state the times"
@@ -243,30 +225,42 @@ def _samples(path: LoadPath, cycles: int) -> Array:
 
 
 def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: float) -> Array:
-    """Ascending times, (n_steps,), whose loads are nearest to `loads` in the sum of squares: dynamic programming, then refined."""
+    """Ascending times, (n_steps,), among `times` (n,): of the places where the path is near to each load, those that cost least.
+
+    A place costs the square of its distance, over that of the instant that lies farthest from the path, `_DISTANCE` times; a step
+    the square of its length over the mean one. So of places that are equally near, to and fro on one line or in one revolution
+    after another, the evenest are taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
+    to a turn may put an instant before the last one, by a small part of a revolution.
+    """
     normal, tangential = path.at(times)
     squares = [_squares(normal - p, tangential - q) / size**2 for p, q in zip(*loads, strict=True)]
-    steps, cost = [], np.zeros(len(times))
-    for square in squares:
-        cost = cost + square
-        least = np.minimum.accumulate(cost)  # least cost up to here, and where it was reached
-        steps.append(np.maximum.accumulate(np.where(cost <= least, np.arange(len(times)), 0)))
-        cost = least
-    ahead = _AHEAD * (times - times[0]) / (times[-1] - times[0])
-    chosen = [int(steps[-1][np.argmin(cost + ahead)])]
-    for step in reversed(steps[:-1]):
-        chosen.append(int(step[chosen[-1]]))
+    noise, whole = max(float(square.min()) for square in squares) + _SAME**2, times[-1] - times[0]
+    mean, back = whole / len(squares), (path.period or whole) / _BACK
+    places = [_nearest(square) for square in squares]
+    cost, came = _AHEAD * (times[places[0]] - times[0]) / whole, list[Places]()
+    for k, place in enumerate(places):
+        if k:
+            step = times[place] - times[places[k - 1]][:, None]
+            total = cost[:, None] + (step / np.where(step < 0, back, mean)) ** 2
+            came.append(np.argmin(total, axis=0))
+            cost = np.min(total, axis=0)
+        cost = cost + _DISTANCE * squares[k][place] / noise
+    taken = [int(np.argmin(cost))]
+    for way in reversed(came):
+        taken.append(int(way[taken[-1]]))
+    chosen = np.array([place[k] for place, k in zip(places, reversed(taken), strict=True)])
+    return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads), path, scene))
 
-    def settled(picked: Places) -> tuple[Array, float]:
-        time = np.maximum.accumulate(_snapped(_refined(times, picked, path, loads), path, scene))
-        return time, float(np.max(_distance(path, time, loads))) / size
 
-    found, off = settled(np.array(chosen[::-1]))
-    near = [_places(square, off + _SAME) for square in squares]
-    if (taken := _evenest([times[place] for place in near])) is not None:
-        even, farther = settled(np.array([place[k, 1] for place, k in zip(near, taken, strict=True)]))
-        found = even if farther <= off + _SAME else found
-    return found
+def _nearest(squares: Array) -> Places:
+    """The samples (k,) at which the squared distance is least among its neighbours, the `_PLACES` nearest of them.
+
+    >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
+    [1, 4]
+    """
+    before, after = np.append(np.inf, squares[:-1]), np.append(squares[1:], np.inf)
+    least = np.flatnonzero((squares < before) & (squares <= after))
+    return np.sort(least[np.argsort(squares[least], kind="stable")[:_PLACES]])
 
 
 def _chords(across: Array, up: Array) -> tuple[Array, Array]:
@@ -309,42 +303,3 @@ def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Arra
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
     normal, tangential = path.at(time)
     return np.hypot(normal - loads[0], tangential - loads[1])
-
-
-def _places(squares: Array, reach: float) -> Places:
-    """First, nearest and last sample (n, 3) of each stretch of the path that comes within `reach`, of squared distances.
-
-    >>> _places(np.array([4.0, 1.0, 0.0, 4.0, 1.0]), 1.0).tolist()
-    [[1, 2, 2], [4, 4, 4]]
-    """
-    near = np.flatnonzero(squares <= reach**2)
-    if not len(near):
-        near = np.array([np.argmin(squares)])
-    stretches = np.split(near, np.flatnonzero(np.diff(near) > 1) + 1)
-    return np.array([(part[0], part[np.argmin(squares[part])], part[-1]) for part in stretches])
-
-
-def _evenest(candidates: list[Array]) -> Places | None:
-    """Which of its stretches, (n, 3) times each as of `_places`, to take for each instant: the squares of the steps add to least.
-
-    Two instants alike on both sides of a turn of the loads are thereby one on each side, where any other rule would put both in
-    one place. Steps don't go back, but within stretches that overlap, where order can't be told, and then they count more. None
-    where no choice ascends.
-
-    >>> at = lambda *times: np.array([(time, time, time) for time in times])
-    >>> _evenest([at(1.0), at(2.0, 4.0), at(2.0, 4.0), at(5.0)]).tolist()
-    [0, 0, 1, 0]
-    """
-    cost, came = np.zeros(len(candidates[0])), []
-    for before, here in pairwise(candidates):
-        step = here[None, :, 1] - before[:, None, 1]
-        square = np.where(step < 0, _BACK, 1.0) * step**2
-        total = cost[:, None] + np.where(here[None, :, 2] >= before[:, None, 0], square, np.inf)
-        came.append(np.argmin(total, axis=0))
-        cost = np.min(total, axis=0)
-    if not np.isfinite(cost).any():
-        return None
-    taken = [int(np.argmin(cost))]
-    for back in reversed(came):
-        taken.append(int(back[taken[-1]]))
-    return np.array(taken[::-1])

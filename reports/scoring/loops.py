@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 import semi_analytic
 from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, limits, worded
 from reports.charts.templating import script, template
-from reports.checking import check_path
+from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
 from reports.scoring.mapping import Mapping, converted, find_column, listed
@@ -44,7 +44,7 @@ from scenes.unit_words import unit_factor
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
 
-SHIFT_NAMES = ("U", "u", "displacement", "relative displacement", "tangential displacement", "shift", "slip", "U1")
+_SHIFT_NAMES = ("U", "u", "displacement", "relative displacement", "tangential displacement", "shift", "slip", "U1")
 _FEWEST, _LEAST_CYCLES, _MOST_CYCLES = 40, 0.9, 2000
 # Parts of the cycle in which rows are averaged for the area.
 _PARTS = 200
@@ -146,11 +146,11 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     names, where = table.names, str(path)
     force = find_column(mapping, "tangential_load", names, where, needed=True)
     stated = find_column(mapping, "slip", names, where) if mapping.columns.slip else None
-    shifts = [name for alias in SHIFT_NAMES for name in names if plain(name) == plain(alias)]
+    shifts = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
     shift = stated or next(iter(dict.fromkeys(shifts)), None)
     if shift is None:
         raise InputError(
-            f"{where}: no column for the relative displacement (looked for {', '.join(SHIFT_NAMES[:4])} ...) among "
+            f"{where}: no column for the relative displacement (looked for {', '.join(_SHIFT_NAMES[:4])} ...) among "
             f"{listed(names)}; name it by columns.slip of a mapping"
         )
     assert force is not None
@@ -225,7 +225,7 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     scene, place, said = _on_the_cycle(loop, scene)
     share, scale, tangential = place.share, place.scale, _cycle_loads(scene)[1]
     own, fitted, known = tangential * scale, rig_compliance is None, rig_compliance or 0.0
-    least = check_path(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
+    least = nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
 
     def against_rows(shift: Array, share: Array = share, scale: float = scale) -> tuple[float, float, float]:
         """Sum of squares, C and U0 with this U (n_instants,) of theory."""
@@ -494,7 +494,7 @@ def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     return heads, rows
 
 
-def plates(found: LoopScore) -> tuple[Plate, ...]:
+def _plates(found: LoopScore) -> tuple[Plate, ...]:
     """The loop, U less the straight line through it, so that it opens; and rows minus the best fit."""
     length, load, line = units(found.scene)[1], load_unit(found.scene), found.rows[1].slope
     base, rest = float(np.mean(found.shift - line * found.load)), found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
@@ -530,7 +530,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
     from reports.comparison.words import strict
 
     program, digest = script()
-    drawings, (heads, rows) = plates(found), table(found)
+    drawings, (heads, rows) = _plates(found), table(found)
     with filled(out) as folder:
         (folder / "figures").mkdir()
         for drawing in drawings:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import cast
@@ -14,15 +13,15 @@ from numpy.typing import NDArray
 from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
-from scenes import InputError, Scene
+from scenes import InputError
 from scenes.text_tables import ALIASES, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 
-TABLES = (".csv", ".txt", ".rpt")
+_TABLES = (".csv", ".txt", ".rpt")
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks for it.
 READERS: dict[str, str] = {
-    **dict.fromkeys(TABLES, "reading:read_table"),
+    **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
     **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "fields:read_fields"),
@@ -39,7 +38,7 @@ _TAGGED = re.compile(
 )
 
 
-def read(path: Path, mapping: Mapping, scene: Scene | None = None) -> SurfaceResult:  # noqa: ARG001 (asked with it by scripts)
+def read(path: Path, mapping: Mapping) -> SurfaceResult:
     """The result in the file, in the scene's units and our signs as far as the mapping says.
 
     Raises
@@ -68,32 +67,27 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     InputError
         One sentence that names the file, the line or column, and what to do.
     """
+    source = str(path)
     if path.suffix.lower() == ".rpt" and path.is_file() and is_field_report(path):
-        columns, notes = read_field_report(path, mapping)
-        found = _rows(str(path), mapping, columns)
-        return replace(found, notes=(*notes, *found.notes))
+        return _rows(source, mapping, *read_field_report(path, mapping))
     table = text_table(
         path,
         what="the result",
         cure="write the contact surface alone, and fewer instants",
         known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
     )
-    heads = [_head(name, mapping) for name in table.names]
-    frames = [frame for quantity, frame, _ in heads if quantity == "pressure"]
-    if len(frames) > 1 or any(frame is not None for frame in frames):
-        wide = _frames(str(path), table, mapping, heads)
-        if wide is not None:
-            return wide
+    if wide := _frames(source, table, mapping):
+        return _rows(source, mapping, *wide)
     columns = {}
     for quantity in _ROWS:
-        name = find_column(mapping, quantity, table.names, str(path), needed=quantity in ("x", "pressure"))
+        name = find_column(mapping, quantity, table.names, source, needed=quantity in ("x", "pressure"))
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
-    return _rows(str(path), mapping, columns)
+    return _rows(source, mapping, columns, [])
 
 
-def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array]) -> SurfaceResult:
-    """From one row for each instant and point."""
+def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]) -> SurfaceResult:
+    """From one row for each instant and point; what a reader must not miss comes first."""
     by, instants = "nothing", np.zeros(len(columns["x"]), dtype=np.intp)
     told = next((key for key in ("time", "frame") if key in columns), None)
     if told is not None:
@@ -126,9 +120,10 @@ def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array]) -> Surf
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
         series["time"] = stated_times(source, mapping, len(counts))
-    notes = [] if np.all(np.diff(instants) >= 0) else ["the rows were not in the order of the instants and were sorted"]
+    if np.any(np.diff(instants) < 0):
+        notes = [*notes, "the rows were not in the order of the instants and were sorted"]
     if np.any(np.diff(rank, axis=1) < 0):
-        notes.append("the points were not in the order of x and were sorted")
+        notes = [*notes, "the points were not in the order of x and were sorted"]
     fields = {name: shaped.get(name) for name in ("pressure", "shear", "slip")}
     return surface_result(source, mapping.code, shaped["x"], dict(fields), dict(series), notes)
 
@@ -154,45 +149,34 @@ def _head(name: str, mapping: Mapping) -> _Head:
     return quantity, float(tagged["figure"]), timed
 
 
-def _frames(source: str, table: TextTable, mapping: Mapping, heads: list[_Head]) -> SurfaceResult | None:
-    """The frames that stand beside each other; None where the names don't look like that.
+def _frames(source: str, table: TextTable, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]] | None:
+    """The frames that stand beside each other, one below the other; None where the names don't look like that.
 
-    Each frame has a pressure and a shear, perhaps a slip and places of its own; its number or time stands in the names, or the
+    Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time stands in the names, or the
     frames are taken in the order of the columns.
     """
-    grouped: dict[Quantity, list[tuple[float, Array]]] = {quantity: [] for quantity in _FIELDS}
+    heads = [_head(name, mapping) for name in table.names]
+    grouped: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
     for number, (quantity, frame, _) in enumerate(heads):
-        if quantity is not None:
-            order = float(len(grouped[quantity])) if frame is None else frame
-            grouped[quantity].append((order, converted(mapping, quantity, table.values[:, number])))
-    if not grouped["x"]:
-        return None
-    frames = sorted(order for order, _ in grouped["pressure"])
-
-    def stack(quantity: Quantity) -> Array | None:
-        """(n_frames, n_points) in the order of the frames; None where there is no such column."""
-        columns = grouped[quantity]
-        if not columns:
-            return None
-        found = dict(columns)
-        if len(found) < len(columns):
+        if quantity is None:
+            continue
+        order = float(len(grouped[quantity])) if frame is None else frame
+        if order in grouped[quantity]:
             raise InputError(f"{source}: two columns hold {quantity} of the same frame; leave one out or rename it")
-        lacking = sorted({*frames} ^ found.keys())
-        if lacking:
+        grouped[quantity][order] = converted(mapping, quantity, table.values[:, number])
+    frames = sorted(grouped["pressure"])
+    if not grouped["x"] or (len(frames) < 2 and not any(head[0] == "pressure" and head[1] is not None for head in heads)):
+        return None
+    if len(grouped["x"]) == 1:
+        grouped["x"] = dict.fromkeys(frames, next(iter(grouped["x"].values())))
+    for quantity, found in grouped.items():
+        if found and (lacking := sorted({*frames} ^ found.keys())):
             raise InputError(
                 f"{source}: frame {lacking[0]:g} has no {quantity}, or no pressure; every frame needs both pressure and shear"
             )
-        return np.array([found[frame] for frame in frames])
-
-    fields: dict[str, Array | None] = {name: stack(name) for name in _FIELDS[1:]}
-    places = stack("x") if len(grouped["x"]) > 1 else grouped["x"][0][1]
-    assert places is not None
-    times = None
-    if mapping.times is not None:
-        times = stated_times(source, mapping, len(frames), "frames")
-    elif any(timed for _, _, timed in heads):
-        times = converted(mapping, "time", np.array(frames))
+    columns = {quantity: np.concatenate([found[frame] for frame in frames]) for quantity, found in grouped.items() if found}
+    timed: Quantity = "time" if any(timed for _, _, timed in heads) else "frame"
+    columns[timed] = converted(mapping, timed, np.repeat(frames, len(table.values)))
     named = any(quantity is not None and frame is not None for quantity, frame, _ in heads)
     how = "by the figures in their names" if named else "in the order of the columns"
-    notes = [f"{len(frames)} frames were found beside each other, told apart {how}"]
-    return surface_result(source, mapping.code, places, dict(fields), {"time": times}, notes)
+    return columns, [f"{len(frames)} frames were found beside each other, told apart {how}"]

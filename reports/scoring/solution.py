@@ -26,27 +26,27 @@ Mask = NDArray[np.bool_]
 
 # A figure of the result over that of theory may lie between these and be right: a frame near unloading, a coarse mesh, a wrong
 # body. They are less than a factor of 1000 apart, so that at most one factor brings a figure between them.
-LEAST, MOST = 0.03, 10.0
-FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
+_LEAST, _MOST = 0.03, 10.0
+_FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
 # Of the half-width: a contact whose middle is farther from x = 0 was measured from elsewhere.
-OFF_CENTRE = 0.5
-LACKING = "not in the result"
+_OFF_CENTRE = 0.5
+_LACKING = "not in the result"
 # Instants of a cycle below which the work of friction by the trapezoidal rule means nothing.
-FEWEST = 8
+_FEWEST = 8
 # A point slips where |q| is f p less this share, and, where there is a slip, that has moved by more than the second share of the
 # largest movement of the instant. A stick zone ends like the root of the distance: one per cent of f p is a ten-thousandth of a.
-CONE = 0.01
-MOVES = 1e-3
+_CONE = 0.01
+_MOVES = 1e-3
 # Outermost points in contact that a parabola of p^2 leaves out, points behind them that it takes at most and at least, relative
 # residual above which p^2 is no parabola there, spacings by which its zero may differ from that of the straight line. Farther in
 # than the share SERIES of the contact two terms of a power series are too few: flat-rounded-paper erred by 0.005 a at 0.11.
-RIM, SQUARES, FEWEST_SQUARES, ROUGH, NEAR, SERIES = 3, 12, 6, 0.005, 0.4, 0.05
+_RIM, SQUARES, _FEWEST_SQUARES, _ROUGH, _NEAR, _SERIES = 3, 12, 6, 0.005, 0.4, 0.05
 # An instant at which no point of the contact moves faster than this share of the largest rate of all is at rest: where slip turns,
 # it is the digits of the slip that tell who moves.
-RESTS = 0.02
+_RESTS = 0.02
 # Over a_ref: a stick edge of the reference by the rule may be off its own by this; it is by more only where slip has just turned
 # and the tractions don't show it yet.
-UNTOLD = 0.05
+_UNTOLD = 0.05
 
 
 def contact_solution(
@@ -64,7 +64,7 @@ def contact_solution(
         For a history that is not the scene's.
     """
     scene = whole.scene
-    result, guesses = guessed(result, mapping, whole)
+    result, guesses = _guessed(result, mapping, whole)
     history = matched(result, scene, sure_of_times=sure_of_times)
     skipped = _skipped(result, history.time, _instants_of_cycle(scene, history.time))
     if history.guess:
@@ -106,16 +106,16 @@ def contact_solution(
         settings={"source": result.source, DERIVED: ["state", "contact_edges", "stick_edges", *of_scene]}
         | ({"element_size": mapping.element_size} if mapping.element_size else {}),
     )
-    solution, how = ruled(bare, slip=result.slip is not None, work="dissipation" not in skipped)
+    solution, how = _ruled(bare, slip=result.slip is not None, work="dissipation" not in skipped)
     if "dissipation" not in skipped:
         steps = len(solution.last_cycle)
         notes.insert(0, f"its dissipation is the sum of q ds of its own shear and slip over the {steps} instants of a cycle")
     said = (*result.notes, *history.notes, how, *notes)
     solution = replace(solution, record=replace(solution.record, notes=said))
-    return solution, (*guesses, *oddities(result, history.tangential_load, scene))
+    return solution, (*guesses, *_oddities(result, history.tangential_load, scene))
 
 
-def ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:
+def _ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:
     """A solution with states, edges, permanent stick zone and moments from its own tractions, and how they were told, in words.
 
     `slip`: the slip helps to tell what slips; `work`: the dissipation is the sum of q ds over its last cycle.
@@ -159,11 +159,11 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
         return reference, ()
     lacks = missing(result)
     work = np.array_equal(reference.time, result.time) and "dissipation" not in lacks
-    found, _ = ruled(reference, slip="slip" not in lacks, work=work)
+    found, _ = _ruled(reference, slip="slip" not in lacks, work=work)
     own, by_rule = reference.stick_edges, found.stick_edges
     # Instants at which the rule finds the reference's own stick edges; all, where those are the fewer.
     told = np.isnan(own[:, 0]) == np.isnan(by_rule[:, 0])
-    told &= np.max(np.abs(np.nan_to_num(own - by_rule)), axis=1) <= UNTOLD * length
+    told &= np.max(np.abs(np.nan_to_num(own - by_rule)), axis=1) <= _UNTOLD * length
     told = told if 2 * told.sum() > len(told) else np.ones_like(told)
     contact, stick = (
         float(np.nanmax(np.abs(one - other), initial=0.0)) / length
@@ -211,24 +211,21 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
 
 def _skipped(result: SurfaceResult, time: Array, steps: int) -> dict[str, tuple[int, str]]:
     """What the result lacks, with the reason; `steps` instants of it are a whole cycle."""
-    lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), LACKING)
+    lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), _LACKING)
     if result.slip is None:
-        lacking["slip"] = LACKING
+        lacking["slip"] = _LACKING
     if not result.sheared:
-        lacking |= {"shear": LACKING} | dict.fromkeys(("state", "stick_edges"), f"{LACKING}; it takes the shear")
+        lacking |= {"shear": _LACKING} | dict.fromkeys(("state", "stick_edges"), f"{_LACKING}; it takes the shear")
     if not steps:
-        lacking[WHOLE_CYCLE] = f"{LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
-    takes = (
-        "; it takes the shear"
-        if not result.sheared
-        else "; it takes slip"
-        if result.slip is None
-        else "; it takes a whole cycle, or a whole path from the unloaded start"
-        if not steps
-        else f", for a cycle of {steps} instants is too coarse to work it out (less than {FEWEST})"
-    )
-    if result.slip is None or not result.sheared or steps < FEWEST:
-        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), LACKING + takes)
+        lacking[WHOLE_CYCLE] = f"{_LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
+    takes = {
+        "; it takes the shear": not result.sheared,
+        "; it takes slip": result.slip is None,
+        "; it takes a whole cycle, or a whole path from the unloaded start": not steps,
+        f", for a cycle of {steps} instants is too coarse to work it out (less than {_FEWEST})": steps < _FEWEST,
+    }
+    if why := next((words for words, lacks in takes.items() if lacks), ""):
+        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + why)
     return {name: (len(time), why) for name, why in lacking.items()}
 
 
@@ -266,22 +263,22 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
     the limit alone tells.
     """
     touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
-    slips, sense = touching & (np.abs(shear) >= (1 - CONE) * friction * pressure), np.sign(shear)
+    slips, sense = touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure), np.sign(shear)
     words, told = _IN_CONTACT, "tractions"
     if friction:
-        words += f"; it slips where |q| is at least {1 - CONE:g} f p"
+        words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
     if slip is not None and len(slip) > 1:
         moved = np.where(touching[1:], np.diff(slip, axis=0), 0.0)
         largest = np.max(np.abs(moved), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = np.where(largest > 0, largest / np.diff(time)[:, None], 0.0)
-        far = (np.abs(moved) > MOVES * largest) & (rate >= RESTS * np.max(rate))
+        far = (np.abs(moved) > _MOVES * largest) & (rate >= _RESTS * np.max(rate))
         if friction:
             slips = np.vstack([slips[:1], slips[1:] & far & (np.sign(moved) == sense[1:])])
             told = "tractions and slip"
             words += (
-                f" and its slip has moved with the shear by more than {MOVES:g} of the instant's largest step, unless no point "
-                f"moves faster than {RESTS:g} of the largest rate"
+                f" and its slip has moved with the shear by more than {_MOVES:g} of the instant's largest step, unless no point "
+                f"moves faster than {_RESTS:g} of the largest rate"
             )
         else:
             slips, sense = np.vstack([slips[:1], far]), np.vstack([sense[:1], np.sign(moved)])
@@ -316,15 +313,15 @@ def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tup
         spacing = abs(float(x[last] - x[before]))
         line = float(x[last]) + outward * min(float(square[last] / (square[before] - square[last])) * spacing, reach)
         for share in (1, 2, 4) if smooth else ():  # fewer points where a corner of the profile is among them
-            count = min(SQUARES, len(points) // 2 - RIM) // share
-            nodes = last - outward * (RIM + np.arange(count))
-            if count < FEWEST_SQUARES or abs(x[last] - x[nodes[-1]]) > SERIES * abs(x[points[-1]] - x[points[0]]):
+            count = min(SQUARES, len(points) // 2 - _RIM) // share
+            nodes = last - outward * (_RIM + np.arange(count))
+            if count < _FEWEST_SQUARES or abs(x[last] - x[nodes[-1]]) > _SERIES * abs(x[points[-1]] - x[points[0]]):
                 continue
             away, values = outward * (x[nodes[0]] - x[nodes]) / spacing, square[nodes]
             a, b, c = fit = np.polyfit(away, values, 2, w=1 / values)
             rough, under = np.std(np.polyval(fit, away) / values), b**2 - 4 * a * c
             zero = float(x[nodes[0]] + outward * spacing * 2 * c / (b + np.sqrt(max(under, 0.0))))
-            if b > 0 and under > 0 and rough < ROUGH and abs(zero - line) <= NEAR * spacing:
+            if b > 0 and under > 0 and rough < _ROUGH and abs(zero - line) <= _NEAR * spacing:
                 return zero
         return line
 
@@ -339,7 +336,7 @@ def whole_path(scene: Scene) -> ContactSolution:
     return semi_analytic.solve(scene, x=[0.0], fields=())
 
 
-def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> tuple[SurfaceResult, tuple[str, ...]]:
+def _guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> tuple[SurfaceResult, tuple[str, ...]]:
     """`result` in the scene's units and our signs, and a sentence for each guess that took.
 
     What the mapping states is never guessed at. `whole` is the `whole_path` of the scene.
@@ -376,7 +373,7 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
         ("load", ("normal_load", "tangential_load"), "P and Q", largest, load, "the largest P is"),
     ):
         known = {name: values for name in fields if (values := getattr(result, name)) is not None}
-        factor = next((one for one in (1.0, *FACTORS) if LEAST <= own / expected * one <= MOST), 1.0)
+        factor = next((one for one in (1.0, *_FACTORS) if _LEAST <= own / expected * one <= _MOST), 1.0)
         if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
             continue
         scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
@@ -390,7 +387,7 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
     left, right = _extent(result)
     sides = np.nanmin(whole.contact_edges[:, 0]), np.nanmax(whole.contact_edges[:, 1])
     centre = float(sides[0] + sides[1]) / 2 if whole.tilt is not None else 0.0
-    if not mapping.x_offset and abs((left + right) / 2 - centre) > OFF_CENTRE * half_width and right - left <= 4 * half_width:
+    if not mapping.x_offset and abs((left + right) / 2 - centre) > _OFF_CENTRE * half_width and right - left <= 4 * half_width:
         row = result.pressure[int(np.argmax(result.pressure.max(axis=1)))]
         middle = float(np.trapezoid(row * result.x, result.x) / np.trapezoid(row, result.x))
         middle -= centre
@@ -406,7 +403,7 @@ def _extent(result: SurfaceResult) -> tuple[float, float]:
     return float(touched[0]), float(touched[-1])
 
 
-def oddities(result: SurfaceResult, tangential: Array, scene: Scene) -> Iterator[str]:
+def _oddities(result: SurfaceResult, tangential: Array, scene: Scene) -> Iterator[str]:
     """Signs that look wrong and are scored as they are; `tangential` is Q of the scene at the result's instants."""
     if result.pressure.min() < -TOUCHES * result.pressure.max():
         row, column = np.unravel_index(np.argmin(result.pressure), result.pressure.shape)

@@ -17,7 +17,7 @@ import numpy as np
 
 from meshes import collected_files
 from reports.comparison import Comparison, Report
-from reports.comparison.convergence import Extrapolation, Refinement, extrapolate
+from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.console import Stages
@@ -26,14 +26,12 @@ from reports.scoring.mapping import Mapping
 from reports.scoring.reading import READERS
 from scenes import InputError, Scene
 
-_WORDS = re.compile(r"[^\s,;]+")
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|inf)", re.IGNORECASE)
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
 _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 # Sizes closer than this are one mesh twice.
-DISTINCT = 1.02
-ROUNDING = 1e-12
-UNREAD = "Not scored"
+_DISTINCT = 1.02
+_ROUNDING = 1e-12
+_UNREAD = "Not scored"
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +125,7 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     if len(ordered) < 2:
         raise InputError("a mesh study takes two meshes at least; name the file itself to score one")
     for fine, coarse in itertools.pairwise(ordered):
-        if coarse.size < DISTINCT * fine.size:
+        if coarse.size < _DISTINCT * fine.size:
             raise InputError(
                 f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and {coarse.size:.4g} ({fine.how}): "
                 "state sizes under [element_sizes] of a mapping, or leave one out"
@@ -150,7 +148,7 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
-    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=ROUNDING)
+    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=_ROUNDING)
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
@@ -181,7 +179,7 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
 def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """The files that a reader takes, one for each stem (the first suffix in the order of the readers); what was left out, in words.
 
-    What a collection names is read through it, and a .txt without a table is no result.
+    What a collection names is read through it.
 
     Raises
     ------
@@ -193,15 +191,8 @@ def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     parts = {part.resolve() for path in files for part in collected_files(path)}
     alone = [path for path in files if path.resolve() not in parts]
 
-    def has_table(path: Path) -> bool:
-        """Whether some line of a text holds three numbers and nothing else: a place and two tractions."""
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-        return any(len(words) > 2 and all(map(_NUMBER.fullmatch, words)) for words in map(_WORDS.findall, lines))
-
-    results = [path for path in alone if path.suffix.lower() in known and (path.suffix.lower() != ".txt" or has_table(path))]
-    taken: dict[str, Path] = {}
-    for path in sorted(results, key=lambda p: known.index(p.suffix.lower())):
-        taken.setdefault(path.stem, path)
+    results = [path for path in alone if path.suffix.lower() in known]
+    taken = {path.stem: path for path in sorted(results, key=lambda p: -known.index(p.suffix.lower()))}  # the last one counts
     left = [path.name for path in alone if path not in taken.values()]
     if not taken:
         raise InputError(f"{folder}: no result is in this folder; a result ends in {', '.join(known)}")
@@ -242,7 +233,7 @@ def score_folder(
     if not levels:
         more = f" ({len(faults) - 1} other files of the folder can't be scored either)" if len(faults) > 1 else ""
         raise InputError(f"{next(iter(faults.values()))}{more}")
-    notes = (*left, *(f"{UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
+    notes = (*left, *(f"{_UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
         with stages.stage("diagnosis"):

@@ -17,7 +17,7 @@ Integers = NDArray[np.int64]
 # Of the largest pressure; below it a point counts as open.
 TOUCHES = 1e-3
 # Deformed places of one point may differ from instant to instant by this share of the spacing; beyond it they are no one point.
-SAME_PLACE = 0.1
+_SAME_PLACE = 0.1
 # Places that differ by less than this share of the mesh's extent are one: text files carry six digits.
 SAME = 1e-6
 
@@ -111,7 +111,7 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
     if moved <= 1e-9 * float(np.ptp(middle)):
         return places[0], ""
     spacing = float(np.median(np.diff(np.sort(middle))))
-    if moved > SAME_PLACE * spacing:
+    if moved > _SAME_PLACE * spacing:
         row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
         raise InputError(
             f"{source}: the points are not the same at every instant: point {column + 1} has x = {places[row, column]:.6g} at "

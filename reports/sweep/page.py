@@ -84,7 +84,7 @@ def write_page(store: Store) -> Path:
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
         uncertainty=_UNCERTAINTY[study.uncertainty] if "fe" in study.engines else exact,
         state=state,
-        words=[(plain(figure), "{} [{}]".format(*label_of(figure, study.scene))) for figure in plain_figures(table, study.axes)],
+        words=[(_plain(figure), "{} [{}]".format(*label_of(figure, study.scene))) for figure in plain_figures(table, study.axes)],
         pictures=draw(table, study.axes, study.scene),
         script=program,
         script_hash=digest,
@@ -102,7 +102,7 @@ def _cell(value: Any) -> str:
 
 
 # ---------------------------------------------------------------------------------------------------------------- figures
-def plain(name: str) -> str:
+def _plain(name: str) -> str:
     """A name of a program as words."""
     return name.replace("_", " ")
 
@@ -133,14 +133,14 @@ class _Sheet:
         self.low, self.high = self.value - margin, self.value + margin
         # An error that is not larger than its uncertainty.
         self.unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
-        self.words = f"{plain(name)}  [{label_of(name, scene)[1]}]"
+        self.words = f"{_plain(name)}  [{label_of(name, scene)[1]}]"
 
     def plate(self) -> Plate:
         """The figure with its caption and its numbers."""
         moves = [name for name in self.axes if self.table[name].nunique() > 1]
         sorts = [name for name in moves if any(isinstance(value, str | bool) for value in self.table[name].tolist())]
         moving = [name for name in moves if name not in sorts]
-        stem, title = self.shown.replace(".", "-"), plain(self.shown)
+        stem, title = self.shown.replace(".", "-"), _plain(self.shown)
         csv = {**{column: self.numbers(column) for column in moving}, self.shown: self.value, "uncertainty": self.uncertainty}
         if not moving:
             text = f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
@@ -153,7 +153,7 @@ class _Sheet:
         places = len(self.table[moving].drop_duplicates()) / np.prod([self.table[name].nunique() for name in moving])
         if len(moving) == 1:
             panels, how = [self.line(stem, masks, moving[0])], "bars are its uncertainty; hollow: not resolved"
-            legend = tuple(Key(f"line-{k}", plain(part)) for k, (part, _) in enumerate(masks) if part)
+            legend = tuple(Key(f"line-{k}", _plain(part)) for k, (part, _) in enumerate(masks) if part)
         elif len(moving) == 2 and places > 0.3:
             how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
             panels = [self.map(f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
@@ -171,13 +171,13 @@ class _Sheet:
 
     def title(self, row: int) -> str:
         """What a reader sees of a value."""
-        return f"{plain(self.name)} = {number(float(self.value[row]))}" + (", not resolved" if self.unresolved[row] else "")
+        return f"{_plain(self.name)} = {number(float(self.value[row]))}" + (", not resolved" if self.unresolved[row] else "")
 
     def label(self, column: str) -> str:
         """Words of an axis."""
         axis = self.axes[column]
         own = axis.label or axis.name if column == axis.name else ""
-        return plain(own or column) + (f" [{axis.unit}]" if own and axis.unit else "")
+        return _plain(own or column) + (f" [{axis.unit}]" if own and axis.unit else "")
 
     def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
         """An axis of numbers; its ticks stand at the values themselves where these are few and apart.
@@ -200,7 +200,7 @@ class _Sheet:
         for k, (part, here) in enumerate(masks):
             rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
             x, y, low, high = (column[rows] for column in (places, self.value, self.low, self.high))
-            drawn.append(Curve(x, y, look, plain(part) or plain(self.name)))
+            drawn.append(Curve(x, y, look, _plain(part) or _plain(self.name)))
             if many := len(rows) > _MARKED:
                 drawn.insert(0, Band(x, low, high, f"p{k % _LOOKS} pale"))
             else:
@@ -209,7 +209,7 @@ class _Sheet:
                 if hollow or not many:
                     drawn.append(Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0))
         up = ChartAxis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
-        return Panel(name, self.axis(moving), up, drawn, f"{plain(self.name)} over {self.label(moving)}", 560.0, 340.0)
+        return Panel(name, self.axis(moving), up, drawn, f"{_plain(self.name)} over {self.label(moving)}", 560.0, 340.0)
 
     def map(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
         """Coloured cells over two axes."""
@@ -219,7 +219,7 @@ class _Sheet:
         share = np.where(here, (self.value - low) / ((high - low) or 1.0), np.nan)
         names = [self.title(row) for row in range(len(share))]
         drawn = heat_map(axes, (self.numbers(moving[0]), self.numbers(moving[1])), share, names, self.unresolved, colours)
-        panel = Panel(name, *axes, drawn, f"Map of {plain(self.name)}, {part}", 480.0, 360.0, plain(part))
+        panel = Panel(name, *axes, drawn, f"Map of {_plain(self.name)}, {part}", 480.0, 360.0, _plain(part))
         return Cell((panel, colour_scale(f"{name}-colours", low, high, self.words, colours)), None)
 
     def cloud(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
@@ -233,7 +233,7 @@ class _Sheet:
             fill = "" if look else shades([share[row]])[0]
             drawn.append(Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill))
         up = ChartAxis(*limits(self.low, self.high), self.words)
-        panel = Panel(name, across, up, drawn, f"{plain(self.name)} over {across.words}, {part}", 480.0, 340.0, plain(part))
+        panel = Panel(name, across, up, drawn, f"{_plain(self.name)} over {across.words}, {part}", 480.0, 340.0, _plain(part))
         return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
 

@@ -112,7 +112,7 @@ class Dask:
             if not place:
                 with _born_without_ctrl_c():
                     own = {"host": "127.0.0.1", "dashboard_address": None, "silence_logs": logging.CRITICAL}
-                    place = LocalCluster(n_workers=self._asked or available_cores(), threads_per_worker=1, **own)
+                    place = LocalCluster(n_workers=self._asked or _available_cores(), threads_per_worker=1, **own)
                 self._open = [place]
             client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
@@ -166,10 +166,10 @@ def workers_of(
     if scheduler.startswith("tls://") != bool(tls) or len(tls) not in (0, len(given)):
         where = f"--scheduler {scheduler}" if scheduler else "--scheduler is left out"
         raise InputError(f"{where}: a tls:// address needs all of --tls-ca-file, --tls-cert and --tls-key, and no other takes them")
-    return Dask(scheduler, workers, tls) if executor == "dask" else Processes(workers or available_cores())
+    return Dask(scheduler, workers, tls) if executor == "dask" else Processes(workers or _available_cores())
 
 
-def available_cores() -> int:
+def _available_cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -162,7 +162,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         raise ValueError("uncertainty: an error budget needs both engines")
 
 
-def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
+def _take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
     """A quantity of either engine or its error: the value, or None and why there is none."""
     prefix, _, quantity = name.partition(".")
     found = {}
@@ -178,7 +178,7 @@ def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -
     return found["fe"] / found["exact"] - 1, ""
 
 
-def stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
+def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
     """What the finite elements themselves state for a half-width, 0 where they state nothing.
 
     The larger of both edges' uncertainties, the median over the last cycle; of an error, over the half-width of theory.
@@ -277,7 +277,7 @@ def _answer(point: Question) -> dict[str, Any]:
 
 def _solve(point: Question) -> dict[str, Any]:
     """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
-    fe, notes = finite_elements(point) if "fe" in point.engines else (None, {})
+    fe, notes = _finite_elements(point) if "fe" in point.engines else (None, {})
     found = evaluate(point, fe)
     values, record = dict(found.values), _record(found.exact if fe is None else fe)
     notes |= found.notes
@@ -313,7 +313,7 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
     }
 
 
-def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
     """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
     import halfplane_fe
 
@@ -385,9 +385,9 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
     for name in point.figures:
         found.stated[name] = 0.0
         if found.comparison is None or name not in METRICS:
-            found.values[name], why = take(name, fe, found.exact)
+            found.values[name], why = _take(name, fe, found.exact)
             if fe is not None:
-                found.stated[name] = stated_by_edges(name, fe, found.exact)
+                found.stated[name] = _stated_by_edges(name, fe, found.exact)
         elif (metric := next((one for one in found.comparison.metrics if one.key == name), None)) is None:
             found.values[name], why = None, "this scene has no such metric"
         else:

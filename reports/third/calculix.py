@@ -188,7 +188,7 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
     The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
     """
     mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
-    result = read(path, mapping, deck.scene)
+    result = read(path, mapping)
     series = {name: getattr(result, name) for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")}
     led: dict[str, Any] = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
     source = f"{path.name}, the deck of scene {deck.scene.name}"
@@ -196,7 +196,7 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
     return score_solution(*contact_solution(replace(result, **led, time=freeze(deck.time), source=source), mapping, whole), whole)
 
 
-def limits(deck: Deck) -> list[str]:
+def _limits(deck: Deck) -> list[str]:
     """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and measured (docs/third.md)."""
     friction, path, pressure = deck.scene.friction.coefficient, deck.scene.load.path(), deck.mean_pressure / deck.scales.half_width
     cycle = deck.normal_load[deck.time >= path.cycle_start]
@@ -247,7 +247,7 @@ def sentences(third: ThirdSolver) -> list[str]:
         first = f"{third.code} gave no answer ({size}): {third.failure}."
     else:
         first = f"{third.code} on the exported deck: {size}, {done.increments} increments, {done.iterations} iterations."
-    return [first, *limits(third.deck)]
+    return [first, *_limits(third.deck)]
 
 
 def _notes(third: ThirdSolver) -> list[str]:
@@ -284,7 +284,7 @@ def as_json(comparison: Comparison, third: ThirdSolver) -> str:
             for name, unit, of in _values(comparison.scene)
         },
         "metrics": {metric.key: {"ours": metric.value, "third": known.get(metric.key)} for metric in comparison.metrics},
-        "limits": limits(deck),
+        "limits": _limits(deck),
         "notes": _notes(third),
     }
     return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"

@@ -84,7 +84,7 @@ def main(deck: Path, folder: Path) -> None:
         subprocess.run([program, "-i", NAME], cwd=folder, env=alone, stdout=log, check=True)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     scene = load_scene(SCENE)
-    found = read(folder / f"{NAME}.frd", Mapping(), scene)
+    found = read(folder / f"{NAME}.frd", Mapping())
     if found.time is None:
         raise ValueError(f"{NAME}.frd states no times")
     on = np.abs(found.x) < REACH
