@@ -277,7 +277,9 @@ def against_theory(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSe
         "q": float(np.max(l2(answer.shear[chosen] - exact.shear) / (friction * size))),
         "W": off / work if work else (np.inf if off else 0.0),
     }
-    if broken_by(answer) > BROKEN:
+    # Equilibrium is over P of the instant, of which rounding of the largest load is a share.
+    rounding = 4 * np.finfo(float).eps * answer.normal_load.max() / answer.normal_load[answer.normal_load > 0].min()
+    if broken_by(answer) > BROKEN + rounding:
         errors = dict.fromkeys(errors, float("nan"))
     return Found(errors, answer.record.notes, {"W in A f² P²": off / unit})
 
@@ -316,7 +318,7 @@ def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
         return halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=8 * increments, step_tolerance=np.inf))
 
     many, few = solved(count), solved(16)
-    if len(many.time) < count * (corners + 1):
+    if len(many.time) + many.work.skipped.get("instants", (0,))[0] < count * (corners + 1):
         return Found({"increments missing": float("nan")})
     here, there = (np.searchsorted(answer.time, np.arange(1.0, corners + 1.5) - 1e-9) for answer in (many, few))
     off = {"W": abs(many.dissipation / few.dissipation - 1), "laws": max(broken_by(many), broken_by(few))}
@@ -464,8 +466,8 @@ def fe_cases() -> Iterator[Case]:
     tried, measure = "lengths and stresses times 1e-12 and 1e12", "any field over its largest value"
     yield Case(FE, "units", tried, measure, 1e-9, fe_in_units, UNITS, "lengths {:g}, stresses {:g}")
     yield stated("friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", in_proportion, 1e-6, 1e-3, 1.0, 100.0)
-    yield stated("near gross sliding", "1e-3 ... 1e-15 of f P left", sliding, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15)
-    yield refused("at gross sliding", "Q = f P", lambda left: against_theory(sliding(left)), 0.0)
+    yield stated("near gross sliding", "1e-3 ... 1e-13 of f P left", sliding, 1e-3, 1e-6, 1e-9, 1e-12, 1e-13)
+    yield refused("at gross sliding", "1e-15 of f P left, and none", lambda left: against_theory(sliding(left)), 1e-15, 0.0)
     shares = (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-6, 1e-12)
     tried = "Q to 0.3 ... 1e-12 of f P: 5 to 2e-11 elements"
     yield stated("slip zones smaller than an element", tried, lambda share: scene_of(to_and_fro(share, 0.5)), *shares)
@@ -500,8 +502,9 @@ def fe_cases() -> Iterator[Case]:
     tried = "dQ/dP = f (1 + e), e = -1e-12 ... 1e-12"
     yield stated("tangency within rounding", tried, lambda e: scene_of(ellipse(2, 1, 0.05, 0.5 * (1 + e), 0)), *tangents)
     tried = "30 triangles a body squeezed to {} of their height"
-    yield Case(FE, "slivers", tried.format("1e-2 ... 1e-6"), beside, STATED, with_slivers, (1e-2, 1e-4, 1e-6), "heights times {:g}")
-    yield refused("slivers next to rounding", tried.format("1e-8 ... 1e-14"), with_slivers, 1e-8, 1e-10, 1e-12, 1e-14)
+    heights = (1e-2, 1e-4, 1e-6, 1e-8)
+    yield Case(FE, "slivers", tried.format("1e-2 ... 1e-8"), beside, STATED, with_slivers, heights, "heights times {:g}")
+    yield refused("slivers next to rounding", tried.format("1e-10 ... 1e-14"), with_slivers, 1e-10, 1e-12, 1e-14)
     tried = "lower body a block, 1e6 a wide and a high, 4 a wide and 1e-4 a high, and between"
     sizes, measure = [(1e3, 1.0), (1e6, 1.0), (4.0, 1e-2), (4.0, 1e-4)], "largest p, W, against elements half as long"
     yield Case(FE, "bodies of absurd proportions", tried, measure, STATED, on_block, sizes, "{:g} a by {:g} a")
