@@ -47,7 +47,9 @@ Body = Literal["lower", "upper"]
 # Kernels that are held at a time.
 _AT_ONCE = 1_000_000
 # Where there is no one memory curve: places across a contact at which q is asked for, and contacts of which; terms of the series.
-_PLACES, _CONTACTS, _TERMS = 601, 8, 2048
+_PLACES, _CONTACTS, _TERMS = 601, 4, 2048
+# Instants that are solved together; places within a contact that are enough to take p and q from an answer that is there.
+_TOGETHER, _ENOUGH = 20, 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a load has turned.
 _RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
 # What straight lines of q/p between places leave of the tension, as share of f times the largest pressure: measured 5e-4.
@@ -105,11 +107,10 @@ def stress(
     depth, nu = side * height, getattr(scene.material, body).poisson_ratio
     found = np.zeros((len(times), len(across), 4))
     if scene.unsymmetric:
-        answer, rows = _with_tractions(source, times)
-        profile = leaning_profile(scene)[1]
-        for k, row in enumerate(rows):
-            found[k, :, :3] = _from_sines(answer, row, profile, across, depth, side)
-        found[..., 0] += _bulk(answer, rows)[:, int(body == "upper"), None]
+        pairs, profile = _with_tractions(source, times), leaning_profile(scene)[1]
+        for k, pair in enumerate(pairs):
+            found[k, :, :3] = _from_sines(*pair, profile, across, depth, side)
+        found[..., 0] += _bulk(pairs)[:, int(body == "upper"), None]
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
@@ -128,7 +129,8 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
 
     Parameters
     ----------
-    source : as for `stress`; of a solution that holds the instants its own tractions are taken where there is no one memory curve
+    source : as for `stress`; of a solution that holds an instant and has 60 points in the contact its own tractions are taken
+        where there is no one memory curve
     instants : (n_instants,) times of the load path
 
     Returns
@@ -149,11 +151,11 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
     found, doubt = np.zeros((2, len(times), 2, 2))
     sides = np.array([[1.0], [-1.0]])
     if scene.unsymmetric:
-        answer, rows = _with_tractions(source, times)
-        for k, row in enumerate(rows):
-            tension, doubt[k] = _tensions(answer, row)
+        pairs = _with_tractions(source, times)
+        for k, pair in enumerate(pairs):
+            tension, doubt[k] = _tensions(*pair)
             found[k] = sides * tension
-        return found + _bulk(answer, rows)[..., None], doubt
+        return found + _bulk(pairs)[..., None], doubt
     contact, snapshot = memory_at(scene, times)
     for k in np.flatnonzero(snapshot.load > 0).tolist():
         edge = np.atleast_1d(contact.half_width(snapshot.load[k]))
@@ -164,30 +166,35 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
 
 
 # ------------------------------------------------------------------------------- from tractions, where there is no one memory curve
-def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) -> tuple[ContactSolution, list[int]]:
-    """An answer that has p and q at all these instants, and its rows: that from grids itself if it has them, or a new one.
+def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) -> list[tuple[ContactSolution, int]]:
+    """For each instant an answer that has p and q at it, and its row: the source itself where it has places enough, or new ones.
 
-    It has places at the nodes of several of the contacts, and close to the edges of all.
+    New ones have places at the nodes of several of the contacts, and close to the edges of all.
     """
     scene, answer = (source.scene, source) if isinstance(source, ContactSolution) else (scene_of(source), None)
-    if answer is not None and "grids" in answer.work.counts and np.isfinite([answer.pressure, answer.shear]).all():
+    found: dict[float, tuple[ContactSolution, int]] = {}
+    if answer is not None and np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all():
         rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
-        if np.all(np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)):
-            return answer, rows.tolist()
-    at = np.unique(times)
-    edges = solve(scene, x=0.0, time=at, fields=()).contact_edges
-    edges = edges[np.argsort(edges[:, 1] - edges[:, 0])]
-    chosen = edges[np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))]
-    nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(np.linspace(0, math.pi, _PLACES))
-    rims = edges[:, :, None] + np.diff(edges)[:, :, None] * np.array([[1.0], [-1.0]]) * _RIM
-    answer = solve(scene, x=np.unique(np.concatenate([nodes.ravel(), rims.ravel()])), time=at, fields=("pressure", "shear"))
-    return answer, np.searchsorted(answer.time, times).tolist()
+        enough = (np.sum(answer.pressure[rows] > 0, axis=1) >= _ENOUGH) | (answer.normal_load[rows] <= 0)
+        held = enough & (np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times))
+        found = {float(times[k]): (answer, int(rows[k])) for k in np.flatnonzero(held)}
+    at = np.array(sorted(set(times.tolist()) - found.keys()))
+    for some in np.array_split(at, -(-len(at) // _TOGETHER)) if len(at) else ():
+        edges = solve(scene, x=0.0, time=some, fields=()).contact_edges
+        edges = edges[np.argsort(edges[:, 1] - edges[:, 0])]
+        chosen = edges[np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))]
+        nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(np.linspace(0, math.pi, _PLACES))
+        rims = edges[:, :, None] + np.diff(edges)[:, :, None] * np.array([[1.0], [-1.0]]) * _RIM
+        places = np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
+        answer = solve(scene, x=places, time=some, fields=("pressure", "shear"))
+        found |= {time: (answer, row) for row, time in enumerate(some.tolist())}
+    return [found[time] for time in times.tolist()]
 
 
-def _bulk(answer: ContactSolution, rows: list[int]) -> Array:
+def _bulk(pairs: list[tuple[ContactSolution, int]]) -> Array:
     """Bulk stress of the lower and the upper body, (n, 2)."""
-    both = (answer.bulk_stress_lower, answer.bulk_stress_upper)
-    return np.stack([np.zeros(len(rows)) if one is None else one[rows] for one in both], axis=-1)
+    both = [(answer.bulk_stress_lower, answer.bulk_stress_upper, row) for answer, row in pairs]
+    return np.array([[0.0 if one is None else one[row] for one in (lower, upper)] for lower, upper, row in both])
 
 
 def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
