@@ -144,43 +144,31 @@ def text_table(
     for name, own in (stated or {}).items():
         if isinstance(own, int) and own < 1:
             raise InputError(f"{path}: columns = {{{name} = {own}}} is refused: columns are numbered from 1 on")
+    longest = _LONGEST if columns else _LONGEST_OF_ALL
     try:
         check_size(path, what, TEXT, cure)
-        with path.open("rb") as stream:
-            start = stream.read(_START)
+        with path.open("rb") as binary:
+            start = binary.read(_START)
         many = start.startswith(_MARKS_OF_16)
         for encoding in ("utf-16",) if many else ("utf-8-sig",) if b"\0" in start else ("utf-8-sig", "cp1252"):
-            with contextlib.suppress(UnicodeError):
-                return _text_table(path, columns, f"{what}; {cure}", stated or {}, known, encoding)
+            with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
+                lines = partial(_lines, path, stream, longest)
+                layout = _layout(path, list(islice(lines(), _LOOK)), columns, stated or {}, known)
+                comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
+                values, numbers = _numbers(path, lines, layout, comma, bool(columns), f"{path}: {what}", cure)
+                headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
+                if not layout.head:
+                    headings = tuple(f"column {k + 1}" for k in layout.used)
+                words = SEPARATORS[layout.separator], "comma" if comma else "point", _ENCODINGS[encoding]
+                return TextTable(columns or headings, values, numbers, headings, units, *words, layout.head, layout.skipped)
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(f"{path}: the file can't be read: it is not {'UTF-16' if many else 'UTF-8'} text")
 
 
-def _text_table(
-    path: Path,
-    columns: tuple[str, ...],
-    too_many: str,
-    stated: Mapping[str, str | int],
-    known: Callable[[str], bool],
-    encoding: str,
-) -> TextTable:
-    """As `text_table`, of a file in a known encoding; OSError, UnicodeError."""
-    longest = _LONGEST if columns else _LONGEST_OF_ALL
-    with path.open(encoding=encoding) as stream:
-        layout = _layout(path, list(islice(_lines(path, stream, longest), _LOOK)), columns, stated, known)
-        stream.seek(0)
-        comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
-        values, numbers = _numbers(path, stream, layout, comma, longest, bool(columns), too_many)
-    headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
-    if not layout.head:
-        headings = tuple(f"column {k + 1}" for k in layout.used)
-    words = SEPARATORS[layout.separator], "comma" if comma else "point", _ENCODINGS[encoding]
-    return TextTable(columns or headings, values, numbers, headings, units, *words, layout.head, layout.skipped)
-
-
 def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:
-    """Number and text of every line that is not empty."""
+    """Number and text of every line that is not empty, from the first on."""
+    stream.seek(0)
     for number, line in enumerate(iter(partial(stream.readline, longest + 1), ""), 1):
         if len(line) > longest:
             raise InputError(f"{path}, line {number}: more than {longest:,} characters are no row of a table")
@@ -329,12 +317,12 @@ def _plain_layout(
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
 
 
-def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
+def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     """Whether commas are the decimal sign: the first row with either sign in a column that is read decides.
 
     Of both signs it is the later one in a cell that has both: the other one stands between thousands, and is refused.
     """
-    for number, text in _lines(path, stream, _LONGEST_OF_ALL):
+    for number, text in lines:
         if number < layout.first or not ("," in text or "." in text):
             continue
         cells = _cells(text, layout.separator)
@@ -346,20 +334,18 @@ def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
 
 
 def _numbers(
-    path: Path, stream: TextIO, layout: _Layout, comma: bool, longest: int, remarks_in_rows: bool, too_many: str
+    path: Path, lines: Callable[[], Iterator[Line]], layout: _Layout, comma: bool, remarks_in_rows: bool, what: str, cure: str
 ) -> tuple[Array, NDArray[np.int64]]:
     """The numbers of the columns that are read and the line of each row: at once where all is well, else one by one to a fault."""
     mark, more, places = layout.separator, len(layout.names) - 1, array("q")
 
     def rows() -> Iterator[Line]:
-        stream.seek(0)
         del places[:]
-        for number, text in _lines(path, stream, longest):
+        for number, text in lines():
             if number < layout.first or text.startswith(_REMARKS):
                 continue
             if len(places) == MOST_ROWS:
-                what, _, cure = too_many.partition("; ")
-                raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
+                raise InputError(f"{what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
             places.append(number)
             yield number, text.split("#", 1)[0].rstrip() if remarks_in_rows and "#" in text else text
 
