@@ -23,44 +23,14 @@ from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
-Tag = Literal[
-    # where it comes from
-    "paper",
-    "benchmark",
-    "made-up-record",
-    # profile
-    "hertz",
-    "flat",
-    "compound",
-    "wedge",
-    "profile",
-    # bodies and materials
-    "half-planes",
-    "bodies",
-    "block",
-    "pad",
-    "cylinder",
-    "unlike",
-    # loads
-    "ellipse",
-    "polygon",
-    "harmonics",
-    "time-series",
-    "line",
-    "constant-load",
-    "normal-only",
-    "other-sense",
-    "bulk",
-    "tilt",
-    "unloading",
-    # what happens
-    "partial-slip",
-    "full-stick",
-    "near-sliding",
-    "frictionless",
-    # what its expected numbers rest on
-    "closed-form",
-]
+Origin = Literal["paper", "benchmark", "made-up-record"]
+ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
+BodyTag = Literal["half-planes", "bodies", "block", "pad", "cylinder", "unlike"]
+LoadKind = Literal["ellipse", "polygon", "harmonics", "time-series"]
+LoadTag = Literal["line", "constant-load", "normal-only", "other-sense", "bulk", "tilt", "unloading"]
+Happens = Literal["partial-slip", "full-stick", "near-sliding", "frictionless"]
+Tag = Literal[Origin, ProfileTag, BodyTag, LoadKind, LoadTag, Happens, "closed-form"]
+"""The last: what its expected numbers rest on."""
 
 
 def tags() -> tuple[str, ...]:
