@@ -67,9 +67,7 @@ def fitted_keys(
     RowError
         For too few or too many rows, x that descends, rows that do not bend up or lie on one side of the middle in part.
     """
-    back = np.flatnonzero(np.diff(x) < 0)  # a trace with few digits has rows at one x
-    if len(back):
-        raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
+    RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)  # a trace with few digits has rows at one x
     if len(x) > _MOST:
         raise RowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
     last, fixed, whole = len(x) - 1, centre, x

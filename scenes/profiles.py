@@ -612,53 +612,47 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
     x, h = points.T
-    back = np.flatnonzero(np.diff(x) <= 0)
-    if len(back):
-        raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
-    close = np.flatnonzero(np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])))
-    if len(close):
-        raise RowError(
-            int(close[0]) + 1,
-            f"x = {x[close[0] + 1]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
-        )
+    RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
+    RowError.refuse(
+        np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
+        lambda row: f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
+        1,
+    )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
     centre = int(np.flatnonzero(x == 0)[0])
+    right, rise, limit = x[centre:], h[centre:], asymmetry * float(np.ptp(h))
     if centre:
-        h = _averaged(x, h, centre, asymmetry)
-    x, h = x[centre:], h[centre:] - h[centre]
-    if len(x) > _MOST:
-        rule = f"the profile has {len(x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
-        raise RowError(centre + _MOST, rule)
-    falls = np.flatnonzero(np.diff(h) < 0)
-    if len(falls):
-        raise RowError(
-            centre + int(falls[0]) + 1, f"h = {points[centre + falls[0] + 1, 1]:.6g} falls: the profile must rise for x > 0"
-        )
-    if h[-1] == 0:
+        left = -x[centre::-1]
+        if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
+            row = 0 if len(left) > len(right) else len(x) - 1
+            raise RowError(row, f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone")
+        said = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
+        RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: said, centre)
+        rise = (rise + h[centre::-1]) / 2
+    said = f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
+    RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: said, centre)
+    RowError.refuse(np.diff(rise) < 0, lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0", centre + 1)
+    if rise[-1] == rise[0]:
         raise RowError(len(points) - 1, "the profile is flat from end to end: it must rise somewhere")
-    return x, h
-
-
-def _averaged(x: Array, h: Array, centre: int, asymmetry: float) -> Array:
-    """h with the mean of both sides for x > 0."""
-    right, left = x[centre:], -x[centre::-1]
-    if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
-        row = 0 if len(left) > len(right) else len(x) - 1
-        raise RowError(row, f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone")
-    limit = asymmetry * float(np.max(h) - np.min(h))
-    apart = np.flatnonzero(np.abs(h[centre:] - h[centre::-1]) > limit)
-    if len(apart):
-        raise RowError(centre + int(apart[0]), f"the profile is not symmetric: the sides differ by more than {limit:.3g} there")
-    mean = h.copy()
-    mean[centre:] = (h[centre:] + h[centre::-1]) / 2
-    return mean
+    return right, rise - rise[0]
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed."""
-    secant = np.diff(h) / np.diff(x)
-    slope = _slopes(x, secant)
+    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed.
+
+    The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows lie on a line the spline follows
+    it: any other slope at its ends would bend it back.
+    """
+    step = np.diff(x)
+    secant, slope = np.diff(h) / step, np.zeros(len(x))
+    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
+    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
+    line = np.minimum(along[:-1], along[1:])
+    parabola = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
+    slope[1:-1] = np.where(np.isfinite(line), line, parabola)
+    slope[-1] = np.clip(2 * secant[-1] - slope[-2], 0.0, 2 * secant[-1])
+    slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
     begin, end = slope[:-1] - secant, slope[1:] - secant
     bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
     # Where the curvature changes within an interval: where both parts bend the same way, else, with an inflection, in its middle.
@@ -670,24 +664,6 @@ def rising_spline(x: Array, h: Array) -> Spline:
     tangent = np.maximum(np.insert(slope, bent + 1, between), 0.0)  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
     return Spline(at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at))
-
-
-def _slopes(x: Array, secant: Array) -> Array:
-    """Slopes at the rows: of the parabola through three of them, 0 in the middle of the profile, never beyond twice a secant.
-
-    Where three rows lie on a line the spline follows it: any other slope at its ends would bend it back.
-    """
-    step = np.diff(x)
-    slope = np.zeros(len(x))
-    slope[1:-1] = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
-    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
-    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
-    line = np.minimum(along[:-1], along[1:])
-    slope[1:-1] = np.where(np.isfinite(line), line, slope[1:-1])
-    slope[-1] = 2 * secant[-1] - slope[-2]
-    slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
-    slope[-1] = np.clip(slope[-1], 0.0, 2 * secant[-1])
-    return slope
 
 
 Curve = Annotated[
