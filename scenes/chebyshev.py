@@ -223,7 +223,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     return float(min(places, key=lambda place: abs(place - shortest), default=shortest))
 
 
-def values_of(function: Callable[[Any], Any]) -> Callable[[Array], Array]:
+def values_of(function: Any) -> Callable[[Array], Array]:
     """The function over arrays, called point by point if it can't take them."""
 
     def over(x: Array) -> Array:
