@@ -139,14 +139,10 @@ class BulkAndTilt(Frozen, Generic[V]):
         return value
 
     @model_validator(mode="after")
-    def _one_way_to_turn(self) -> Self:
+    def _can_be_followed(self) -> Self:
         ways = [key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None]
         if len(ways) > 1:
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
-        return self
-
-    @model_validator(mode="after")
-    def _can_be_followed(self) -> Self:
         if self.has_bulk_or_tilt:
             self.path()
         return self
