@@ -110,15 +110,62 @@ class FromFile(Frozen):
             return self
         if self.file is None:
             raise PydanticCustomError("key_missing", "the key {key} is missing", {"key": self.table})
-        stated = {key: value for key in READING if (value := getattr(self, key, None)) is not None}
-        units, named = (info.context or {}).get("units"), self._named(stated.get("columns"))
-        wanted = self.quantities | {name: self.further[name] for name in named}
-        rows, read_as = _columns_of(_folder(info) / self.file, wanted, stated, units if isinstance(units, str) else _UNITS)
+        columns, units, path = getattr(self, "columns", None), (info.context or {}).get("units"), _folder(info) / self.file
+        units, named = units if isinstance(units, str) else _UNITS, self._named(columns)
+        quantities = self.quantities | {name: self.further[name] for name in named}
+        table = text_table(path, tuple(quantities), stated=_given(columns))
+        said = [
+            ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
+            ("columns separated by", table.separator),
+            ("decimal sign", table.decimal),
+        ]
+        if not table.encoding.startswith("UTF-8"):
+            said.append(("characters", table.encoding))
+        if table.skipped:
+            said.append(("lines above the headings", f"{table.skipped} skipped"))
+        thickness, converted = getattr(self, "thickness", None), False
+        factors, zeros, signs, words = (_given(getattr(self, key)) for key in ("scale", "zero", "sign", "units"))
+        for k, (name, kind) in enumerate(quantities.items()):
+            unit, where = words.get(name) or table.units[k], "stated" if name in words else "in its heading"
+            how, factor, per_length = [repr(table.headings[k]) if table.head else table.headings[k]], 1.0, None
+            if unit:
+                try:
+                    factor, per_length = unit_factor(unit, kind, units)
+                except ValueError as reason:
+                    if name in words:
+                        raise InputError(f"units.{name}: {reason}") from reason
+                    how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
+                else:
+                    converted = converted or kind != "time"
+                    how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
+            elif kind != "time":
+                how.append("no unit stated: taken to be in that of the scene")
+            if kind == "load" and per_length is (thickness is not None):
+                rule = "a force, and loads are per unit thickness: state the key thickness, the length of the contact out of the "
+                rule += "plane, by which it is divided"
+                if per_length:
+                    rule = "per length already: leave out the key thickness"
+                raise InputError(f"{path}: {name} is in {unit} ({where}), {rule}")
+            over = thickness if kind == "load" and thickness is not None else None
+            if name in zeros:
+                how.append(f"zero at {zeros[name]:.9g} of the file")
+            if name in factors:
+                how.append(f"times {factors[name]:.9g} (scale)")
+            if over is not None:
+                how.append(f"over the thickness {over:.9g}")
+            if signs.get(name, 1) < 0:
+                how.append("sign turned")
+            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
+                table.values[:, k] -= zeros.get(name, 0.0)
+                table.values[:, k] *= factor * (factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0))
+            said.append((name, ", ".join(how)))
+        if converted:
+            said.append((_SCENE_UNITS, units))
         if both := [name for name in named if getattr(self, name) is not None]:
             raise InputError(f"{self.file}: {both[0]} is a column of the file and stated beside it: leave one out")
-        count = len(self.quantities)
-        found = {self.table: Table.of(rows.values[:, :count]) if named else rows, "read_as": read_as}
-        found |= {name: tuple(rows.values[:, count + k].tolist()) for k, name in enumerate(named)}
+        values, count = Table.of(table.values).values, len(self.quantities)
+        found = {self.table: Table.of(values[:, :count]), "read_as": tuple(said)}
+        found |= {name: tuple(values[:, count + k].tolist()) for k, name in enumerate(named)}
         for name, value in found.items():
             object.__setattr__(self, name, value)
         self.model_fields_set.update(found)
@@ -176,68 +223,6 @@ _SCENE_UNITS = "units of the scene"
 def _given(table: Frozen | None) -> dict[str, Any]:
     """What a table with a key for each column states of them."""
     return {} if table is None else {name: value for name, value in table if value is not None}
-
-
-def _columns_of(path: Path, quantities: Mapping[str, Kind], stated: Mapping[str, Any], units: str) -> tuple[Table, ReadAs]:
-    """The rows of a file in the units of the scene, and how they were found: in pairs of words.
-
-    Raises
-    ------
-    InputError
-        One sentence: what the reader refuses, and a unit that can't be right.
-    """
-    found = text_table(path, tuple(quantities), stated=_given(stated.get("columns")))
-    said = [
-        ("file", f"{path.name}: {len(found.lines):,} rows from line {found.lines[0]} on"),
-        ("columns separated by", found.separator),
-        ("decimal sign", found.decimal),
-    ]
-    if not found.encoding.startswith("UTF-8"):
-        said.append(("characters", found.encoding))
-    if found.skipped:
-        said.append(("lines above the headings", f"{found.skipped} skipped"))
-    values, thickness, converted = found.values, stated.get("thickness"), False
-    factors, zeros, signs, words = (_given(stated.get(key)) for key in ("scale", "zero", "sign", "units"))
-    for k, (name, kind) in enumerate(quantities.items()):
-        heading, unit, where = found.headings[k], words.get(name) or found.units[k], "stated" if name in words else "in its heading"
-        how, factor, per_length = [f"{heading!r}" if found.head else heading], 1.0, None
-        if unit:
-            try:
-                factor, per_length = unit_factor(unit, kind, units)
-            except ValueError as reason:
-                if name in words:
-                    raise InputError(f"units.{name}: {reason}") from reason
-                how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
-            else:
-                converted = converted or kind != "time"
-                how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
-        elif kind != "time":
-            how.append("no unit stated: taken to be in that of the scene")
-        if kind == "load" and per_length is False and thickness is None:
-            raise InputError(
-                f"{path}: {name} is in {unit} ({where}), a force, and loads are per unit thickness: state the key thickness, the "
-                "length of the contact out of the plane, by which it is divided"
-            )
-        if kind == "load" and per_length and thickness is not None:
-            raise InputError(f"{path}: {name} is in {unit} ({where}), per length already: leave out the key thickness")
-        if name in zeros:
-            how.append(f"zero at {zeros[name]:.9g} of the file")
-        if name in factors:
-            how.append(f"times {factors[name]:.9g} (scale)")
-        if kind == "load" and thickness is not None:
-            how.append(f"over the thickness {thickness:.9g}")
-        if signs.get(name, 1) < 0:
-            how.append("sign turned")
-        factor *= factors.get(name, 1.0) * signs.get(name, 1) / (thickness if kind == "load" and thickness is not None else 1.0)
-        if name in zeros:
-            values[:, k] -= zeros[name]
-        if factor != 1:
-            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
-                values[:, k] *= factor
-        said.append((name, ", ".join(how)))
-    if converted:
-        said.append((_SCENE_UNITS, units))
-    return Table.of(values), tuple(said)
 
 
 def read_for(read_as: ReadAs | None) -> str:
