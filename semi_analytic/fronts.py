@@ -507,7 +507,7 @@ class Stick:
         """Elastic energy of q at the last instant, (Q U - m_q eps - int q s)/2; q has roots at edges, logarithms at old ones."""
         last, (nodes, weights) = self.part(-1), np.polynomial.legendre.leggauss(40)  # none of them is one of `quadrature`
         contact = last.contact_edges[:, 0]
-        marks = np.concatenate([last.edges[:, 0], self.frozen.ends, np.linspace(*contact, 30)])
+        marks = np.concatenate([last.edges[:, 0], contact, self.frozen.ends, contact[0] + np.ptp(contact) * np.arange(1, 30) / 30])
         marks = np.unique(np.clip(marks, *contact))
         angle, length = np.pi * (1 + nodes) / 2, np.diff(marks)[:, None]
         x, weight = marks[:-1, None] + length * np.sin(angle / 2) ** 2, length * np.pi / 4 * weights * np.sin(angle)
