@@ -211,40 +211,39 @@ def _layout(
         raise InputError(f"{path}: the file is empty; {wanted} are needed")
     least = max(len(columns), 1)
     by_number = bool(columns) and all(isinstance(stated.get(name), int) for name in columns)
-    for place, (number, text) in enumerate(lines):
-        remark = text.startswith(_REMARKS)
-        if not remark and any(len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS):
-            break
-        following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
-        uneven: list[_Layout] = []  # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
-        for mark in SEPARATORS:
-            for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
-                used = _used(path, number, names, columns, stated) if columns else tuple(range(len(names)))
-                if used is None or by_number or (not columns and (remark or sum(map(known, names)) < 2)):
-                    continue
-                units, first = _units_below(following, mark, len(names))
-                row = following[first][1] if len(following) > first else None
-                even = row is None or len(_cells(row, mark)) == len(names)
-                if remark and (row is None or not even or not _numeric(row, mark)):
-                    continue
-                own = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
-                start = following[first][0] if row is not None else number + 1
-                skipped = sum(before < number for before, _ in bare)
-                found = _Layout(mark, tuple(names), tuple(own), used, number, start, skipped)
-                if even:
-                    return found
-                uneven.append(found)
-        if uneven:
-            return uneven[0]
+    # Where no columns are asked for: a line with two known headings, else the first line of two words or more.
+    for least_known in (0,) if columns else (2, 0):
+        for place, (number, text) in enumerate(lines):
+            remark = text.startswith(_REMARKS)
+            if not remark and any(len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS):
+                break
+            following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
+            uneven: list[_Layout] = []  # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
+            for mark in SEPARATORS:
+                for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
+                    used = _used(path, number, names, columns, stated) if columns else tuple(range(len(names)))
+                    if used is None or by_number:
+                        continue
+                    if not columns and (remark or len(names) < 2 or sum(map(known, names)) < least_known):
+                        continue
+                    # A line of its own below the headings may hold the units.
+                    units = [cell.strip("[]() ") for cell in _cells(following[0][1], mark)] if following else []
+                    below = len(units) == len(names) and any(map(is_unit, units))
+                    below = below and all(unit in ("", "-") or is_unit(unit) for unit in units)
+                    units = [unit.strip("-") for unit in units] if below else [""] * len(names)
+                    start, row = following[below] if len(following) > below else (number + 1, None)
+                    even = row is None or len(_cells(row, mark)) == len(names)
+                    if remark and (row is None or not even or not _numeric(row, mark)):
+                        continue
+                    own = tuple(unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True))
+                    skipped = sum(before < number for before, _ in bare)
+                    found = _Layout(mark, tuple(names), own, used, number, start, skipped)
+                    if even:
+                        return found
+                    uneven.append(found)
+            if uneven:
+                return uneven[0]
     return _plain_layout(path, bare, columns, stated, by_number)
-
-
-def _units_below(following: list[Line], mark: str | None, count: int) -> tuple[list[str], int]:
-    """The units in a line of their own below the headings, and how many lines that takes."""
-    cells = [cell.strip("[]() ") for cell in _cells(following[0][1], mark)] if following else []
-    if len(cells) == count and any(map(is_unit, cells)) and all(cell in ("", "-") or is_unit(cell) for cell in cells):
-        return ["" if cell == "-" else cell for cell in cells], 1
-    return [""] * count, 0
 
 
 def _used(
@@ -273,20 +272,12 @@ def _used(
 def _plain_layout(
     path: Path, bare: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], by_number: bool
 ) -> _Layout:
-    """Where no line of headings was recognised: rows alone, or headings that are taken as they stand; else what is wrong."""
-    (number, text), rest = bare[0], bare[1:]
+    """Where no line of headings was recognised: rows alone; else what is wrong."""
+    number, text = bare[0]
     rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
     if not columns:
-        if rows or _numeric(text, None):
-            raise InputError(
-                f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
-            )
-        below = rest[0][1] if rest else ""
-        even = (mark for mark in SEPARATORS if 1 < len(_cells(text, mark)) == len(_cells(below, mark)))
-        mark = next(even, next((mark for mark in SEPARATORS if mark is not None and mark in text), None))
-        names = next((way for way in _headings(text, mark) if len(way) == len(_cells(below, mark))), _cells(text, mark))
-        units = tuple(unit_in(name)[1] for name in names)
-        return _Layout(mark, tuple(names), units, tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
+        what = "it has numbers only" if rows or _numeric(text, None) else f"it is {shown(text)}"
+        raise InputError(f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; {what}")
     listed, count = ", ".join(columns), len(columns)
 
     # The first row of numbers, its separator and cells.
