@@ -18,7 +18,8 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import LinAlgError, qr, solve_triangular
+from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
+from scipy.linalg.lapack import dpotri
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.helpers import div
 from skfem.models.elasticity import lame_parameters, linear_elasticity
@@ -304,13 +305,17 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
 def _condensed_mode(
     system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
-) -> tuple[Array, Array, float]:
-    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, their displacement (k,) under tension on the
-    ends, and how far both are from the solution under a random load.
+) -> tuple[sparse.csr_matrix, Array, Array, float]:
+    """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the compliance of these (k, k), their
+    displacement (k,) under tension on the ends, and how far both are from the solution under a random load.
 
-    The nodes of arc and contact stand last in the order of elimination, so that their stiffness is that of the trailing block of
-    the factors L D L^T: three to five times faster than solving for each unit force. With B the loads on the arc the compliance is
-    (L^-1 [B; 1])^T D^-1 (L^-1 [B; 1]), and that of the half-plane around it is taken off.
+    The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the inner ones alone, of
+
+        [K_ii 0; K_ti 1] = L U,     L_ti = K_ti U_ii^-1,     S = K_tt - L_ti D L_ti^T,   D the diagonal of U,
+
+    and dense algebra goes on with the stiffness S, several times faster there: rows of L_ti that hold little are multiplied as
+    sparse ones, the others as dense ones. With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the
+    half-plane around it is taken off.
     """
     contact, around = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc))
     held = np.flatnonzero(np.isin(mode.dofs, system.held))
@@ -323,22 +328,33 @@ def _condensed_mode(
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
     inner = np.setdiff1d(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     order = np.concatenate([inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")], around, contact])
-    ordered = stiffness[order][:, order].tocsc()
-    factors = factorise(ordered, "NATURAL")
-    last = slice(len(inner), None)
-    lower, pivots = factors.L[last, last].toarray(), factors.U.diagonal()[last]
-    if not pivots.min() > 0:
-        raise LinAlgError("a stiffness of the contact nodes is not positive")
+    ordered, n, last = stiffness[order][:, order].tocsc(), len(inner), slice(len(inner), None)
+    end, others = ordered.indptr[n], np.arange(len(order) - n)  # of the columns of the inner ones: those after them are units
+    columns = np.ones(len(others)), n + others, np.append(end + others, end + len(others))
+    parts = (
+        np.concatenate(both) for both in zip((ordered.data[:end], ordered.indices[:end], ordered.indptr[:n]), columns, strict=True)
+    )
+    factors = factorise(sparse.csc_matrix(tuple(parts), ordered.shape), "NATURAL")
+    root = cholesky(ordered[last, last].toarray() - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]), lower=True)
+
+    def solved(load: Array) -> Array:
+        moved = factors.solve(load)  # of the last ones the load that is left to them
+        moved[last] = cho_solve((root, True), moved[last])
+        moved[:n] -= factors.solve(ordered[:, last] @ moved[last])[:n]
+        return moved
+
+    lower = np.tril(dpotri(root, lower=1)[0])
+    inverse = lower + np.tril(lower, -1).T
     by_contact, by_arc = motions[system.contact.ravel()][:, contact], motions[system.arc.ravel()][:, around]
-    loads = np.vstack([by_arc.T @ (arc.by_nodes @ by_contact), np.eye(len(contact))])
-    root = solve_triangular(lower, loads, lower=True, unit_diagonal=True) / np.sqrt(pivots)[:, None]
+    on_arc, m = by_arc.T @ (arc.by_nodes @ by_contact), len(around)
+    carried = inverse[:, :m] @ on_arc + inverse[:, m:]
     of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
-    compliance = root.T @ root - of_half_plane[0] @ of_half_plane[1]
+    compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
     probe, forces = np.zeros(len(order)), np.random.default_rng(0).standard_normal(len(contact))
-    probe[last] = loads @ forces
-    found, pull = factors.solve(probe), (motions.T @ system.pull)[order]
-    pulled = factors.solve(pull)
-    moved, by_stress = (loads.T @ one[last] for one in (found, pulled))
+    probe[last] = np.concatenate([on_arc @ forces, forces])
+    found, pull = solved(probe), (motions.T @ system.pull)[order]
+    pulled = solved(pull)
+    moved, by_stress = (on_arc.T @ one[last][:m] + one[last][m:] for one in (found, pulled))
     moved -= of_half_plane[0] @ (of_half_plane[1] @ forces)
     errors = [
         np.abs(ordered @ found - probe).max() / np.abs(probe).max(),
@@ -347,7 +363,21 @@ def _condensed_mode(
         # Betti's theorem: the load does the work in the displacement by tension that the tension does in its own.
         np.abs(forces @ by_stress - pull @ found) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
     ]
-    return compliance, by_stress, float(np.max(errors))
+    return by_contact, compliance, by_stress, float(np.max(errors))
+
+
+# Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the least on bodies of all sizes.
+_DENSE = 1 / 12
+
+
+def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
+    """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
+    total, counts = np.zeros((columns.shape[0],) * 2), np.diff(columns.indptr)
+    scaled, dense = columns @ sparse.diags_array(np.sqrt(np.abs(factor))), counts > _DENSE * len(total)
+    for sign in np.unique(np.sign(factor)):
+        few, many = scaled[:, (factor * sign > 0) & ~dense & (counts > 0)], scaled[:, (factor * sign > 0) & dense].toarray()
+        total += sign * ((few @ few.T).toarray() + many @ many.T)
+    return total
 
 
 class ArcLoads(NamedTuple):
@@ -407,11 +437,10 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     flat, by_stress, asymmetry, residual = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes)), 0.0, 0.0
     try:
         for mode in modes:
-            own, stretched, error = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc)
+            by_contact, own, stretched, error = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc)
             asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
-            column, factor = np.unique(mode.column[nodes], return_inverse=True)[1], mode.factor[nodes]
-            flat += factor[:, None] * (own + own.T)[np.ix_(column, column)] * (factor / 2)
-            by_stress += factor * stretched[column]
+            flat += by_contact @ ((own + own.T) / 2) @ by_contact.T
+            by_stress += by_contact @ stretched
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     if not max(asymmetry, residual) <= _LARGEST_ERROR:
