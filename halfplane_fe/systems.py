@@ -209,17 +209,17 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work["linear solves"] += 1
-        n, touching, sticking = len(states), np.count_nonzero(states), np.count_nonzero(states == STICK)
+        n, touching, sticking = len(states), int(np.count_nonzero(states)), int(np.count_nonzero(states == STICK))
         if self._nested and sticking and states[:touching].all() and (states[:sticking] == STICK).all():
             known = np.zeros((2, n, n_loads + (rows is not None)))
             if rows is not None:
                 known[rows // n, rows % n, n_loads] = given
-            carried, (normal, tangential) = np.eye(n_loads, known.shape[2]), self._nested
-            pressure, approach, gap = normal.solved(touching, touching, known[0], carried[0])
+            carried, (of_normal, of_tangential) = np.eye(n_loads, known.shape[2]), self._nested
+            pressed, approach, gap = of_normal.solved(touching, touching, known[0], carried[0])
             known[1, :sticking] *= -1
-            known[1] += (slip_sign(states) * self.friction)[:, None] * pressure
-            shear, shift, slip = tangential.solved(sticking, touching, known[1], carried[1])
-            return np.concatenate([[approach, shift, 0 * shift], -slip, pressure, shear, gap]).T
+            known[1] += (slip_sign(states) * self.friction)[:, None] * pressed
+            shear, shift, slip = of_tangential.solved(sticking, touching, known[1], carried[1])
+            return np.concatenate([[approach, shift, 0 * shift], -slip, pressed, shear, gap]).T
         base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
