@@ -184,7 +184,7 @@ class Systems:
             self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
         self._bases: list[_Base] = []  # what was used last comes last
         self._nested: list[_Nested] = []
-        if self._split and not self._held_still and faces.imposed is None:
+        if self._split and faces.imposed is None:
             self._nested = [_Nested(*both) for both in zip(compliances, factors, strict=True)]
 
     def answers(self, states: States, n_loads: int, rows: Indices | None = None, given: Array | None = None) -> Array:
@@ -214,12 +214,15 @@ class Systems:
             known = np.zeros((2, n, n_loads + (rows is not None)))
             if rows is not None:
                 known[rows // n, rows % n, n_loads] = given
-            carried, (of_normal, of_tangential) = np.eye(n_loads, known.shape[2]), self._nested
-            pressed, approach, gap = of_normal.solved(touching, touching, known[0], carried[0])
-            known[1, :sticking] *= -1
-            known[1] += (slip_sign(states) * self.friction)[:, None] * pressed
-            shear, shift, slip = of_tangential.solved(sticking, touching, known[1], carried[1])
-            return np.concatenate([[approach, shift, 0 * shift], -slip, pressed, shear, gap]).T
+            values, carried = np.zeros((known.shape[2], 3 + 4 * n)), np.eye(n_loads, known.shape[2])
+            slip, force, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+            force[:], values[:, 0], gap[:] = self._nested[0].solved(touching, touching, known[0], carried[0])
+            if self.shears:
+                known[1, :sticking] *= -1
+                known[1] += (slip_sign(states) * self.friction)[:, None] * force
+                shear[:], values[:, 1], moved = self._nested[1].solved(sticking, touching, known[1], carried[1])
+                slip[:] = -moved
+            return values
         base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
