@@ -895,11 +895,11 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
 
 
 def _stick_edge(pair: Pair) -> _Measured:
-    # Where one has gone on to full stick and the other has not, an edge is off by a jump: such instants are counted by themselves.
+    # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
     length = pair.scales.half_width
     theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
     series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
-    found = _at_worst(pair, series, pair.judged & (theirs == ours) & (theirs != 0))
+    found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
     differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
     note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
     if found.value is None and differing:
@@ -911,8 +911,7 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> _Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
     length, column, applies = pair.scales.half_width, _SIDES.index(side), pair.judged
     if kind == "stick":
-        theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
-        applies = applies & (theirs == ours) & (theirs != 0)
+        applies = applies & np.all([_stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
         if not applies.any():
             return _none("no instant has a stick edge in both")
     expected, found = (getattr(cycle, f"{kind}_edges")[:, column] for cycle in (pair.expected, pair.found))
@@ -1251,8 +1250,8 @@ METRICS = {row.key: row for row in (
         "of f ‖p_ref‖", (_L2, _POINTS), "shear",
         lambda pair: _traction(pair, "shear", pair.scales.friction), signed=False),
     _row("contact_edge", "Contact edge: outward shift of the worse edge", "of a_ref", _AT_INSTANTS, "", _contact_edge),
-    _row("stick_edge", "Stick edge: outward shift of the worse edge, in partial slip of both or full stick of both (there the contact edge)",
-        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} of partial slip in both, or full stick in both"), "stick_edges", _stick_edge),
+    _row("stick_edge", "Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)",
+        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges", _stick_edge),
     _row("state", "Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs",
         "of the contact", ("mean over the cycle", "points in contact in either; instants in contact"), "state",
         _state, signed=False),
@@ -1306,7 +1305,7 @@ METRICS = {row.key: row for row in (
     *(_row(f"contact_edge_{side}", f"Contact edge, {side}: outward shift of the {side} {_OF_SIDE}",
         "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in _SIDES),
     *(_row(f"stick_edge_{side}", f"Stick edge, {side}: outward shift of the {side} {_OF_SIDE}",
-        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} of partial slip in both, or full stick in both"), "stick_edges friction",
+        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges friction",
         partial(_edge_of_side, kind="stick", side=side)) for side in _SIDES),
     _row("stick_set", "Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time",
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),
