@@ -176,9 +176,8 @@ class LoadSegment(abc.ABC):
             last, time = np.abs(following - time), following
         raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
 
-    @property
-    def slope(self) -> float | None:
-        """dQ/dP where P and Q are linear in time; None elsewhere, and at constant P."""
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 most segments have none
+        """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a parabola; None elsewhere."""
         return None
 
     def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:  # noqa: ARG002 most segments have none
@@ -228,10 +227,9 @@ class StraightSegment(LoadSegment):
     def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:  # noqa: ARG002
         return begin + (end - begin) * (wanted / total)
 
-    @property
-    def slope(self) -> float | None:
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 the same all along
         rise = self.last[0] - self.first[0]
-        return (self.last[1] - self.first[1]) / rise if rise else None
+        return ((self.last[1] - self.first[1]) / rise, 0.0) if rise else None
 
 
 @dataclass(frozen=True)
@@ -440,10 +438,12 @@ class ChebyshevSegment(LoadSegment):
     def is_straight(self) -> bool:
         return not np.any(self._series[:, 2:])
 
-    @property
-    def slope(self) -> float | None:
-        rise, growth = self._series[:, 1].tolist()
-        return growth / rise if rise and self.is_straight else None
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:
+        (_, rise, *curving), (_, first, *higher) = self._series.tolist()
+        if not rise or any(curving) or any(higher[1:]):
+            return None
+        second = higher[0] if higher else 0.0
+        return (first + 4 * second * float(self._unit(time))) / rise, 2 * second / rise**2
 
 
 @dataclass(frozen=True)
@@ -548,8 +548,8 @@ def parabola_segment(start: float, end: float, last: Point, end_slope: float) ->
     """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at the end.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
-    >>> [float(load) for load in segment.loads(1.0)], [float(rate) for rate in segment.rates(2.0)]
-    ([0.5, 0.375], [0.5, 0.0])
+    >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
+    ([0.5, 0.375], (0.0, -0.5))
     """
     p, q = last
     line, square = 2 * q - end_slope * p, end_slope * p - q  # Q = line w + square w^2, w = (1 + u)/2

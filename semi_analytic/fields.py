@@ -374,7 +374,7 @@ class Integrals:
         front, slopes, bottoms = snapshot.load - snapshot.slipped, np.zeros(len(snapshot.load)), np.zeros(len(snapshot.load))
         groups = list(snapshot.groups())
         for piece, here in groups:
-            slopes[here], bottoms[here] = piece.slope, piece.bottom
+            slopes[here], bottoms[here] = _slope(piece), piece.bottom
         slip_line = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
         total = self._line(slip_line, front, snapshot.load) + self._line(slopes, bottoms, front)
         self._remember([piece.below for piece, _ in groups])
@@ -394,7 +394,7 @@ class Integrals:
         if not unknown:
             return
         slopes, bottoms, tops = (
-            np.array(part) for part in zip(*((p.slope, p.bottom, p.top) for p in unknown.values()), strict=True)
+            np.array(part) for part in zip(*((_slope(p), p.bottom, p.top) for p in unknown.values()), strict=True)
         )
         curved = self._curved([(piece, np.array([piece.top])) for piece in unknown.values()])
         lines = self._line(slopes, bottoms, tops)
@@ -433,7 +433,7 @@ class Integrals:
 
     def _difference(self, bottom: Array, top: Array) -> Array:
         different, fold = np.unique(np.concatenate([bottom, top]), return_inverse=True)
-        moments = self.moment(different)
+        moments = self.moment(0, different)
         return np.asarray(moments[fold[len(bottom) :]] - moments[fold[: len(bottom)]])
 
     def _by_itself(self, bottom: Array, top: Array) -> Array:
@@ -465,6 +465,8 @@ class Integrals:
         for number, (piece, front) in enumerate(fronts):
             if piece.arc is not None:
                 alike.setdefault((id(piece.anchor.leg), piece.arc[0], piece.anchor.time), []).append(number)
+            elif piece.bend:
+                found[number] = 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
         for key, numbers in alike.items():
             piece = fronts[numbers[0]][0]
             if key not in self._arcs:
@@ -481,9 +483,18 @@ class Integrals:
         """Largest estimated error of the arcs that were integrated."""
         return max((arc.error for _, arc in self._arcs.values()), default=0.0)
 
-    def moment(self, load: Array) -> Array:
-        """int_0^load K d eta, of which differences between two loads are taken: shape (n, k) from (n,)."""
+    def moment(self, order: int, load: Array) -> Array:
+        """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
         contact, column = self.contact, load[:, None]
         if self.kernel == "shift":
-            return np.broadcast_to(contact.log_distance(column), (len(load), len(self.x)))
-        return contact.pressure_rise(self.x, column) if self.kernel == "shear" else contact.slip_integral(self.x, column)
+            function = (contact.log_distance, contact.log_moment)[order]
+            return np.broadcast_to(function(column), (len(load), len(self.x)))
+        if self.kernel == "shear":
+            # All moments are taken as differences between two loads.
+            return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
+        return (contact.slip_integral, contact.slip_integral_moment)[order](self.x, column)
+
+
+def _slope(piece: Piece) -> float:
+    """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+    return piece.slope - 2 * piece.bend * piece.anchor.normal if piece.arc is None else 0.0

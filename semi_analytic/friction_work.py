@@ -168,7 +168,7 @@ def uneven(contact: Contact, span: Span) -> bool:
     if contact.bends_anywhere:
         return True
     arc = span.active is not None and span.active.arc is not None
-    return span.leg.ellipse is None and (arc or not span.leg.is_straight)
+    return span.leg.ellipse is None and (arc or not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end)))
 
 
 def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:

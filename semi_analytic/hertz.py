@@ -100,6 +100,10 @@ class HertzContact:
 
     pressure_rise = pressure
 
+    def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """int_0^P eta dp(x, eta) [stress * load] = p(x, P) (P + 2 P_x)/3."""
+        return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
+
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Slip outside the stick zone: S(x, eta) = int_0^eta arccosh(|x|/a) d eta' [force per thickness], over loads with x open.
 
@@ -115,6 +119,19 @@ class HertzContact:
         inner = np.minimum(np.asarray(load, dtype=float), edge)
         gap = edge - inner
         return inner * _arc(gap, inner) + edge * inner / (edge + np.sqrt(edge * gap) + _TINY)
+
+    def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per thickness^2].
+
+        (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts:
+        the second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
+        """
+        edge = self.load(x)
+        inner = np.minimum(np.asarray(load, dtype=float), edge)
+        gap = edge - inner
+        root, first = np.sqrt(gap), np.sqrt(edge)
+        rest = first * (2 * edge * (first - root) - 2 / 3 * (first**3 - root**3))
+        return inner**2 / 2 * _arc(gap, inner) + rest / 4
 
     def advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
@@ -148,6 +165,11 @@ class HertzContact:
         """
         p = np.asarray(load, dtype=float)
         return p * (self.log_ratio(p) + 0.5) * (p > 0)
+
+    def log_moment(self, load: ArrayLike) -> Array:
+        """int_0^P eta ln(2 L/a(eta)) d eta [force^2 per thickness^2] = (P^2/2) [ln(2 L/a) + 1/4]."""
+        p = np.asarray(load, dtype=float)
+        return p * p / 2 * (self.log_ratio(p) + 0.25) * (p > 0)
 
     def log_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); 0 is returned for P = 0, where it is multiplied by P."""

@@ -299,13 +299,13 @@ def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, fri
     """The same while the load is within one piece: signs of Q - M(P) between its roots."""
 
     def excess(time: ArrayLike) -> Array:
-        if piece.arc is None:
+        if piece.arc is None and piece.bend == 0:
             return change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
         normal, tangential = leg.loads(time)
         return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
 
     turning = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
-    count = 3 if piece.arc is None else _SAMPLES
+    count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
     times = np.unique([*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)])
     noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
     above = excess(times)

@@ -78,6 +78,11 @@ class Knot(NamedTuple):
         return Instant(_NO_LEG, 0.0, self.top, self.force)
 
     @property
+    def bend(self) -> float:
+        """None."""
+        return 0.0
+
+    @property
     def arc(self) -> None:
         """None."""
         return

@@ -5,8 +5,8 @@
 #           s direction of slip, +1 or -1; P_c load at the front of a slip zone
 
 The curve is a stack of pieces, the last at the top; a piece knows the one below it, so that all instants of a history share
-what they have in common. A piece is a straight line M = M_a + slope (eta - eta_a) through an instant `a` of the load path, or an
-arc: a stretch of a curved leg that was appended in full stick.
+what they have in common. A piece is a parabola M = M_a + (slope + bend (eta - eta_a)) (eta - eta_a) about an instant `a` of
+the load path (a straight line mostly), or an arc: a stretch of a curved leg that was appended in full stick.
 
 Round-off error: where next to nothing slips, the load at the front P_c is known to a digit of P.
 
@@ -98,7 +98,7 @@ class Piece(NamedTuple):
     below : the curve under this piece, None if this piece starts at eta = 0
     top : eta at the upper end
     anchor : the instant of the load path from which the piece is measured
-    slope : dM/d eta of a line; 0 for an arc
+    slope, bend : dM/d eta at the anchor and half the second derivative; not used for an arc
     arc : (first, last) times of the anchor's leg at the lower and the upper end of an arc, else None
     """
 
@@ -106,6 +106,7 @@ class Piece(NamedTuple):
     top: float
     anchor: Instant
     slope: float
+    bend: float = 0.0
     arc: tuple[float, float] | None = None
 
     @property
@@ -129,7 +130,7 @@ def value_on(piece: Piece, eta: ArrayLike) -> Array:
     """M(eta) on one piece."""
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
-        return piece.anchor.tangential + piece.slope * step
+        return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
     return piece.anchor.tangential + piece.anchor.leg.change_of(Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time)
 
 
@@ -189,8 +190,8 @@ def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) ->
     >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
-    slope = leg.slope
-    return Piece(curve, end.normal, end, 0.0, (begin, end.time)) if slope is None else Piece(curve, end.normal, end, slope)
+    form = leg.slope_and_bend(end.time)
+    return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time)) if form is None else Piece(curve, end.normal, end, *form)
 
 
 def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
@@ -222,7 +223,7 @@ def flat(piece: Piece, direction: int, friction: float) -> bool:
     >>> flat(piece, 1, 0.5), flat(piece, -1, 0.5), flat(piece, 1, 0.6)
     (True, False, False)
     """
-    return piece.arc is None and piece.slope == direction * friction
+    return piece.arc is None and piece.bend == 0 and piece.slope == direction * friction
 
 
 def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
@@ -230,7 +231,7 @@ def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> A
     if piece.arc is not None:
         return piece.anchor.leg.change_of(level(direction, friction), front_time(piece, eta), piece.anchor.time)
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
-    return (direction * piece.slope - friction) * step
+    return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 
 def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:
@@ -247,8 +248,13 @@ def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment
     """
     if piece.arc is not None:
         return _slipped_on_arc(piece, direction, friction, leg, time)
-    lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
-    return direction * lag / (friction - direction * piece.slope)
+    if piece.bend == 0:
+        lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
+        return direction * lag / (friction - direction * piece.slope)
+    rise = change_from(piece.anchor, leg, level(direction, friction), time)
+    steep, bend = friction - direction * piece.slope, direction * piece.bend
+    back = 2 * rise / (steep + np.sqrt(np.maximum(steep**2 + 4 * bend * rise, 0.0)))
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
 
 
 def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:

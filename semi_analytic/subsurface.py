@@ -276,7 +276,7 @@ def _slope_of(piece: Piece, friction: float) -> Slope:
 
     def slope(eta: Array) -> Array:
         if piece.arc is None:
-            return np.full(eta.shape, piece.slope)
+            return piece.slope + 2 * piece.bend * (eta - piece.anchor.normal)
         normal, tangential = piece.anchor.leg.rates(front_time(piece, eta))
         ratio = np.divide(tangential, normal, out=np.zeros(eta.shape), where=normal != 0)
         return np.asarray(np.clip(ratio, -friction, friction))

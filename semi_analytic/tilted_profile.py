@@ -733,11 +733,31 @@ class TiltedProfile:
 
     pressure_rise = pressure
 
+    def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """int_0^P eta dp(x, eta) [stress * load]."""
+        place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.minimum(self.load(place), load), load)
+        return load * self.pressure(place, load) - np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
+
+    def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Nodes and weights on loads, cut at those at which an end meets a knot, a new last axis."""
+        if not len(self.break_loads):
+            return graded(begin, end)
+        found = panels(begin, end, self.break_loads)
+        shape = (*np.shape(end), -1)
+        return found.at.reshape(shape), found.weight.reshape(shape)
+
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force per thickness]."""
         x = np.asarray(x, dtype=float)
         closed = self.shape.gap(x, *self.intervals.start) - self.shape.gap(x, *self.intervals.at(load))
         return np.maximum(closed, 0.0) * np.pi / self._product
+
+    def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """The same with eta in front [force^2 per thickness^2]."""
+        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
+        return np.asarray(np.sum(weight * eta * self.arccosh_ratio(x[..., None], 0.0, eta), axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of slip, arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2), from the load; 0 inside."""
@@ -783,6 +803,11 @@ class TiltedProfile:
         start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
         whole = np.pi / self._product * (self.shape.approach(m, c, turned) - start) + load * self.logarithm(c)
         return whole + self.lean * moment if self.rigid == "loop" else whole
+
+    def log_moment(self, load: ArrayLike) -> Array:
+        """int_0^P of eta times `log_ratio`."""
+        eta, weight = self._nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
+        return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""

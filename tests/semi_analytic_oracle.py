@@ -205,9 +205,9 @@ class Punches:
 
 def _slope_on(piece):
     """M' as a function of eta on a piece of the engine's curve."""
-    leg = piece.anchor.leg
+    leg, anchor = piece.anchor.leg, LONG(piece.anchor.normal)
     if piece.arc is None:
-        return lambda eta: LONG(piece.slope) + 0 * eta
+        return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
     if leg.ellipse:
         p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.ellipse.amplitude))
         sine, cosine = np.sin(LONG(leg.ellipse.phase)), np.cos(LONG(leg.ellipse.phase))

@@ -114,8 +114,10 @@ def a_field(patch: pytest.MonkeyPatch, name: str) -> None:
 
 # fault: (how, scene, quantities that move with it)
 FAULTS = {
+    "moment of the slip kernel": (hertz("slip_integral_moment"), "hertz-paper", ["slip at 3"]),
     "slip kernel": (hertz("slip_integral"), "cattaneo-mindlin", ["slip at 3", "rms slip"]),
-    "rise of the pressure": (hertz("pressure_rise"), "hertz-paper", ["shear at 1"]),
+    "moment of the pressure": (hertz("pressure_moment"), "hertz-paper", ["shear at 1"]),
+    "moment of the log": (hertz("log_moment"), "hertz-paper", ["tangential displacement"]),
     "log of the distance": (hertz("log_distance"), "unload-reload", ["tangential displacement", "rms displacement"]),
     "stick edge": (a_later_edge, "unload-reload", ["stick half-width"]),
     "shear of an arc": (partial(an_arc, kernel="shear"), "hertz-paper", ["rms shear"]),

@@ -117,9 +117,9 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
         moment = segment.beside(what)
         np.testing.assert_allclose(moment.loads(t), (0 * p, what.normal * p + what.tangential * q), rtol=0, atol=2e-14)
         assert (moment.start, moment.end) == (segment.start, segment.end)
-    if segment.slope is not None:
+    if form := segment.slope_and_bend(segment.end):  # the parabola of a segment is its path
         since = [segment.change_of(one, t, segment.end) for one in (NORMAL_LOAD, TANGENTIAL_LOAD)]
-        np.testing.assert_allclose(since[1], segment.slope * since[0], atol=1e-14)
+        np.testing.assert_allclose(since[1], (form[0] + form[1] * since[0]) * since[0], atol=1e-14)
 
 
 @EVERY
@@ -193,8 +193,8 @@ def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time()
 def test_segments_state_what_they_are_and_keep_their_ends():
     assert {name for name, segment in SEGMENTS.items() if segment.is_straight} == {"straight", "constant P"}
     assert {name for name, segment in SEGMENTS.items() if segment.ellipse} == {"ellipse", "ellipse from elsewhere"}
-    assert {name for name, segment in SEGMENTS.items() if segment.slope is not None} == {"straight"}
-    assert ChebyshevSegment(0.0, 1.0, (3.0, 1.0), (0.0, 2.0)).slope == 2.0
+    assert {name for name, segment in SEGMENTS.items() if segment.slope_and_bend(segment.end)} == {"straight", "parabola"}
+    assert ChebyshevSegment(0.0, 1.0, (3.0, 1.0), (0.0, 2.0)).is_straight
     turned = SEGMENTS["ellipse from elsewhere"].ellipse
     assert (turned.phase, turned.origin) == (-3.5, 2.5)
     assert replace(ELLIPSE, normal=((1.0, 0.0), (0.0, 3.0))).ellipse == ELLIPSE.ellipse

@@ -233,7 +233,7 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
     x, load, loads = np.linspace(-2.2, 2.1, 87), np.linspace(0.05, 4, 49)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
     for name in ("pressure", "slip_integral"):
         np.testing.assert_allclose(getattr(tilted, name)(x, load), getattr(plain, name)(x, load), rtol=0, atol=1e-11, err_msg=name)
-    for name in ("log_ratio", "log_distance", "half_width"):
+    for name in ("log_ratio", "log_distance", "log_moment", "half_width"):
         np.testing.assert_allclose(getattr(tilted, name)(loads), getattr(plain, name)(loads), rtol=0, atol=1e-11, err_msg=name)
     np.testing.assert_allclose(tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10)
     np.testing.assert_allclose(tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12)
