@@ -19,8 +19,7 @@ from pydantic import Field, field_validator, model_validator
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
-from scenes.reduction import Reduction, reduced
+from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Reduction, Table, reduced
 from scenes.segments import (
     ChebyshevSegment,
     Combination,

@@ -538,14 +538,14 @@ class Tabulated(FromFile):
 
     def spline(self) -> Spline:
         """The curve for x >= 0; InputError for rows that are to be fitted, which are another profile in a scene."""
-        if self.fit is not None:
-            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
         if not self.symmetric:
             raise InputError("profile: its two sides are unequal, and each has a spline of its own: take `sides`")
         return self.sides()[-1]
 
     def sides(self) -> tuple[Spline, Spline]:
         """The curve to the left of x = 0, x counted to the left, and to the right."""
+        if self.fit is not None:
+            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
         found = [rising_spline(*side) for side in self._sides()]
         return found[0], found[-1]
 
@@ -566,18 +566,15 @@ class Tabulated(FromFile):
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
-        if self.symmetric or self.fit is not None:
-            return _on(self.spline(), np.abs(np.asarray(x, dtype=float)))
-        at, (left, right) = np.asarray(x, dtype=float), self.sides()
-        return np.asarray(np.where(at < 0, _on(left, np.abs(at)), _on(right, np.abs(at))))
+        at = np.asarray(x, dtype=float)
 
+        def height(side: Spline) -> Array:
+            number = np.clip(np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1)
+            step, bend = np.abs(at) - side.x[number], np.append(side.curvature, 0.0)[number]  # straight beyond the last knot
+            return np.asarray(side.height[number] + step * (side.slope[number] + bend * step / 2))
 
-def _on(spline: Spline, distance: Array) -> Array:
-    """h at distances >= 0 from x = 0, any shape; straight beyond the last knot."""
-    number = np.clip(np.searchsorted(spline.x, distance, side="right") - 1, 0, len(spline.x) - 1)
-    step = distance - spline.x[number]
-    bend = np.append(spline.curvature, 0.0)[number]
-    return np.asarray(spline.height[number] + step * (spline.slope[number] + bend * step / 2))
+        left, right = map(height, self.sides())
+        return np.where(at < 0, left, right)
 
 
 def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:

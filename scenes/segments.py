@@ -524,9 +524,9 @@ def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[fl
     """Turning points of a combination in the segment, ascending, after two of Newton's steps, as long as they are small."""
     found, apart, longest = guess, 1e-6 * (segment.end - segment.start), _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):
-        slope = (segment.rate_of(what, found + apart) - segment.rate_of(what, found - apart)) / (2 * apart)
-        step = segment.rate_of(what, found) / np.where(slope != 0, slope, 1.0)
-        found = found - np.where((slope != 0) & (np.abs(step) < longest), step, 0.0)
+        rate, beside = segment.rate_of(what, np.stack([found, found + apart]))
+        step = rate * apart / np.where(beside != rate, beside - rate, np.inf)
+        found = found - np.where(np.abs(step) < longest, step, 0.0)
     return sorted(time for time in found.tolist() if segment.start < time < segment.end)
 
 
