@@ -19,8 +19,7 @@ from pydantic import Field, field_validator, model_validator
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
-from scenes.reduction import Reduction, reduced
+from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Reduction, Table, reduced
 from scenes.segments import (
     ChebyshevSegment,
     Combination,
@@ -139,14 +138,10 @@ class BulkAndTilt(Frozen, Generic[V]):
         return value
 
     @model_validator(mode="after")
-    def _one_way_to_turn(self) -> Self:
+    def _can_be_followed(self) -> Self:
         ways = [key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None]
         if len(ways) > 1:
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
-        return self
-
-    @model_validator(mode="after")
-    def _can_be_followed(self) -> Self:
         if self.has_bulk_or_tilt:
             self.path()
         return self
@@ -463,12 +458,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
-        step = np.diff(rows[:, 0])
-        back = np.flatnonzero(step <= 0)
-        if len(back):
-            row = int(back[0]) + 1
-            rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
-            raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
+        time, words = rows[:, 0], ("stands there twice", "comes after a later one")
+        RowError.refuse(
+            np.diff(time) <= 0, lambda k: f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend", 1
+        )
         if self.repeats and not np.any(rows[0, 1:]):
             raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
         if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):

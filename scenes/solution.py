@@ -267,15 +267,8 @@ class ContactSolution:
         """What tab completion shows: neither old names nor private ones."""
         return sorted(name for name in super().__dir__() if name not in RENAMED and not name.startswith("_"))
 
-    @property
-    def rigid_shift(self) -> Array:
-        """The old name of `tangential_displacement`."""
-        return np.asarray(getattr(self, present_name("rigid_shift")))
-
-    @property
-    def rigid_approach(self) -> Array:
-        """The old name of `normal_approach`."""
-        return np.asarray(getattr(self, present_name("rigid_approach")))
+    rigid_shift = property(lambda self: getattr(self, present_name("rigid_shift")), doc="Old name of `tangential_displacement`.")
+    rigid_approach = property(lambda self: getattr(self, present_name("rigid_approach")), doc="Old name of `normal_approach`.")
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
