@@ -472,7 +472,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         for mode in modes:
             by_contact, own, stretched, error = _condensed_mode(system, mode, stiffness, ranks, arc)
             asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
-            flat += by_contact @ ((own + own.T) / 2) @ by_contact.T
+            flat += by_contact @ (by_contact @ ((own + own.T) / 2)).T
             by_stress += by_contact @ stretched
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
