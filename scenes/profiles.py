@@ -64,10 +64,13 @@ class Gap(Frozen):
         """Whether h(-x) = h(x)."""
         return True
 
+    datum: ClassVar[str]
+    """Which key is the `datum_length`."""
+
     @property
-    @abc.abstractmethod
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: the origin of displacements."""
+        return float(getattr(self, self.datum))
 
     @abc.abstractmethod
     def height(self, x: ArrayLike) -> Array:
@@ -159,12 +162,9 @@ class Hertz(MayBeFitted):
     0.002
     """
 
+    datum = "radius"
     kind: Literal["hertz"] = "hertz"
     radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.radius
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -181,13 +181,10 @@ class FlatRounded(MayBeFitted, TwoCurvatures):
     [0.0, 0.2]
     """
 
+    datum = "radius"
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
     flat_half_length: Positive = Field(description="half-length b of the flat face, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.radius
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -205,14 +202,11 @@ class PowerLaw(Gap):
     [0.0625, 0.5]
     """
 
+    datum = "length"
     kind: Literal["power_law"] = "power_law"
     exponent: float = Field(ge=1, description="exponent n, any real number")
     length: Positive = Field(description="distance at which the gap is `rise`, length units (library: mm)")
     rise: Positive = Field(description="gap at `length` (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.length
 
     def in_words(self, length: str) -> str:
         return f"a profile that grows like |x|^{self.exponent:.6g}, {self.rise:.6g} {length} at {self.length:.6g} {length}"
@@ -255,13 +249,10 @@ class Wedge(TwoCurvatures):
     [0.05, 0.25]
     """
 
+    datum = "tip_radius"
     kind: Literal["wedge"] = "wedge"
     tip_radius: Positive = Field(description="relative radius R of the tip, length units (library: mm)")
     tip_half_length: Positive = Field(description="half-length b of the tip, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.tip_radius
 
     def in_words(self, length: str) -> str:
         return (
@@ -296,6 +287,7 @@ class EvenPolynomial(MayBeFitted):
     [0.75, 6.0]
     """
 
+    datum = "length"
     kind: Literal["polynomial"] = "polynomial"
     length: Positive = Field(description="length by which x is divided, length units (library: mm)")
     rises: tuple[float, ...] = Field(
@@ -312,10 +304,6 @@ class EvenPolynomial(MayBeFitted):
         if square is not None:
             raise ValueError(f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for all x > 0")
         return self
-
-    @property
-    def datum_length(self) -> float:
-        return self.length
 
     def in_words(self, length: str) -> str:
         return f"an even polynomial of {len(self.rises)} terms, {sum(self.rises):.6g} {length} high at {self.length:.6g} {length}"
@@ -341,6 +329,7 @@ class CallableProfile(Gap):
     (0.25, 0.125)
     """
 
+    datum = "extent"
     kind: Literal["callable"] = "callable"
     height_function: PythonFunction | None = Field(None, description="gap h of x, both length units (library: mm)")
     slope_function: PythonFunction | None = Field(None, description="slope h' of x")
@@ -407,10 +396,6 @@ class CallableProfile(Gap):
     @property
     def kinks(self) -> tuple[float, ...]:
         return tuple(self.breaks)
-
-    @property
-    def datum_length(self) -> float:
-        return self.extent
 
     def in_words(self, length: str) -> str:
         return f"a profile given by a Python function up to {self.extent:.6g} {length}"
