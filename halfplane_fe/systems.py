@@ -16,6 +16,10 @@ the set, read off values, its answer is
     v + sum_r y_r c_r,   sum_r R(c_r) y_r = b - R(v),
 
 r being the rows in which set and base differ: one small system and one sum.
+
+On one half of faces that are their own mirror image, without coupling, the first k nodes touch and the first s of them stick, by
+ascending x, at almost all instants. Such nested sets need no base: with N = L L^T and X = L^-1 the inverse of the leading k rows
+and columns of N is X_k^T X_k, X_k being those of X; likewise of T.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
-from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
@@ -108,6 +112,33 @@ class _Base:
         return sum(one.nbytes for one in (self.below, self.beyond, self.answers, *(factors[0] for _, factors in self.parts)))
 
 
+class _Nested:
+    """A compliance C (n, n), and what holds some first nodes: those at known displacements carry what keeps them there."""
+
+    def __init__(self, compliance: Array, factor: Array) -> None:
+        self.compliance, self.inverse = compliance, np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+        # In row k - 1 the forces that move each of the first k nodes by 1, and what they move all nodes by.
+        by_row = self.inverse.sum(axis=1)[:, None]
+        self.uniform, self.moved = np.cumsum(self.inverse * by_row, axis=0), np.cumsum(factor.T * by_row, axis=0)
+        self.stiffness = self.uniform.sum(axis=1)
+
+    def solved(self, held: int, touching: int, known: Array, total: Array) -> tuple[Array, Array, Array]:
+        """Forces F (n, m) that add up to `total` (m,), rigid motion r (m,), and C F - r: of the latter what the first `held` nodes
+        have, of F what the others have, is `known` (n, m); most often nothing beyond the first `touching` ones."""
+        forces, moved, rigid = known.copy(), known.copy(), total / self.stiffness[held - 1]
+        moved[held:] = 0.0
+        if known.any():
+            reach = len(known) if known[touching:].any() else touching
+            inverse = self.inverse[:held, :held]
+            right = known[:held] - self.compliance[:held, held:reach] @ known[held:reach]
+            forces[:held] = inverse.T @ (inverse @ right)
+            moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
+            rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
+        forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
+        moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
+        return forces, rigid, moved
+
+
 @dataclass(eq=False)
 class Systems:
     """Compliance of interface and layer, and the answers of sets of node states.
@@ -130,9 +161,9 @@ class Systems:
         faces, n = self.interface, len(self.interface.x)
         self.normal = faces.normal + np.diag(self.layer.normal)
         self.tangential = faces.tangential + np.diag(self.layer.tangential)
+        compliances = (self.normal, self.tangential) if self.shears else (self.normal,)
         try:
-            for compliance in (self.normal, self.tangential) if self.shears else (self.normal,):
-                cholesky(compliance, lower=True, check_finite=False)
+            factors = [cholesky(compliance, lower=True, check_finite=False) for compliance in compliances]
         except LinAlgError as reason:
             raise ConvergenceError(f"contact: the compliance of the contact nodes is not positive definite: {reason}") from reason
         n_x, n_y = faces.normals
@@ -152,6 +183,9 @@ class Systems:
         else:
             self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
         self._bases: list[_Base] = []  # what was used last comes last
+        self._nested: list[_Nested] = []
+        if self._split and faces.imposed is None:
+            self._nested = [_Nested(*both) for both in zip(compliances, factors, strict=True)]
 
     def answers(self, states: States, n_loads: int, rows: Indices | None = None, given: Array | None = None) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row for changes that are given.
@@ -175,7 +209,21 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work["linear solves"] += 1
-        n, (base, differs) = len(states), self._nearest(states)
+        n, touching, sticking = len(states), int(np.count_nonzero(states)), int(np.count_nonzero(states == STICK))
+        if self._nested and sticking and states[:touching].all() and (states[:sticking] == STICK).all():
+            known = np.zeros((2, n, n_loads + (rows is not None)))
+            if rows is not None:
+                known[rows // n, rows % n, n_loads] = given
+            values, carried = np.zeros((known.shape[2], 3 + 4 * n)), np.eye(n_loads, known.shape[2])
+            slip, force, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+            force[:], values[:, 0], gap[:] = self._nested[0].solved(touching, touching, known[0], carried[0])
+            if self.shears:
+                known[1, :sticking] *= -1
+                known[1] += (slip_sign(states) * self.friction)[:, None] * force
+                shear[:], values[:, 1], moved = self._nested[1].solved(sticking, touching, known[1], carried[1])
+                slip[:] = -moved
+            return values
+        base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
         wanted, loads = np.flatnonzero(differs), np.arange(2 * n, 2 * n + n_loads)

@@ -18,49 +18,19 @@ from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
-from scenes.measured import READING, read_for
+from scenes.measured import READING, SCENE_UNITS
 from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
-Tag = Literal[
-    # where it comes from
-    "paper",
-    "benchmark",
-    "made-up-record",
-    # profile
-    "hertz",
-    "flat",
-    "compound",
-    "wedge",
-    "profile",
-    # bodies and materials
-    "half-planes",
-    "bodies",
-    "block",
-    "pad",
-    "cylinder",
-    "unlike",
-    # loads
-    "ellipse",
-    "polygon",
-    "harmonics",
-    "time-series",
-    "line",
-    "constant-load",
-    "normal-only",
-    "other-sense",
-    "bulk",
-    "tilt",
-    "unloading",
-    # what happens
-    "partial-slip",
-    "full-stick",
-    "near-sliding",
-    "frictionless",
-    # what its expected numbers rest on
-    "closed-form",
-]
+Origin = Literal["paper", "benchmark", "made-up-record"]
+ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
+BodyTag = Literal["half-planes", "bodies", "block", "pad", "cylinder", "unlike"]
+LoadKind = Literal["ellipse", "polygon", "harmonics", "time-series"]
+LoadTag = Literal["line", "constant-load", "normal-only", "other-sense", "bulk", "tilt", "unloading"]
+Happens = Literal["partial-slip", "full-stick", "near-sliding", "frictionless"]
+Tag = Literal[Origin, ProfileTag, BodyTag, LoadKind, LoadTag, Happens, "closed-form"]
+"""The last: what its expected numbers rest on."""
 
 
 def tags() -> tuple[str, ...]:
@@ -216,29 +186,19 @@ class Scene(Frozen):
         return units
 
     @model_validator(mode="after")
-    def _columns_were_turned_into_its_units(self) -> Self:
+    def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (own := read_for(getattr(table, "read_as", None))) and own != self.units:
+            if (own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)) != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
                     "together in a scene file, or to Scene.vary"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _lengths_can_be_squared(self) -> Self:
-        length = self.profile.datum_length
+        length, radius, arc = self.profile.datum_length, self.bodies.relative_radius(), self.profile.arc
         if not 1 / LARGEST <= length <= LARGEST:
             raise ValueError(
                 f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and {LARGEST:g}, "
                 "and its square would be no number: choose other units"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _faces_make_the_profile(self) -> Self:
-        radius = self.bodies.relative_radius()
-        arc = self.profile.arc
         if radius is not None and not (self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9):
             raise ValueError(
                 f"profile is not that of the cylinders: it is kind = 'hertz' with radius = {radius:.12g} "

@@ -31,6 +31,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import takewhile
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -50,6 +51,8 @@ Kernel = Literal["shear", "slip", "shift"]
 
 # Panels at first, halvings of one at most, and the share of the largest integral at which a series is resolved.
 _PANELS, _HALVINGS, _RESOLVED = 12, 9, 1e-14
+# Lengths of a range that the logarithm of no load must be away from it.
+_AWAY = 4.0
 # Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
 _FAR = 2.0
 # Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes tractions keep 2e-14 of the
@@ -59,10 +62,6 @@ _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 _NODES = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of length 1.
 _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
-# Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
-_DIGITS = 34.0
-# Share of the root of an arc's load from either side of a turning point that one series serves.
-_THROUGH = 0.1
 # Steps of which the error is looked at.
 _SAMPLE = 40
 
@@ -70,16 +69,13 @@ _SAMPLE = 40
 class Turn(NamedTuple):
     """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a least P, -1 for a largest.
 
-    `farthest` is the other end of the arc. dQ/dz is smooth through the turning point, where the last digits of the time spoil P':
-    for |z| < `near` it is a Chebyshev series, `force`; where P does not turn `near` is 0.
+    `farthest` is the other end of the arc.
     """
 
     time: float
     load: float
     sign: float
     farthest: float
-    near: float
-    force: Array
 
 
 class Arc:
@@ -132,9 +128,7 @@ class Arc:
         panel = np.clip(np.searchsorted(marks, stops, side="right") - 1, 0, len(marks) - 2)
         value = self._before[panel]
         share = np.clip((stops - marks[panel]) / (marks[panel + 1] - marks[panel]), 0.0, 1.0)
-        # The inverse of 3 u^2 - 2 u^3.
-        u = np.where(self._cornered[panel], 0.5 - np.sin(np.arcsin(1 - 2 * share) / 3), share)
-        terms = chebyshev.chebvander(2 * u - 1, DEGREE + 1)
+        terms = chebyshev.chebvander(2 * share - 1, DEGREE + 1)
         begins = np.flatnonzero(np.diff(panel, prepend=-1))
         for here in np.split(np.arange(len(stops)), begins[1:]):
             value[here] += terms[here] @ self._primitive[panel[here[0]]].T
@@ -143,7 +137,7 @@ class Arc:
         low[begins] = marks[panel[begins]]
         step, point = np.nonzero(self._near[panel] & (stops > low)[:, None])
         rises = np.zeros(value.shape)
-        rises[step, point] = self._steps(low[step], stops[step], point, self._cornered[panel[step]])
+        rises[step, point] = self._steps(low[step], stops[step], point)
         sums = np.cumsum(rises, axis=0)
         before = (sums - rises)[begins]
         value += sums - np.repeat(before, np.diff(np.append(begins, len(stops))), axis=0)
@@ -154,7 +148,7 @@ class Arc:
         done: list[tuple[NDArray[Any], ...]] = []
         low, high, size, points = marks[:-1], marks[1:], 0.0, len(self._x)
         for turn in range(_HALVINGS + 1):
-            near, cornered, panel, point, found = self._series(low, high)
+            near, panel, point, found = self._series(low, high)
             worth = tail(found)
             size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
             left, table = np.zeros((len(low), points)), np.zeros((len(low), points, DEGREE + 1))
@@ -162,14 +156,14 @@ class Arc:
             middle = (low + high) / 2
             good = (np.max(left, axis=1, initial=0.0) <= _RESOLVED * size) | (turn == _HALVINGS)
             good |= (middle == low) | (middle == high)  # no number lies between
-            done.append(tuple(values[good] for values in (low, high, near, cornered, table, left)))
+            done.append(tuple(values[good] for values in (low, high, near, table, left)))
             if np.all(good):
                 break
             low, middle, high = low[~good], middle[~good], high[~good]
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        low, high, near, cornered, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
+        low, high, near, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
         order = np.argsort(low)
-        low, high, self._near, self._cornered = low[order], high[order], near[order], cornered[order]
+        low, high, self._near = low[order], high[order], near[order]
         self._marks = np.append(low, high[-1])
         self._primitive = table[order] @ _PRIMITIVE
         panel, point = np.nonzero(self._near)
@@ -179,32 +173,26 @@ class Arc:
         some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
         middle, all_of = (a[some] + b[some]) / 2, np.concatenate([np.arange(len(panel)), some, some])
         ends = np.concatenate([a, a[some], middle]), np.concatenate([b, middle, b[some]])
-        steps, first, second = np.split(
-            self._steps(*ends, point[all_of], self._cornered[panel][all_of]), [len(panel), len(panel) + len(some)]
-        )
+        steps, first, second = np.split(self._steps(*ends, point[all_of]), [len(panel), len(panel) + len(some)])
         whole[panel, point] += steps
         self._before = np.cumsum(whole, axis=0) - whole
         apart = np.abs(steps[some] - first - second)
         off = float(np.max(apart, initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
         self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
 
-    def _steps(self, low: Array, high: Array, point: Indices, cornered: NDArray[np.bool_]) -> Array:
+    def _steps(self, low: Array, high: Array, point: Indices) -> Array:
         """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the middle of the arc."""
         result = np.empty(len(low))
         upper = low >= self._middle
         for turn, part in zip(self._turns, (~upper, upper), strict=True):
             x, edge = self._x[point[part]], self._edge[point[part]]
-            result[part] = _near(self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge, cornered[part])
+            result[part] = _near(self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge)
         return result
 
     def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
-        """Near and cornered panels; panel, point and coefficients (n, nodes) of the integrand over u for those that are far."""
+        """Near panels; panel, point and coefficients (n, nodes) of the integrand over the panel for those that are far."""
         contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
-        begin, end = np.isin(low, self._corners), np.isin(high, self._corners)
-        cornered = begin | end
-        u = (1 + NODES) / 2
-        share = np.where(cornered[:, None], u * u * (3 - 2 * u), u)
-        time = low[:, None] + (high - low)[:, None] * share
+        time = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
         least, most = (np.maximum(self._leg.loads(ends)[0], 0.0)[:, None] for ends in (low, high))
         spread = _FAR * (most - least)
@@ -214,7 +202,7 @@ class Arc:
         else:
             near, away = (edge < most) & (edge > least - spread), edge <= least - spread
         panel, point = np.nonzero(away)
-        density = self._leg.rates(time)[1] * (high - low)[:, None] * np.where(cornered[:, None], 6 * u * (1 - u), 1.0)
+        density = self._leg.rates(time)[1] * (high - low)[:, None]
         advance = contact.advance(load)
         found = np.empty((len(panel), DEGREE + 1))
         for k in range(0, len(panel), _NODES // (DEGREE + 1)):
@@ -222,7 +210,7 @@ class Arc:
             p, i = panel[here], point[here]
             values = _kernel(contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p])
             found[here] = series(density[p] * values)
-        return near, cornered, panel, point, found
+        return near, panel, point, found
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
@@ -237,22 +225,12 @@ def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
         slope = float(leg.rate_of(NORMAL_LOAD, time))
         bend = float(leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)) / (2 * width)
         if bend * sign <= 0 or abs(step := slope / bend) > abs(length) or (end - time + step) * sign < -abs(width):
-            return Turn(end, float(leg.loads(end)[0]), sign, other, 0.0, np.zeros(1))
+            return Turn(end, float(leg.loads(end)[0]), sign, other)
         time -= step
         if abs(step) <= 1e-15 * (abs(time) + abs(length)):
             break
     time = min(time, end) if length > 0 else max(time, end)
-    # At the turning point itself the last digits of the time do not count.
-    turn = Turn(time, float(leg.loads(time)[0]), sign, other, 0.0, np.zeros(1))
-    near = _THROUGH * math.sqrt(abs(float(leg.change_of(NORMAL_LOAD, other, time))))
-    # An even number of nodes: at 0 itself dQ/dz is 0/0.
-    place = chebyshev.chebpts1(14)
-    z = near * np.abs(place)
-    across = time - 2 * (float(leg.time_of(NORMAL_LOAD, sign * near**2, time, other)) - time)
-    sides = _force_over_root(leg, turn, z), _force_over_root(leg, turn._replace(farthest=across), z)
-    return turn._replace(
-        near=near, force=np.asarray(chebyshev.chebfit(place, np.where(place > 0, *sides), len(place) - 1), dtype=float)
-    )
+    return Turn(time, float(leg.loads(time)[0]), sign, other)
 
 
 def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
@@ -278,7 +256,6 @@ def _near(
     high: Array,
     x: Array,
     edge: Array,
-    cornered: NDArray[np.bool_],
 ) -> Array:
     """The integrals from low[k] to high[k] at x[k], (m,): P_x is among the loads there or close to them, or P close to 0."""
     result = np.zeros(len(low))
@@ -292,8 +269,12 @@ def _near(
     # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
     beyond = (kernel != "slip") == (turn.sign > 0)
     a, b = _limits_beyond(inner, outer, square) if beyond else _limits_within(inner, outer, square)
-
-    rough = cornered | (_beside_no_load(turn, a, b, square) if kernel == "slip" and not beyond else False)
+    # Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four lengths 6 nodes leave 16^-12.
+    least = max(turn.load, 0.0)
+    height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
+    rough = (np.hypot(a, height) < _AWAY * (b - a)) & (kernel == "slip" and not beyond) | (
+        kernel == "shift"
+    )  # which has one point: cheap
     limit = -1.0
     for longest, count in (*_SPANS, (math.inf, 0)):
         here = np.flatnonzero((b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest)))
@@ -307,23 +288,12 @@ def _near(
                 s, weight = graded(a[m], b[m])
             z, root = _nodes(s, square[m, None], beyond)
             load = np.maximum(turn.load + turn.sign * z * z, 0.0)
-            force, close = _force_over_root(leg, turn, z), z < turn.near
-            force[close] = chebyshev.chebval(z[close] / max(turn.near, 1e-300), turn.force)
             advance = contact.advance(load)
             above = root * root if kernel != "slip" else -root * root
-            result[m] = np.sum(weight * root * force * _kernel(contact, kernel, x[m, None], above, load, advance), axis=1)
+            result[m] = np.sum(
+                weight * root * _force_over_root(leg, turn, z) * _kernel(contact, kernel, x[m, None], above, load, advance), axis=1
+            )
     return result
-
-
-def _beside_no_load(turn: Turn, a: Array, b: Array, square: Array) -> NDArray[np.bool_]:
-    """Which ranges of arcsin(z/e) are too close to where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule with its count of nodes.
-
-    n nodes leave rho^(-2 n), rho + 1/rho being twice the sum of the distances from a and b over b - a.
-    """
-    height = np.arcsinh(np.sqrt(max(turn.load, 0.0) / np.maximum(square, 1e-300)))
-    limits, counts = (np.array(column, dtype=float) for column in zip(*_SPANS, strict=True))
-    count = counts[np.searchsorted(limits, b - a)]
-    return np.asarray(np.hypot(a, height) + np.hypot(b, height) < np.cosh(_DIGITS / (2 * count)) * (b - a))
 
 
 def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
@@ -418,33 +388,20 @@ class Integrals:
 
     def _remember(self, curves: list[Curve]) -> None:
         """Sum the curves that are not known yet, each from the first known piece up."""
-        unknown: dict[int, Piece] = {}
-        for curve in curves:
-            for piece in pieces(curve):
-                if id(piece) in self._known or id(piece) in unknown:
-                    break
-                unknown[id(piece)] = piece
-        if not unknown:
-            return
-        slopes, bottoms, tops = (
-            np.array(part) for part in zip(*((_slope(p), p.bottom, p.top) for p in unknown.values()), strict=True)
-        )
-        curved = self._curved([(piece, np.array([piece.top])) for piece in unknown.values()])
-        lines = self._line(slopes, bottoms, tops)
-        own = {id(piece): line + np.ravel(arc) for piece, line, arc in zip(unknown.values(), lines, curved, strict=True)}
-        for piece in unknown.values():
-            self._add_up(piece, own)
+        new: dict[int, Piece] = {}
 
-    def _add_up(self, curve: Piece, own: dict[int, Array]) -> None:
-        """Running sums from the lowest piece that is not known yet to the top of the curve."""
-        chain = []
-        for piece in pieces(curve):
-            if id(piece) in self._known:
-                break
-            chain.append(piece)
-        for piece in reversed(chain):
-            below = self._known[id(piece.below)][1] if piece.below is not None else np.zeros(len(self.x))
-            self._known[id(piece)] = (piece, below + own[id(piece)])
+        def unknown(piece: Piece) -> bool:
+            return id(piece) not in self._known and id(piece) not in new
+
+        for curve in curves:
+            new.update({id(piece): piece for piece in reversed(list(takewhile(unknown, pieces(curve))))})
+        if not new:
+            return
+        lines = self._line(*np.array([(_slope(piece), piece.bottom, piece.top) for piece in new.values()]).T)
+        curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
+        for piece, line, arc in zip(new.values(), lines, curved, strict=True):
+            below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
+            self._known[id(piece)] = piece, below + line + np.ravel(arc)
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
         """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines of no slope or no length.

@@ -4,7 +4,6 @@ import functools
 import itertools
 from collections import Counter
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import halfplane_fe
-from halfplane_fe import SolverSettings, systems
+from halfplane_fe import SolverSettings, scales, systems
 from halfplane_fe.contact import ContactProblem, nodal
 from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energies
@@ -298,7 +297,6 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
 # ---------------------------------------------------------------------------------------------- one half of mirrored faces
 
 
-SOLVE = import_module("halfplane_fe.solve")
 COARSER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
 SHORT = SolverSettings(steps_per_cycle=16, step_tolerance=np.inf)
 PENALTY = SolverSettings(
@@ -311,7 +309,7 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     scene = load_scene(name)
     halved = halfplane_fe.solve(scene, COARSER, settings)
     assert "contact nodes" in halved.work.skipped
-    monkeypatch.setattr(SOLVE, "mirrored", lambda *_: False)
+    monkeypatch.setattr(scales, "mirrored", lambda *_: False)
     full = halfplane_fe.solve(scene, COARSER, settings)
     for field in (
         "time",

@@ -106,7 +106,7 @@ ALL_BUT_ELLIPSE = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(0.999, 0
 # What is made rough, the scene, points and instants, the field, the least true error and the largest that may be stated.
 ROUGHER = {
     "no rule beside P = 0": (  # Gauss' rule alone there costs 2e-9 of the slip
-        ("_beside_no_load", lambda half, a, *rest: np.zeros(len(a), dtype=bool)),
+        ("_AWAY", 0.0),
         (make_scene(ellipse(1.0, 1 - 1e-4, 0.0, 0.9 * np.sqrt(2e-4), 90.0)), {"x": X0_TO_2, "time": TURNS}),
         ("slip", 1e-10, 1e-5),
     ),
