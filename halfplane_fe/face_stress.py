@@ -14,7 +14,8 @@ without tractions on a flat face: a power series sum_k c_k z^k of the potential,
 integral where they are good, a little below the face and beside the contact.
 
 Of the nodal p the outermost three on each side are the mesh's: the edge of contact is where p^2, which grows in proportion to
-the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. What the mesh adds there
+the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. Jumps of the profile's
+curvature bend p^2 without end: p over their form (`_form`) is what is fitted. What the mesh adds there
 alternates between corners and mid-side nodes and dies out: a term of that form is fitted with the parabola of p^2, and left out.
 Where it slips, q = +-f p.
 

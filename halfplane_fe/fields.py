@@ -286,11 +286,11 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
     # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the uncertainty larger, not smaller.
     growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
-    kinks = _kinks(solution.scene)
+    kinks = profile_kinks(solution.scene)
     return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing, kinks)
 
 
-def _kinks(scene: Scene) -> Array:
+def profile_kinks(scene: Scene) -> Array:
     """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right [length, stress/length]."""
     found = []
     for place in scene.profile.kinks:
