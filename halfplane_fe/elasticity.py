@@ -80,7 +80,7 @@ class System:
     @cached_property
     def stiffness(self) -> sparse.csr_matrix:
         """(n_dofs, n_dofs) assembled when it is first used [stress]."""
-        return _stiffness(self, np.arange(len(self.cells))).tocsr()
+        return _stiffness(self, np.arange(len(self.cells)))
 
 
 def order_of(mesh: skfem.Mesh) -> int:
@@ -159,7 +159,7 @@ def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
     return (lam - rest, rest, shear_modulus) if order == 2 and rest > 1e-6 * shear_modulus else (lam, 0.0, shear_modulus)
 
 
-def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
+def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]:
     quasi-definite.
 
@@ -169,7 +169,7 @@ def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
     # notation: G is the shear modulus
     lam, rest, G = split_lame(system.material, system.order)
     mesh, cells = system.mesh, system.cells[elements]
-    element, of_pressure = scalar_element(mesh, system.order), scalar_element(mesh, 1)
+    element = scalar_element(mesh, system.order)
     points, weights = get_quadrature(element, 2 * system.order)
     slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
@@ -180,18 +180,15 @@ def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
     D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(len(cells), len(slopes), 2, len(slopes), 2)
     blocks = lam * D + G * D.swapaxes(2, 4)
     blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    dofs, blocks = (
-        np.stack([2 * cells, 2 * cells + 1], axis=-1).reshape(len(cells), -1),
-        blocks.reshape(len(cells), *(2 * len(slopes),) * 2),
-    )
+    dofs, blocks = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1), blocks.reshape(len(cells), 2 * len(slopes), -1)
     if rest:
-        corners = cells[:, : mesh.refdom.nfacets]
-        values = np.stack([of_pressure.lbasis(points, i)[0] for i in range(corners.shape[1])])
+        corners, linear = cells[:, : mesh.refdom.nfacets], scalar_element(mesh, 1)
+        values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
         divergence, mass = G * (values * share) @ gradients.transpose(0, 2, 1), -(G**2) / rest * (values * share) @ values.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
     rows, columns = (np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :]))
-    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2).tocoo()
+    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
 
 
 def surface_weights(line: Array, order: int) -> Array:
@@ -306,25 +303,22 @@ def _mirror_images(system: System) -> Indices | None:
     return image if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables) else None
 
 
-def _elimination_ranks(system: System, stiffness: sparse.coo_matrix) -> Indices:
+def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors sparse: node by node.
 
     That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
     """
     n_nodes = system.mesh.p.shape[1]
-    outside = np.ones(n_nodes, dtype=bool)
-    outside[system.node[stiffness.row]] = False
-    outside[system.node[np.concatenate([system.contact[0], system.arc[0]])]] = True
-    inner = np.flatnonzero(~outside)
+    present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
+    inner = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
     ranks = np.full(n_nodes, n_nodes)  # r of the contact comes last: first of all, it would fill the factors
     if len(inner):
-        every = np.arange(len(system.node))
-        ranks[inner] = factorise(_part(stiffness, _Mode(every, every, np.ones(len(every))), 2 * inner)).perm_c
+        ranks[inner] = factorise(stiffness[2 * inner][:, 2 * inner].tocsc()).perm_c
     return ranks[system.node]
 
 
 def _condensed_mode(
-    system: System, mode: _Mode, stiffness: sparse.coo_matrix, ranks: Indices, arc: ArcLoads
+    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
 ) -> tuple[sparse.csr_matrix, Array, Array, float]:
     """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the compliance of these (k, k), their
     displacement (k,) under tension on the ends, and how far both are from the solution under a random load.
@@ -349,22 +343,21 @@ def _condensed_mode(
     inner = np.flatnonzero(inner)
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
     order, n, m, last = np.concatenate([inner, around, contact]), len(inner), len(around), slice(len(inner), None)
-    ordered = _part(stiffness, mode, order)
-    end, others = ordered.indptr[n], np.arange(len(order) - n)  # of the columns of the inner ones: those after them are units
-    columns = np.ones(len(others)), n + others, np.append(end + others, end + len(others))
-    parts = zip((ordered.data[:end], ordered.indices[:end], ordered.indptr[:n]), columns, strict=True)
-    factors = factorise(sparse.csc_matrix(tuple(map(np.concatenate, parts)), ordered.shape), "NATURAL")
+    motions = mode.motions(np.arange(len(mode.column)), order)
+    ordered = (motions.T @ stiffness @ motions).tocsc()
+    units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
+    factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
     root = cholesky(ordered[last, last].toarray() - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]), lower=True)
     lower = np.tril(dpotri(root, lower=1)[0])
     inverse = lower + np.tril(lower, -1).T
-    by_contact, by_arc = mode.motions(system.contact.ravel(), contact), mode.motions(system.arc.ravel(), around)
-    on_arc = by_arc.T @ (arc.by_nodes @ by_contact)
+    by_contact = mode.motions(system.contact.ravel(), contact)
+    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ by_contact)
     carried = inverse[:, :m] @ on_arc + inverse[:, m:]
     of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
     compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
     forces, loads = np.random.default_rng(0).standard_normal(len(contact)), np.zeros((len(order), 2))
     loads[last, 0] = np.concatenate([on_arc @ forces, forces])
-    loads[:, 1] = np.bincount(mode.column, mode.factor * system.pull, len(mode.dofs))[order]
+    loads[:, 1] = motions.T @ system.pull
     found = factors.solve(loads)  # of the last ones the load that is left to them
     found[last] = cho_solve((root, True), found[last])
     found[:n] -= factors.solve(ordered[:, last] @ found[last])[:n]
@@ -377,17 +370,6 @@ def _condensed_mode(
         np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0]) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
     ]
     return by_contact, compliance, by_stress, float(np.max(errors))
-
-
-def _part(stiffness: sparse.coo_matrix, mode: _Mode, order: Indices) -> sparse.csc_matrix:
-    """Stiffness of a mode's motions `order`, in this order."""
-    place = np.full(len(mode.dofs), -1)
-    place[order] = np.arange(len(order))
-    of_dofs = np.where(mode.factor == 0, -1, place[mode.column])
-    rows, columns = of_dofs[stiffness.row], of_dofs[stiffness.col]
-    kept = (rows >= 0) & (columns >= 0)
-    values = stiffness.data * mode.factor[stiffness.row] * mode.factor[stiffness.col]
-    return sparse.csc_matrix((values[kept], (rows[kept], columns[kept])), shape=(len(order),) * 2)
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the least on bodies of all sizes.
@@ -472,7 +454,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         for mode in modes:
             by_contact, own, stretched, error = _condensed_mode(system, mode, stiffness, ranks, arc)
             asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
-            flat += by_contact @ ((own + own.T) / 2) @ by_contact.T
+            flat += by_contact @ (by_contact @ ((own + own.T) / 2)).T
             by_stress += by_contact @ stretched
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason

@@ -120,11 +120,12 @@ class _Nested:
         # In row k - 1 the forces that move each of the first k nodes by 1, and what they move all nodes by.
         by_row = self.inverse.sum(axis=1)[:, None]
         self.uniform, self.moved = np.cumsum(self.inverse * by_row, axis=0), np.cumsum(factor.T * by_row, axis=0)
+        self.stiffness = self.uniform.sum(axis=1)
 
     def solved(self, held: int, touching: int, known: Array, total: Array) -> tuple[Array, Array, Array]:
         """Forces F (n, m) that add up to `total` (m,), rigid motion r (m,), and C F - r: of the latter what the first `held` nodes
         have, of F what the others have, is `known` (n, m); most often nothing beyond the first `touching` ones."""
-        forces, moved = known.copy(), known.copy()
+        forces, moved, rigid = known.copy(), known.copy(), total / self.stiffness[held - 1]
         moved[held:] = 0.0
         if known.any():
             reach = len(known) if known[touching:].any() else touching
@@ -132,9 +133,8 @@ class _Nested:
             right = known[:held] - self.compliance[:held, held:reach] @ known[held:reach]
             forces[:held] = inverse.T @ (inverse @ right)
             moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
-        uniform = self.uniform[held - 1, :held]
-        rigid = (total - forces.sum(axis=0)) / uniform.sum()
-        forces[:held] += np.multiply.outer(uniform, rigid)
+            rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
+        forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
         moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
         return forces, rigid, moved
 
