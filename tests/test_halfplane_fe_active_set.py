@@ -301,7 +301,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     one, reached = random_systems(n=n), []
     for states in sets(300, n, every):
         assert residual(one, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.below, base.beyond, base.answers, *(factors[0] for _, factors in base.parts)) for base in one._bases]
+        bases = [(base.factors[0], base.beyond, base.answers) for base in one._bases]
         reached.append(sum(array.nbytes for arrays in bases for array in arrays))
     assert max(reached) <= bound
     assert one.work["factorisations"] > 6
