@@ -203,7 +203,7 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
-        hidden = {*dir(BaseModel), "merged", "keys_listed", "written"}
+        hidden = {*dir(BaseModel), "merged", "keys_listed", "written", "datum"}
         return sorted(name for name in super().__dir__() if name not in hidden and not name.startswith("_"))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

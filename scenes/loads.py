@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
@@ -25,7 +25,6 @@ from scenes.segments import (
     Combination,
     HarmonicSegment,
     LoadPath,
-    Loads,
     LoadSegment,
     Point,
     StraightSegment,
@@ -167,8 +166,16 @@ class BulkAndTilt(Frozen, Generic[V]):
             further["turning"] = [leg.beside(Combination(line.x, line.height)) for leg in legs]
         for name, (one, other) in _PAIRS.items():
             pair = getattr(self, one), getattr(self, other)
-            if pair != (None, None):
-                further[name] = self.pairs(path, pair)
+            if pair == (None, None):
+                continue
+            curved = self.curved(path, pair)
+            straight = legs[: len(legs) - len(curved)]
+            ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
+            normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight)])
+            columns = [self.at_corners(value, normal_loads, float(end)).tolist() for value, end in zip(pair, ends, strict=True)]
+            corners = pairwise(zip(*columns, strict=True))
+            lines = (StraightSegment(leg.start, leg.end, *both) for leg, both in zip(straight, corners, strict=True))
+            further[name] = [*lines, *curved]
         found = [
             replace(leg, **dict(zip(further, parts, strict=True))) for leg, *parts in zip(legs, *further.values(), strict=True)
         ]
@@ -179,41 +186,22 @@ class BulkAndTilt(Frozen, Generic[V]):
     def path_of_loads(self) -> LoadPath:
         """P and Q alone."""
 
-    @abc.abstractmethod
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        """Two keys over the time of every leg of `path`, the initial loading first."""
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:  # noqa: ARG002 straight loads have none
+        """Two keys over the time of the last legs of `path`, those on which they follow formulas; before, they are straight."""
+        return ()
 
+    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:
+        """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in proportion to it, or by own points.
 
-def growing(legs: Sequence[LoadSegment], pair: Pair, last: Loads) -> list[LoadSegment]:
-    """Two keys over the initial loading, straight from (0, 0) to `last`: in proportion to P, or by points of their own.
-
-    Raises
-    ------
-    ValueError
-        For points of their own that are not as many as those of the initial loading.
-    """
-    if not legs:
-        return []
-    loads, columns = _normal_loads(legs), []
-    for value, end in zip(pair, last, strict=True):
-        own = getattr(value, "initial_loading", ())
-        if own and len(own) != len(legs) - 1:
-            raise ValueError(
-                f"initial_loading of a bulk stress or tilt has {len(own)} values for {len(legs) - 1} points of the load"
-            )
-        columns.append(np.array([0.0, *own, float(end)]) if own else float(end) * loads / loads[-1])
-    return _straight(legs, columns)
-
-
-def _normal_loads(legs: Sequence[LoadSegment]) -> NDArray[np.float64]:
-    """P at the ends of the legs (n,) from (0, 0) on, shape (n + 1,)."""
-    return np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in legs)])
-
-
-def _straight(legs: Sequence[LoadSegment], columns: Sequence[ArrayLike]) -> list[LoadSegment]:
-    """Straight segments over the times of the legs (n,) between two numbers at their ends, (n + 1,) each."""
-    corners = pairwise(zip(*np.array(columns, dtype=float).tolist(), strict=True))
-    return [StraightSegment(leg.start, leg.end, a, b) for leg, (a, b) in zip(legs, corners, strict=True)]
+        Raises
+        ------
+        ValueError
+            For points of its own that are not as many as those of the load.
+        """
+        own, count = getattr(value, "initial_loading", ()), len(normal_loads) - 2
+        if own and len(own) != count:
+            raise ValueError(f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points of the load")
+        return np.array([0.0, *own, last]) if own else last * normal_loads / (normal_loads[-1] or 1.0)
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
@@ -222,12 +210,11 @@ W = TypeVar("W", bound=Wave | WaveSum)
 class CyclicLoad(BulkAndTilt[W], Generic[W]):
     """A load whose cycle has formulas of time, and its bulk stresses and tilts too."""
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         means, waves = zip(
             *(value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ()) for value in pair), strict=True
         )
-        cycle = [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
-        return [*growing(path.initial_loading, pair, cycle[0].loads(path.cycle_start)), *cycle]
+        return [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
 
 
 class EllipseLoad(CyclicLoad[Wave]):
@@ -283,17 +270,14 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
     def places(self, corners: int) -> tuple[Sequence[int], int]:
         """Which entry of a list each corner of the path has, -1 for none; up to which corner a number grows with P."""
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        legs, columns = (*path.initial_loading, *path.cycle), []
-        (places, first), loads = self.places(len(legs) + 1), _normal_loads(legs)
-        for value in pair:
-            if not isinstance(value, tuple):
-                columns.append((value or 0.0) * np.where(np.arange(len(loads)) < first, loads / (loads[first] or 1.0), 1.0))
-            elif len(value) != max(places) + 1:
-                raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
-            else:
-                columns.append(np.array([value[k] if k >= 0 else 0.0 for k in places]))
-        return _straight(legs, columns)
+    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:  # noqa: ARG002
+        places, first = self.places(len(normal_loads))
+        if not isinstance(value, tuple):
+            growth = normal_loads / (normal_loads[first] or 1.0)
+            return (value or 0.0) * np.where(np.arange(len(normal_loads)) < first, growth, 1.0)
+        if len(value) != max(places) + 1:
+            raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
+        return np.array([value[k] if k >= 0 else 0.0 for k in places])
 
 
 class PolygonLoad(StraightLoad):
@@ -566,11 +550,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
         return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         functions = [values_of(one) if callable(one) else lambda time, one=one: np.full(np.shape(time), one or 0.0) for one in pair]
-        legs = (*path.initial_loading, *path.cycle)
-        pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in legs if leg.start >= 0]
-        return [*growing(legs[: -len(pieces)], pair, pieces[0].loads(0.0)), *pieces]
+        return [_chebyshev_piece(leg.start, leg.end, functions) for leg in (*path.initial_loading, *path.cycle) if leg.start >= 0]
 
     def in_words(self, unit: str) -> str:
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"

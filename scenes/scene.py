@@ -18,7 +18,7 @@ from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
-from scenes.measured import READING, read_for
+from scenes.measured import READING, SCENE_UNITS
 from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
@@ -188,7 +188,7 @@ class Scene(Frozen):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (own := read_for(getattr(table, "read_as", None))) and own != self.units:
+            if (own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)) != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
                     "together in a scene file, or to Scene.vary"

@@ -31,6 +31,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import takewhile
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -271,7 +272,9 @@ def _near(
     # Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four lengths 6 nodes leave 16^-12.
     least = max(turn.load, 0.0)
     height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
-    rough = (height < _AWAY * (b - a)) & (kernel == "slip" and not beyond) | (kernel == "shift")  # which has one point: cheap
+    rough = (np.hypot(a, height) < _AWAY * (b - a)) & (kernel == "slip" and not beyond) | (
+        kernel == "shift"
+    )  # which has one point: cheap
     limit = -1.0
     for longest, count in (*_SPANS, (math.inf, 0)):
         here = np.flatnonzero((b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest)))
@@ -385,33 +388,20 @@ class Integrals:
 
     def _remember(self, curves: list[Curve]) -> None:
         """Sum the curves that are not known yet, each from the first known piece up."""
-        unknown: dict[int, Piece] = {}
-        for curve in curves:
-            for piece in pieces(curve):
-                if id(piece) in self._known or id(piece) in unknown:
-                    break
-                unknown[id(piece)] = piece
-        if not unknown:
-            return
-        slopes, bottoms, tops = (
-            np.array(part) for part in zip(*((_slope(p), p.bottom, p.top) for p in unknown.values()), strict=True)
-        )
-        curved = self._curved([(piece, np.array([piece.top])) for piece in unknown.values()])
-        lines = self._line(slopes, bottoms, tops)
-        own = {id(piece): line + np.ravel(arc) for piece, line, arc in zip(unknown.values(), lines, curved, strict=True)}
-        for piece in unknown.values():
-            self._add_up(piece, own)
+        new: dict[int, Piece] = {}
 
-    def _add_up(self, curve: Piece, own: dict[int, Array]) -> None:
-        """Running sums from the lowest piece that is not known yet to the top of the curve."""
-        chain = []
-        for piece in pieces(curve):
-            if id(piece) in self._known:
-                break
-            chain.append(piece)
-        for piece in reversed(chain):
-            below = self._known[id(piece.below)][1] if piece.below is not None else np.zeros(len(self.x))
-            self._known[id(piece)] = (piece, below + own[id(piece)])
+        def unknown(piece: Piece) -> bool:
+            return id(piece) not in self._known and id(piece) not in new
+
+        for curve in curves:
+            new.update({id(piece): piece for piece in reversed(list(takewhile(unknown, pieces(curve))))})
+        if not new:
+            return
+        lines = self._line(*np.array([(_slope(piece), piece.bottom, piece.top) for piece in new.values()]).T)
+        curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
+        for piece, line, arc in zip(new.values(), lines, curved, strict=True):
+            below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
+            self._known[id(piece)] = piece, below + line + np.ravel(arc)
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
         """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines of no slope or no length.

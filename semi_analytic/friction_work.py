@@ -28,7 +28,7 @@ from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, take
 from semi_analytic.load_series import Block, Records
-from semi_analytic.memory import LAST_DIGITS, change_from, level, level_on
+from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
@@ -39,7 +39,6 @@ Indices = NDArray[np.intp]
 CONVERGED = 1e-12
 # How often a range is halved at most: parts of 1/131,072 of it are left as they are.
 _HALVINGS = 17
-_STORED = 1e-3
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
 _DIGITS_OF_SHIFT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded, which
@@ -85,10 +84,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
         return _work_of_span(contact, span, low, high, rule)
 
-    def rounding(span: Span, _: Indices) -> float:
-        return float(_rounding(span, contact.dissipation_kernel)[0])
-
-    return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work, rounding)))
+    return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work)))
 
 
 Part = tuple[Span, Array, Array]
@@ -105,14 +101,10 @@ def _over_spans(
     parts: Sequence[Part],
     count: int,
     integral: Callable[[Span, Indices, Array, Array, Rule], Array],
-    rounding: Callable[[Span, Indices], float] | None = None,
 ) -> Split:
     """A/pi times the sums of `count` integrals along spans: by one rule, or by halving where edges run unevenly or pass corners.
 
-    Parameters
-    ----------
-    integral : integral(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k] to high[k], (n,)
-    rounding : what the last digits of P may leave in those of a span
+    `integral`(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k] to high[k], (n,).
     """
     marks = [corner_times(contact, span) for span, *_ in parts]
     rough = np.array([len(cuts) > 0 or uneven(contact, part[0]) for cuts, part in zip(marks, parts, strict=True)], dtype=bool)
@@ -121,10 +113,8 @@ def _over_spans(
         some = np.flatnonzero(end > begin)
         if len(some):
             values[number, some] = integral(span, some, begin[some], end[some], crowded if rough[number] else graded)
-    # One size for all: a short span by itself may be all rounding, and would never converge to its own. Of a closed integral what
-    # is stored and given back may be much larger than the rest.
-    every, stored = np.abs(np.sum(values, axis=0)), np.sum(np.abs(values[rough]), axis=0)
-    size = max(float(np.max(every)), _STORED * float(np.max(stored)))
+    # One size for all: a short span by itself may be all rounding, and would never converge to its own.
+    size = float(np.max(np.abs(np.sum(values, axis=0))))
     for number in np.flatnonzero(rough).tolist():
         span, begin, end = parts[number]
         some = np.flatnonzero(end > begin)
@@ -136,7 +126,7 @@ def _over_spans(
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
-        allowed = max(share * max(size, float(np.max(np.abs(values[number])))), rounding(span, some) if rounding else 0.0)
+        allowed = share * max(size, float(np.max(np.abs(values[number]))))
         values[number, some], errors[number, some] = by_halving(part, begin[some], end[some], allowed, marks[number])
     forward, factor = np.array([span.direction > 0 for span, *_ in parts], dtype=bool), 2 / (math.pi * modulus)
     return Split(*(factor * np.sum(each, axis=0) for each in (values[forward], values[~forward], errors)))
@@ -151,16 +141,6 @@ def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike
     area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
     growth = span.leg.rate_of(level(span.direction, span.friction), times)
     return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
-
-
-def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
-    """What the last digits of P leave in f times the growth of a span's level times reach(P, P - P_c): (k,)."""
-    load = max(span.begin.normal, span.end.normal)
-    digits = LAST_DIGITS * load
-    growth = abs(float(span.leg.change_of(level(span.direction, span.friction), span.end.time, span.begin.time)))
-    slipped = float(np.max(span.slipped(np.linspace(span.begin.time, span.end.time, 3))))
-    known, doubtful = reach(load, np.array([[slipped], [slipped + digits]]))
-    return span.friction * ((growth + span.friction * digits) * doubtful - growth * known)
 
 
 def uneven(contact: Contact, span: Span) -> bool:
@@ -192,16 +172,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     def work(span: Span, which: Indices, low: Array, high: Array, rule: Rule) -> Array:
         return _work_at(contact, span, x[which], edge[which], low, high, rule)
 
-    def rounding(span: Span, which: Indices) -> float:
-        def weighed(load: float, slipped: Array) -> Array:
-            ratio = contact.arccosh_ratio(
-                x[which], np.maximum(edge[which] - (load - slipped), 0.0), contact.advance(load - slipped)
-            )
-            return np.asarray(contact.pressure(x[which], load) * ratio)
-
-        return float(np.median(_rounding(span, weighed)))
-
-    return _over_spans(contact, modulus, parts, len(x), work, rounding)
+    return _over_spans(contact, modulus, parts, len(x), work)
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:

@@ -53,9 +53,9 @@ from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from scenes import NORMAL_LOAD, OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, Combination, InputError, LoadPath, LoadSegment
 from scenes.chebyshev import clenshaw
@@ -649,7 +649,10 @@ class Follower:
             edges[i] = a[i]
             if side * (a[i, -1] - a[i, 0]) > 1e-11 * size:
                 x, series = _places(float(a[i, i - 1]), float(a[i, -i]), 2 * self.order), _fit(a[i])
-                met = [brentq(lambda phi, to=to, of=series: float(_value(phi, of)) - to, -1, 1, xtol=1e-15) for to in x[1:-1]]
+                met = [
+                    scipy.optimize.brentq(lambda phi, to=to, of=series: float(_value(phi, of)) - to, -1, 1, xtol=1e-15)
+                    for to in x[1:-1]
+                ]
                 outside = self._stick(state, state.slips, time[:1]).outer_slope(side, x[None])[0]
                 grown[side] = np.array([-side, *met, side]), x, outside
         # What the step before has left fades over this one: a jump would make s' singular.
@@ -739,7 +742,7 @@ class Follower:
                 if len(below):
                     low, high, series = float(nodes[below[0]]), float(nodes[below[0] + 1]), _fit(values)
                     ends = float(_value(low, series)), float(_value(high, series))
-                    root = brentq(_value, low, high, args=(series,), xtol=1e-14) if ends[0] > 0 > ends[1] else low
+                    root = scipy.optimize.brentq(_value, low, high, args=(series,), xtol=1e-14) if ends[0] > 0 > ends[1] else low
                     share = math.sin(math.pi * (root + 1) / 4) ** 2
                     found.append((float(step.time[0] + (step.time[-1] - step.time[0]) * share), name, side))
         return min(found, default=None)
@@ -1246,7 +1249,11 @@ def _density_of(step: Step, x: Array, loads: PathLoads) -> Array:
         inside = depth(fine[:, None], x) if stick.slips[i] else np.zeros((len(fine), len(x)))
         for k in np.flatnonzero(np.max(inside, axis=0) > 0):
             turns = np.flatnonzero((inside[1:, k] > 0) != (inside[:-1, k] > 0))
-            marks = [-1.0, *(float(brentq(depth, fine[j], fine[j + 1], args=(x[k],), xtol=1e-14)) for j in turns), 1.0]
+            marks = [
+                -1.0,
+                *(float(scipy.optimize.brentq(depth, fine[j], fine[j + 1], args=(x[k],), xtol=1e-14)) for j in turns),
+                1.0,
+            ]
             for begin, end in pairwise(marks):
                 phi = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
                 if np.min(depth(phi, x[k])) <= 0:

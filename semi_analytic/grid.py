@@ -28,8 +28,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import cholesky, solve_triangular
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError
 from semi_analytic.fronts import Followed, PathLoads, remainder_of
@@ -158,7 +158,9 @@ class Grid:
         self.without_early_slip = 0  # increments whose new cells did not slip before they were touched: `_drag`
         self._shear: Array = np.zeros(self.x.shape)
         self.slip: Array = np.zeros(self.x.shape)
-        self._root: Array = solve_triangular(cholesky(self._compliance, lower=True), np.eye(cells), lower=True)
+        self._root: Array = scipy.linalg.solve_triangular(
+            scipy.linalg.cholesky(self._compliance, lower=True), np.eye(cells), lower=True
+        )
         self._zones: dict[int, Zone] = {}
         self._shift: Array = np.zeros(len(self.x))
         self._last: dict[str, Any] | None = None
