@@ -165,7 +165,7 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     lam, rest, G = split_lame(system.material, system.order)
     mesh, cells = system.mesh, system.cells[elements]
     element = scalar_element(mesh, system.order)
-    points, weights = get_quadrature(element, 2 * system.order)
+    points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
     size = xx * yy - xy * yx
