@@ -23,8 +23,9 @@ spectral in time between them: K of the rates of the loads is negative while an 
 
 Where loads turn round with bulk or tilt out of phase, slip stops at the edge of contact first, and stick has several intervals. So
 it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. There
-remain loads that go on in one direction, and many cycles in phase. A cycle is given only where its friction work and its closed
-integral of Q dU - m_q d eps agree to 1e-6.
+remain most courses of a few changes of the loads, and many cycles in phase. A cycle is given only where its friction work and its
+closed integral of Q dU - m_q d eps agree to 1e-6; where no cycle repeats the stated error has the balance of energy in it.
+
 Several intervals were tried with the formulas of docs/bulk-stress.md (equations, numbers and what fails: commit 5320e64), and are
 not in: q* erred by 1e-5 where intervals merged, a cycle took 8 to 25 s, and no steady state was reached.
 """
