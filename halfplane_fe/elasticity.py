@@ -97,14 +97,10 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
 
 def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
     """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
-    corners, first = mesh.t[: mesh.refdom.nfacets], mesh.nvertices
-    if order == 1:
-        return corners.T.astype(np.int64)
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
-    parts = [corners, first + mesh.t2f]
-    if mesh.refdom.nfacets == 4:
-        parts.append(first + mesh.facets.shape[1] + np.arange(corners.shape[1])[None, :])
-    return np.vstack(parts).T.astype(np.int64)
+    middles = np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None]
+    parts = mesh.t[: mesh.refdom.nfacets], mesh.nvertices + mesh.t2f, middles
+    return np.vstack(parts[: 1 if order == 1 else mesh.refdom.nfacets - 1]).T.astype(np.int64)
 
 
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
@@ -146,9 +142,8 @@ def _pull(system: System, facets: list[int]) -> Array:
     """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are along x."""
     forces = np.zeros(len(system.node))
     if facets:
-        basis = system.basis
-        ends = skfem.FacetBasis(basis.mesh, basis.elem, facets=np.array(facets), intorder=4)
-        forces[: basis.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
+        ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
+        forces[: ends.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
     return forces
 
 
@@ -170,7 +165,7 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     lam, rest, G = split_lame(system.material, system.order)
     mesh, cells = system.mesh, system.cells[elements]
     element = scalar_element(mesh, system.order)
-    points, weights = get_quadrature(element, 2 * system.order)
+    points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
     size = xx * yy - xy * yx
@@ -189,12 +184,6 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
         blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
     rows, columns = (np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :]))
     return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
-
-
-def surface_weights(line: Array, order: int) -> Array:
-    """(n,) integral of each node's shape function over the line through the nodes (2, n) [length]."""
-    nodes, shapes, _, along = line_elements(line, order, 3)
-    return np.asarray(np.bincount(nodes.ravel(), (np.hypot(*along) @ shapes.T).ravel()), dtype=np.float64)
 
 
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves 1e-13; of a guided block 1e4 times
@@ -338,9 +327,7 @@ def _condensed_mode(
         _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
         n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
-    inner = np.ones(len(mode.dofs), dtype=bool)
-    inner[np.concatenate([held, around, contact])] = False
-    inner = np.flatnonzero(inner)
+    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
     order, n, m, last = np.concatenate([inner, around, contact]), len(inner), len(around), slice(len(inner), None)
     motions = mode.motions(np.arange(len(mode.column)), order)
@@ -464,12 +451,13 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             "body is too slender for its contact, or some of its elements are too thin"
         )
     places, shape = system.mesh.p[:, system.node[system.contact[0]]], system.contact.shape
+    members, shapes, _, along = line_elements(places, system.order, 3)
     return CondensedBody(
         body,
         material,
         freeze(places[0]),
         freeze(places[1]),
-        freeze(surface_weights(places, system.order)),
+        freeze(np.bincount(members.ravel(), (np.hypot(*along) @ shapes.T).ravel())),
         freeze(flat.reshape(*shape, *shape)),
         freeze(uniform_stretch(material, *places) if system.around else by_stress.reshape(shape)),
         {

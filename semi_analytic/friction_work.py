@@ -82,7 +82,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     parts = [_whole(span) for span in spans if span.direction and span.active is not None]
 
     def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
-        return _work_of_span(contact, span, low, high, rule)
+        times, weights = rule(low, high)
+        area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
+        return np.asarray(np.sum(weights * _growth(span, times) * area, axis=-1))
 
     return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work)))
 
@@ -135,12 +137,9 @@ def _over_spans(
 Rule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
-def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike, rule: Rule) -> Array:
-    """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
-    times, weights = rule(begin, end)
-    area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
-    growth = span.leg.rate_of(level(span.direction, span.friction), times)
-    return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
+def _growth(span: Span, times: Array) -> Array:
+    """f times the rate at which the level of a span of slip grows; >= 0."""
+    return span.friction * np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
 
 
 def uneven(contact: Contact, span: Span) -> bool:
@@ -170,7 +169,11 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     parts = [(span, *slip_times(span, edge)) for span in spans if span.direction and span.active is not None]
 
     def work(span: Span, which: Indices, low: Array, high: Array, rule: Rule) -> Array:
-        return _work_at(contact, span, x[which], edge[which], low, high, rule)
+        times, weights = rule(low, high)
+        at, load = x[which, None], span.leg.loads(times)[0]
+        front = load - span.slipped(times)
+        ratio = contact.arccosh_ratio(at, np.maximum(edge[which, None] - front, 0.0), contact.advance(front))
+        return np.asarray(np.sum(weights * _growth(span, times) * contact.pressure(at, load) * ratio, axis=-1))
 
     return _over_spans(contact, modulus, parts, len(x), work)
 
@@ -192,15 +195,6 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     inside = edge_load < max(first.normal, last.normal)
     end = meets if growth <= -LEAST else np.full(begin.shape, last.time)
     return begin, np.where(inside, end, begin)
-
-
-def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array, rule: Rule) -> Array:
-    times, weights = rule(begin, end)
-    load = span.leg.loads(times)[0]
-    front = load - span.slipped(times)
-    ratio = contact.arccosh_ratio(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), contact.advance(front))
-    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-    return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * ratio, axis=-1)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:

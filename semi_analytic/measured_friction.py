@@ -20,7 +20,6 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Elastic, EllipseLoad, InadmissibleLoadError, InputError, Materials, Profile, Scene, freeze, sampled
@@ -232,6 +231,8 @@ def _inverse(
     work : (k,) coefficients and the numbers of their members -> W (k,)
     least, no_slip : (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
+    from scipy.optimize import elementwise  # noqa: PLC0415 - `scipy.optimize` alone does not load it
+
     try:
         wanted = np.asarray(target, dtype=float)
         whole = np.broadcast_shapes(wanted.shape, shape)
@@ -261,7 +262,7 @@ def _inverse(
     row, column = np.nonzero(some & sharp & (rise[:-1] * rise[1:] < 0))
     if len(row):
         sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
-        turning = scipy.optimize.elementwise.find_minimum(
+        turning = elementwise.find_minimum(
             lambda at, member, side: side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape),
             tuple(log_f[row + shift, column] for shift in (0, 1, 2)),
             args=(column.astype(float), sign),
@@ -288,7 +289,7 @@ def _inverse(
     roots, unsettled = np.full((len(aim), max(1, int(found.max(initial=0)))), np.nan), np.zeros(len(aim), dtype=bool)
     if len(row):
         loops = member[column]
-        result = scipy.optimize.elementwise.find_root(
+        result = elementwise.find_root(
             lambda at, loop, goal: work(np.exp(at).ravel(), loop.ravel().astype(int)).reshape(at.shape) - goal,
             (log_f[row, loops], log_f[row + 1, loops]),
             args=(loops.astype(float), aim[column]),

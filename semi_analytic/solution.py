@@ -66,7 +66,7 @@ from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, level, pieces,
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
-from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
@@ -620,8 +620,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
 def _along_spans(history: History, request: Request) -> Along:
     """States at the instants of the request and the friction work of the cycles, span by span.
 
-    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, or
-    edges pass corners, one rule for each phase is not enough for W(x): there spans are halved until that changes nothing.
+    W of a steady ellipse comes from formulas that keep their digits, however small the slip.
     """
     contact, modulus, fields, last = request.contact, request.modulus, request.fields, history.covered[-1]
     snapshot, friction = history.snapshot(request.time), history.spans[0].friction
@@ -647,13 +646,9 @@ def _along_spans(history: History, request: Request) -> Along:
     density_error, spans = 0.0, history.cycles[last]
     if "dissipation_density" in fields:
         used.extend(spans)
-        if ellipse is not None and history.is_loop(last) and not contact.bends_anywhere and not len(contact.break_loads):
-            members = ellipse.take(np.zeros(len(density), dtype=int))
-            density = unit * np.sum(density_of(members, contact, request.distance), axis=0)
-        else:
-            split = pointwise_dissipation(contact, modulus, spans, request.distance)
-            density, worst = split.total, float(np.max(split.error))
-            density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
+        split = pointwise_dissipation(contact, modulus, spans, request.distance)
+        density, worst = split.total, float(np.max(split.error))
+        density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
     steady = bool(works) and history.steady_from is not None and last >= history.steady_from
     loop = closed_integral(contact, modulus, spans) if steady and works[last][0] else (0.0, 0.0)
     slipping = sum(span.direction != 0 for span in used)
