@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign, violations
 
 Array = NDArray[np.float64]
@@ -111,7 +111,11 @@ def increment_energies(
 
     sign, sign_before = slip_sign(after), slip_sign(before)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
-    kinked, share = np.flatnonzero(((sign != 0) & (sign != sign_before)).any(axis=1)), np.ones(len(sign))
+    starts = (sign != 0) & (sign != sign_before)
+    # A node on the cone that has not moved is marked either way, by the last digit of its shear.
+    after = np.where(starts & (np.abs(slip) <= ROUNDING), before, after)
+    starts &= np.abs(slip) > ROUNDING
+    kinked, share = np.flatnonzero(starts.any(axis=1)), np.ones(len(sign))
     if len(kinked):
         dissipation[kinked], share[kinked] = _kinked_work(problem, loads, (p, q), slip, (before, after), kinked)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
@@ -120,7 +124,7 @@ def increment_energies(
     curve = np.zeros_like(slip)
     if enclosed is not None:
         # The states before hold for a share of the increment, those after for the rest.
-        for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), share), (after, sign, 1 - share)):
+        for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), share), (after, slip_sign(after), 1 - share)):
             rows = np.flatnonzero(factor.any(axis=1) & (weight > 0))
             for i, j in np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist():
                 area = enclosed[i, j, rows] * weight[rows]
