@@ -562,7 +562,7 @@ class Follower:
     longest : longest step
     order : degree in time of a step
     fastest : largest slip rate so far
-    counts : steps, tries, iterations of Newton's method, jumps of edges, stretches bridged
+    counts : steps, tries, iterations of Newton's method, stretches bridged
     """
 
     contact: Parabola
@@ -571,7 +571,7 @@ class Follower:
     longest: float
     order: int = ORDER
     fastest: float = np.finfo(float).tiny
-    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "jumps", "bridged"), 0))
+    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "bridged"), 0))
 
     def _stick(self, state: State, slips: tuple[int, int], time: Array, late: float = 0.0) -> Stick:
         """A state's edges at several instants; rates `late` after them."""
@@ -837,36 +837,9 @@ class Follower:
         return float(time[k] + (time[k + 1] - time[k]) * most[k] / (most[k] - most[k + 1]))
 
     def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
-        """A short step with edges held, up to a turning point or over a jump."""
+        """A short step with edges held, up to a turning point."""
         time = _times(state.time, end, self.order)
         return self._finished(Step(time, self._stick(state, slips, time)))
-
-    def _jump(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State] | None:
-        """A step over the instant at which edges leave a stretch without q*, which a loop that closes has left; None for none."""
-        (b1, b2), old, size = state.edges, state.frozen.ends[1:-1], state.edges[1] - state.edges[0]
-        pairs = sorted(((right - left, left, right) for left in (b1, *old) for right in (*old, b2) if left < right), reverse=True)
-        start = np.array(pairs[:40]).T[1:] + 1e-4 * size * np.array([[1], [-1]])
-        for time in state.time + self.longest * 10.0 ** np.arange(-9, -2):
-            if time >= stop:
-                return None
-            stick = replace(self._stick(state, slips, np.full(len(start[0]), time)), edges=start)
-            found = change = start
-            for _ in range(20):
-                found = stick.excess()
-                rates = np.nan_to_num(stick.excess_rates(found, (0, 1)))
-                change = -np.einsum("nij,jn->in", np.linalg.pinv(rates), np.nan_to_num(found))
-                new = np.clip(stick.edges + np.clip(change, -0.1 * size, 0.1 * size), b1, b2)
-                stick = replace(stick, edges=np.where(new[1] - new[0] < 1e-3 * size, start, new))
-            solved = np.max(np.abs(found), axis=0) < 1e-8 * self.contact.compliance * self.friction * stick.loads[0]
-            solved &= (np.max(np.abs(change), axis=0) < 1e-9 * size) & (2 * stick.half < (1 - 1e-5) * size)
-            for k in sorted(np.flatnonzero(solved).tolist(), key=lambda k: -stick.half[k]):
-                one = stick.part(k, k + 1)
-                reserve = one.shear_reserve(one.middle[:, None] + one.half[:, None] * np.linspace(-0.96, 0.96, 49))
-                if np.min(reserve) > -_WRONG * np.max(reserve):
-                    self.counts["jumps"] += 1
-                    first, last = one.edges[:, 0].tolist()
-                    return self._held(replace(state, edges=(first, last)), slips, float(time))
-        return None
 
     def run(self, state: State, end: float) -> tuple[list[Step], State]:
         """Steps up to a time, and the state there.
@@ -882,7 +855,6 @@ class Follower:
             state, slips = self._next_slips(state, turned)
             ahead = self.loads.corners[self.loads.corners > state.time + _SOON * self.longest]
             stop = min(end, float(ahead[0])) if len(ahead) else end
-            searched = False
             while True:
                 until = stop if stop - state.time < 1.2 * trial else state.time + trial
                 with np.errstate(all="ignore"):
@@ -905,8 +877,6 @@ class Follower:
                     if 0 not in slips and left < _CLOSING * self.contact.compliance * self.friction * now.loads[0, 0]:
                         self.counts["bridged"] += 1
                         held = self._held(state, slips, turn)
-                    elif 0 not in slips and trial <= 2 * _SHORTEST * self.longest and not searched:
-                        held, searched = self._jump(state, slips, stop), True
                 if held is not None:
                     (step, state), trial, turned = held, self.longest / 16, set()
                     break
@@ -1041,6 +1011,18 @@ class Followed:
     errors: dict[str, float]
 
 
+def cycles_needed(path: LoadPath, time: Array | None) -> int:
+    """How many cycles reach the last of some instants, one at least."""
+    if path.period is None or time is None or not len(time):
+        return 1
+    return max(1, math.ceil((float(np.max(time)) - path.cycle_start) / path.period - 1e-9))
+
+
+def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
+    """Index of the first cycle whose work is that of the one before, to a share of it."""
+    return next((k for k in range(1, len(works)) if abs(works[k] - works[k - 1]) <= share * works[k]), None)
+
+
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
@@ -1114,8 +1096,7 @@ def follow(
     check([*path.initial_loading, *path.cycle], friction)
     loads = PathLoads(path, strain, contact.radius)
     first, period = path.initial_loading[0], path.period
-    latest = float(np.max(time)) if time is not None and len(time) else path.cycle_start
-    needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
+    needed = cycles_needed(path, time)
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
     follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
@@ -1134,8 +1115,7 @@ def follow(
     loop = math.fsum(_loop_of(step) for step in last)
     if period is not None:
         loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].stick.loads[0]))) ** 2)
-    changes = np.abs(np.diff(works)) <= STEADY * np.array(works[1:])
-    steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
+    steady = first_repeat(works, STEADY)
     # Where a loop closes all errors may be twice what work and loop differ by.
     error = ERROR + (2 * abs(loop / works[-1] - 1) if steady is not None and works[-1] > 0 else 0.0)
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
