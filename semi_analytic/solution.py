@@ -636,7 +636,7 @@ def _along_spans(history: History, request: Request) -> Along:
     for number in set(history.covered) if "dissipation" in fields else ():
         spans = history.cycles[number]
         used.extend(spans)
-        if ellipse is not None and history.is_loop(number):
+        if ellipse is not None and history.steady_from is not None and number >= history.steady_from:
             works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
