@@ -3,6 +3,7 @@
     python benchmarks/bulk_stress.py                (a quarter of an hour)
     python benchmarks/bulk_stress.py 1 2 9 --coarse (some rows, on coarse meshes: seconds a row)
     python benchmarks/bulk_stress.py --loops        (loops out of phase by half-plane theory, against twice the order: 2 minutes)
+    python benchmarks/bulk_stress.py --courses      (P, Q, bulk and tilt that change one by one, as long as stick is one interval)
 
 E* = R = 1 and two like bodies with E = 2, nu = 0, so that a stress of 2 eps in the lower one is the strain eps. A line has the
 known value (docs/bulk-stress.md; W of rows 7 and 8 is a limit of fine grids, to 3e-5) and what was found minus the known value: by
@@ -221,14 +222,54 @@ def loops() -> int:
     return 0
 
 
+def changing(count: int = 20, seed: int = 23) -> Iterator[Row]:
+    """Random straight courses that just end: two to four changes of P, Q, bulk strain and, in every second one, tilt at once."""
+    random = np.random.default_rng(seed)
+    for k in range(count):
+        changes = int(random.integers(2, 5))
+        p, q, strain, tilt = (random.uniform(*ends, changes) for ends in ((2.5, 3.5), (-1.4, 1.4), (-0.25, 0.25), (-0.05, 0.05)))
+        also = {"tilt": [0.0, *tilt.tolist()]} if k % 2 else {}
+        load = {
+            "initial_loading": [(3.0, 0.0), *zip(p.tolist(), q.tolist(), strict=True)],
+            "bulk_stress_lower": [0.0, *(2 * strain)],
+        }
+        yield case("", f"course {k}, {changes} changes", load | also, {})
+
+
+def courses() -> int:
+    """Courses out of phase that fronts follow while stick is one interval: beside twice the order, a grid and finite elements."""
+    named = ("case", "W", "1 - W/(W at twice the order)", "stated, by the energy", "grid/W - 1", "elements/W - 1", "CPU [s]")
+    print("{:27} {:>12} {:>29} {:>26} {:>12} {:>15} {:>8}".format(*named))
+    for row in changing():
+        path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
+        contact = fronts.Parabola(2 / composite_modulus(row.scene.material), leaning.shape.radius or 0.0)
+        friction, instants = row.scene.friction.coefficient, np.linspace(path.start, path.cycle_start, 400)
+        given, begin = (path, contact, friction, loads.strain, np.linspace(-1.5, 1.5, 50)), time.process_time()
+        try:
+            one = fronts.follow(*given, instants)
+        except fronts.NotOneStickInterval as reason:
+            print(f"{row.words:21} {str(reason).split('; ')[0].removeprefix('load: ')}", flush=True)
+            continue
+        seconds, work = time.process_time() - begin, one.works[-1]
+        twice = fronts.follow(*given, instants[-1:], order=2 * fronts.ORDER).works[-1]
+        cells = dense_grid.follow_on_grid(loads, leaning, row.scene.profile.height, friction, np.zeros(1), instants[-1:]).works[-1]
+        elements = float(halfplane_fe.solve(row.scene).dissipation)
+        numbers = (
+            f"{1 - work / twice:+29.1e} {one.errors['dissipation']:26.1e} {cells / work - 1:+12.1e} {elements / work - 1:+15.1e}"
+        )
+        print(f"{row.words:27} {work:.10f} {numbers} {seconds:8.1f}", flush=True)
+    return 0
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rows", nargs="*", help="numbers of rows (default: all)")
     parser.add_argument("--coarse", action="store_true", help="coarse meshes for the finite elements")
     parser.add_argument("--loops", action="store_true", help="loops out of phase by half-plane theory against twice the order")
+    parser.add_argument("--courses", action="store_true", help="random courses out of phase, while stick is one interval")
     asked = parser.parse_args()
-    if asked.loops:
-        return loops()
+    if asked.loops or asked.courses:
+        return loops() if asked.loops else courses()
     mesh = MeshSettings.coarse() if asked.coarse else MeshSettings()
     ways: dict[str, Callable[[Scene], Values]] = {
         "theory": lambda scene: of_engine(semi_analytic.solve(scene)),

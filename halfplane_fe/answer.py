@@ -62,7 +62,11 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     """Fields of FiniteElementSolution that are numbers, by name."""
     kept = run.kept
     states = [run.states[index] for index in kept]
-    slip, *forces = (np.stack([getattr(state, name) for state in states]) for name in ("slip", "pressure", "shear"))
+    slip, pressure, shear = (np.stack([getattr(state, name) for state in states]) for name in ("slip", "pressure", "shear"))
+    # Moments of pressure and shear about x = 0.
+    moments = -problem.interface.work_of_imposed(pressure, shear)[..., 2], shear @ problem.interface.x
+    if problem.layer.tangential.any():
+        slip += problem.layer.tangential * shear
     displacement = scales.load / scales.modulus
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
@@ -74,7 +78,10 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     found = [_edges(problem, states[block], seen[block], anywhere) for block in blocks]
     edges = {name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]}
     permanent = _permanent_stick(scene, problem, run, every)
-    pressure, shear = (one * scales.load / weights for one in forces)
+    # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
+    for one, unit in ((pressure, scales.load / weights), (shear, scales.load / weights), (slip, displacement)):
+        np.multiply(one, unit, out=one)
+        one.flags.writeable = False
     loads = np.array([state.loads[:2] for state in states]) * scales.load
     closed = scene.load.path().period is not None and run.steady_from is not None
     arrays = {
@@ -84,9 +91,9 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "tangential_displacement": freeze(np.array([state.shift for state in states]) * displacement),
         "normal_approach": freeze(np.array([state.approach for state in states]) * displacement),
         "x": freeze(problem.interface.x * scales.half_width),
-        "pressure": freeze(pressure),
-        "shear": freeze(shear),
-        "slip": freeze(slip * displacement + problem.layer.tangential * forces[1] * displacement),
+        "pressure": pressure,
+        "shear": shear,
+        "slip": slip,
         "state": freeze(seen, np.int8),
         **{name: freeze(both) for name, both in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
@@ -108,9 +115,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "bulk_stress_lower": freeze(imposed[:, 0] * stress),
         "bulk_stress_upper": freeze(imposed[:, 1] * stress),
         "tilt": freeze(imposed[:, 2] * stress / scales.modulus),
-        # Moments of pressure and shear about x = 0.
-        "moment": freeze(-problem.interface.work_of_imposed(*forces)[:, 2] * moment),
-        "shear_moment": freeze(forces[1] @ problem.interface.x * moment),
+        "moment": freeze(moments[0] * moment),
+        "shear_moment": freeze(moments[1] * moment),
     }
 
 
@@ -209,7 +215,7 @@ def penalty_audit(
     for name, compliance in (("pressure", problem.layer.normal), ("shear", problem.layer.tangential)):
         by_stress = compliance / scales.modulus * weights  # length per stress, one and the same everywhere
         largest = float(by_stress.max())
-        costs[name] = 1 / largest if largest else np.inf, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0))
+        costs[name] = (1 / largest, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0))) if largest else (np.inf, 0.0)
     (normal_stiffness, penetration), (tangential_stiffness, elastic_slip) = costs.values()
     rise = float(np.ptp(scene.profile.height(np.array([0.0, float(np.nanmax(arrays["contact_half_width"]))]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of nodes that slip, by the law's own

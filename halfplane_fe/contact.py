@@ -152,6 +152,7 @@ class ContactProblem:
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.tangential and self.interface.coupling is not None
         self._share = 1.0 if coupled else min(1.0, self.friction)
+        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._share], len(self.height))
 
     @cached_property
     def _systems(self) -> Systems:
@@ -245,7 +246,7 @@ class ContactProblem:
         _, pressure, shear, gap = nodal(history.values)
         slide = shear - slip_sign(states) * self.friction * pressure
         lacking = np.concatenate([np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, slide)])
-        rows = np.flatnonzero(np.abs(lacking) > _LAST_DIGIT * np.repeat([1.0, self._share], len(states)))
+        rows = np.flatnonzero(np.abs(lacking) > self._last_digit)
         lacks: Array | float = 0.0
         if len(rows):
             found = self._systems.answers(states, len(history.loads), rows, -lacking[rows])

@@ -18,12 +18,13 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import LinAlgError, qr, solve_triangular
+from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
+from scipy.linalg.lapack import dpotri
 from scipy.sparse.linalg import SuperLU, splu
-from skfem.helpers import div
-from skfem.models.elasticity import lame_parameters, linear_elasticity
+from skfem.models.elasticity import lame_parameters
+from skfem.quadrature import get_quadrature
 
-from halfplane_fe.far_field import arc_work, rigid_motions
+from halfplane_fe.far_field import arc_work, line_elements
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
 
@@ -38,13 +39,16 @@ _LARGEST_NU_LINEAR = 0.45
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A body's degrees of freedom, which of them are what, and its stiffness; those after the `basis.N` of u are of r/G.
+    """A body's degrees of freedom, which of them are what, and its stiffness.
+
+    Those of u along x and y at node k are 2 k and 2 k + 1, as scikit-fem numbers them; after all of them come those of r/G at the
+    corners, if there is a pressure r.
 
     Attributes
     ----------
-    basis : of the displacement u
-    material : of the body
+    mesh, material : of the body
     order : of the elements, 1 or 2
+    cells : (n_elements, n) nodes of each element, see `cells_of`
     contact : (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     around : boundaries to the half-plane around the body; none for a body of finite size
     arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body on rollers against Q
@@ -52,29 +56,31 @@ class System:
     pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends [length]
     """
 
-    basis: skfem.Basis
+    mesh: skfem.Mesh
     material: Elastic
     order: int
+    cells: Indices
     contact: Indices
     around: tuple[str, ...]
     arc: Indices
     held: Indices
     pull: Array
 
-    @property
-    def n_dofs(self) -> int:
-        """Number of all degrees of freedom."""
-        return int(self.basis.N + (self.basis.mesh.nvertices if split_lame(self.material, self.order)[1] else 0))
+    @cached_property
+    def node(self) -> Indices:
+        """(n_dofs,) of each degree of freedom its node."""
+        of_pressure = self.mesh.nvertices if split_lame(self.material, self.order)[1] else 0
+        return np.concatenate([np.repeat(np.arange(self.mesh.p.shape[1]), 2), np.arange(of_pressure)])
 
-    @property
-    def free(self) -> Indices:
-        """All that neither follow the half-plane nor are held."""
-        return np.setdiff1d(np.arange(self.n_dofs), np.concatenate([self.arc.ravel(), self.held]))
+    @cached_property
+    def basis(self) -> skfem.Basis:
+        """Of u."""
+        return skfem.Basis(self.mesh, skfem.ElementVector(scalar_element(self.mesh, self.order)), intorder=2 * self.order)
 
     @cached_property
     def stiffness(self) -> sparse.csr_matrix:
         """(n_dofs, n_dofs) assembled when it is first used [stress]."""
-        return _stiffness(self.basis, self.material, self.order)
+        return _stiffness(self, np.arange(len(self.cells)))
 
 
 def order_of(mesh: skfem.Mesh) -> int:
@@ -89,57 +95,56 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
     return skfem.ElementQuad2() if order == 2 else skfem.ElementQuad1()
 
 
-def _boundary_dofs(basis: skfem.Basis, name: str) -> Indices:
+def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
+    """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
+    # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
+    middles = np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None]
+    parts = mesh.t[: mesh.refdom.nfacets], mesh.nvertices + mesh.t2f, middles
+    return np.vstack(parts[: 1 if order == 1 else mesh.refdom.nfacets - 1]).T.astype(np.int64)
+
+
+def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
     """(2, n) degrees of freedom (x, y) of a named boundary, by ascending x, then y."""
-    dofs = basis.get_dofs(name)
-    components = [dofs.all([f"u^{component}"]) for component in ("1", "2")]
-    places = basis.doflocs[:, components[0]]
-    order = np.lexsort((places[1], places[0]))
-    return np.array([np.asarray(one)[order] for one in components], dtype=np.int64)
+    facets = mesh.boundaries[name]
+    nodes = np.unique(np.concatenate([mesh.facets[:, facets].ravel(), *([mesh.nvertices + facets] if order == 2 else [])]))
+    nodes = nodes[np.lexsort((mesh.p[1, nodes], mesh.p[0, nodes]))].astype(np.int64)
+    return np.stack([2 * nodes, 2 * nodes + 1])
 
 
 def assemble(body: BodyMesh, material: Elastic) -> System:
     """The body on its supports; InputError for linear elements of a nearly incompressible body, since they lock."""
-    order = order_of(body.mesh)
+    mesh, order, supports = body.mesh, order_of(body.mesh), body.supports
     if order == 1 and material.poisson_ratio > _LARGEST_NU_LINEAR:
         raise InputError(
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear elements lock above "
             f"{_LARGEST_NU_LINEAR:g}; take order = 2"
         )
-    basis = skfem.Basis(body.mesh, skfem.ElementVector(scalar_element(body.mesh, order)), intorder=2 * order)
-    contact = _boundary_dofs(basis, "contact")
-    supports = body.supports
+    dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     around = tuple(name for name, support in supports.items() if support == "half_plane")
     ends = tuple(name for name, support in supports.items() if support == "pulled")
-    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(_boundary_dofs(basis, name) for name in around)])
+    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(dofs[name] for name in around)])
     if ends and supports["base"] == "rollers":
-        arc = np.hstack([_boundary_dofs(basis, name)[:1] for name in ends])
-    system = System(basis, material, order, contact, around, arc, _held(body, basis), np.empty(0))
-    return replace(system, pull=_pull(system, [facet for name in ends for facet in body.mesh.boundaries[name]]))
+        arc = np.hstack([dofs[name][:1] for name in ends])
+    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": (), "pulled": ()}
+    held = [np.empty(0, dtype=np.int64)]
+    for name, support in supports.items():
+        held += [dofs[name][component] for component in components[support]]
+        if support == "rollers" and "guided" not in supports.values():
+            # Nothing else keeps the body from drifting along x. This support carries nothing: there is no tangential load, or the
+            # ends hold it.
+            held.append(dofs[name][0, [np.argmin(np.abs(mesh.p[0, dofs[name][0] // 2]))]])
+    known = dofs["contact"], around, arc, np.unique(np.concatenate(held))
+    system = System(mesh, material, order, cells_of(mesh, order), *known, np.empty(0))
+    return replace(system, pull=_pull(system, [facet for name in ends for facet in mesh.boundaries[name]]))
 
 
 def _pull(system: System, facets: list[int]) -> Array:
     """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are along x."""
-    forces = np.zeros(system.n_dofs)
+    forces = np.zeros(len(system.node))
     if facets:
-        basis = system.basis
-        ends = skfem.FacetBasis(basis.mesh, basis.elem, facets=np.array(facets), intorder=4)
-        forces[: basis.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
+        ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
+        forces[: ends.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
     return forces
-
-
-def _held(body: BodyMesh, basis: skfem.Basis) -> Indices:
-    """Degrees of freedom that the supports keep at zero."""
-    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": (), "pulled": ()}
-    held = [np.empty(0, dtype=np.int64)]
-    for name, support in body.supports.items():
-        dofs = _boundary_dofs(basis, name)
-        held += [dofs[component] for component in components[support]]
-        if support == "rollers" and "guided" not in body.supports.values():
-            # Nothing else keeps the body from drifting along x. This support carries nothing: there is no tangential load, or the
-            # ends hold it.
-            held.append(dofs[0, [np.argmin(np.abs(basis.doflocs[0, dofs[0]]))]])
-    return np.unique(np.concatenate(held))
 
 
 def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
@@ -149,24 +154,36 @@ def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
     return (lam - rest, rest, shear_modulus) if order == 2 and rest > 1e-6 * shear_modulus else (lam, 0.0, shear_modulus)
 
 
-def _stiffness(basis: skfem.Basis, material: Elastic, order: int) -> sparse.csr_matrix:
-    """Stiffness of u alone, or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]: quasi-definite."""
+def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
+    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]:
+    quasi-definite.
+
+    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j the stiffness of u is
+    K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+    """
     # notation: G is the shear modulus
-    lam, rest, G = split_lame(material, order)
-    stiffness = linear_elasticity(lam, G).assemble(basis).tocsr()
-    if not rest:
-        return stiffness
-    pressure = basis.with_element(scalar_element(basis.mesh, 1))
-    divergence = skfem.BilinearForm(lambda u, r, _w: G * div(u) * r).assemble(basis, pressure)
-    mass = skfem.BilinearForm(lambda r, s, _w: r * s).assemble(pressure)
-    return sparse.bmat([[stiffness, divergence.T], [divergence, -(G**2) / rest * mass]]).tocsr()
-
-
-def surface_weights(basis: skfem.Basis, contact: Indices) -> Array:
-    """Integral over the contact boundary of each contact node's shape function."""
-    facets = skfem.FacetBasis(basis.mesh, basis.elem, facets=basis.mesh.boundaries["contact"], intorder=4)
-    along_x = skfem.LinearForm(lambda v, w: v[0] + 0 * w.x[0])
-    return np.asarray(along_x.assemble(facets))[contact[0]]
+    lam, rest, G = split_lame(system.material, system.order)
+    mesh, cells = system.mesh, system.cells[elements]
+    element = scalar_element(mesh, system.order)
+    points, weights = get_quadrature(mesh.refdom, 2 * system.order)
+    slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
+    (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
+    size = xx * yy - xy * yx
+    inverse = np.array([[yy, -xy], [-yx, xx]]) / size
+    gradients = np.einsum("nbq,baeq->enaq", slopes, inverse).reshape(len(cells), -1, len(weights))
+    share = (np.abs(size) * weights)[:, None]
+    D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(len(cells), len(slopes), 2, len(slopes), 2)
+    blocks = lam * D + G * D.swapaxes(2, 4)
+    blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
+    dofs, blocks = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1), blocks.reshape(len(cells), 2 * len(slopes), -1)
+    if rest:
+        corners, linear = cells[:, : mesh.refdom.nfacets], scalar_element(mesh, 1)
+        values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
+        divergence, mass = G * (values * share) @ gradients.transpose(0, 2, 1), -(G**2) / rest * (values * share) @ values.T
+        dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
+        blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
+    rows, columns = (np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :]))
+    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
 
 
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves 1e-13; of a guided block 1e4 times
@@ -217,18 +234,21 @@ class _Mode(NamedTuple):
     """Motions that are condensed by themselves: all of a body, or those of one parity of a body that is its own mirror image.
 
     dofs : (k,) degrees of freedom that stand for themselves and for their mirror images
-    column, factor : (n_dofs,) which of them each one follows, and by how much, so that `motions` is orthonormal; 0 if it is at rest
+    column, factor : (n_dofs,) which of them each one follows, and by how much, so that the motions are orthonormal; 0 if it is at
+        rest
     """
 
     dofs: Indices
     column: Indices
     factor: Array
 
-    @property
-    def motions(self) -> sparse.csr_matrix:
-        """(n_dofs, k) displacement of the body by each of `dofs`."""
-        n = len(self.column)
-        return sparse.csr_matrix((self.factor, self.column, np.arange(n + 1)), shape=(n, len(self.dofs)))
+    def motions(self, moved: Indices, by: Indices) -> sparse.csr_matrix:
+        """(m, n) displacement of m degrees of freedom of the body by n of the k of the mode."""
+        place = np.full(len(self.dofs), -1)
+        place[by] = np.arange(len(by))
+        column = place[self.column[moved]]
+        factor = np.where(column >= 0, self.factor[moved], 0.0)
+        return sparse.csr_matrix((factor, np.maximum(column, 0), np.arange(len(moved) + 1)), shape=(len(moved), len(by)))
 
 
 def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
@@ -237,13 +257,13 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the other way round. The two have no
     energy in common, so that each has a stiffness of its own: twice that of the part x >= 0 in the mode's motions.
     """
-    mesh, every, image = system.basis.mesh, np.arange(system.n_dofs), _mirror_images(system)
+    mesh, every, image = system.mesh, np.arange(len(system.node)), _mirror_images(system)
     right = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
     if image is None or 2 * len(right) != mesh.nelements:
         return np.arange(mesh.nelements), (_Mode(every, every, np.ones(len(every))),)
-    here = mesh.p[0, _nodes_of_dofs(system)] >= 0
+    here = mesh.p[0, system.node] >= 0
     parity = np.ones(len(every))
-    parity[node_dofs(system.basis)[0]] = -1.0
+    parity[: 2 * mesh.p.shape[1] : 2] = -1.0
     modes = []
     for sign in (parity, -parity):
         factor = np.where(image == every, (1 + sign) / 2, np.sqrt(0.5) * np.where(here, 1.0, sign))
@@ -254,38 +274,22 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     return right, tuple(modes)
 
 
-def node_dofs(basis: skfem.Basis) -> Indices:
-    """(2, n_nodes) degrees of freedom of the displacement (x, y) of each node: corners, mid-side points, middles."""
-    return np.hstack([dofs for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs) if dofs.size])
-
-
-def _nodes_of_dofs(system: System) -> Indices:
-    """(n_dofs,) node of each degree of freedom; those of r belong to the corners, which come first."""
-    node = np.concatenate([np.zeros(system.basis.N, dtype=np.int64), np.arange(system.n_dofs - system.basis.N)])
-    dofs = node_dofs(system.basis)
-    node[dofs] = np.arange(dofs.shape[1])
-    return node
-
-
 def _mirror_images(system: System) -> Indices | None:
     """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports are not mirror images."""
-    basis = system.basis
-    places, dofs = basis.mesh.p, node_dofs(basis)
+    places = system.mesh.p
     left, right = np.lexsort((places[1], places[0])), np.lexsort((places[1], -places[0]))
-    if places.shape[1] != dofs.shape[1] or not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
+    if not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
         return None
     of_nodes = np.empty_like(left)
     of_nodes[left] = right
-    image = np.concatenate([np.empty(basis.N, dtype=np.int64), basis.N + of_nodes[: system.n_dofs - basis.N]])
-    image[dofs] = dofs[:, of_nodes]
+    image = np.concatenate([(2 * of_nodes[:, None] + [0, 1]).ravel(), 2 * len(left) + of_nodes])[: len(system.node)]
 
     def as_sets(table: Indices) -> Indices:
         rows = np.sort(table, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    alike = (as_sets(table) for table in (basis.element_dofs, system.contact, system.arc, system.held[None]))
-    mirrored = (as_sets(image[table]) for table in (basis.element_dofs, system.contact, system.arc, system.held[None]))
-    return image if all(np.array_equal(one, other) for one, other in zip(alike, mirrored, strict=True)) else None
+    tables = (2 * system.cells.T, system.contact, system.arc, system.held[None])
+    return image if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables) else None
 
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
@@ -293,61 +297,81 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
     That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
     """
-    along_x = node_dofs(system.basis)[0]
-    present = np.flatnonzero(stiffness.diagonal()[along_x])
-    inner = present[~np.isin(along_x[present], np.concatenate([system.contact[0], system.arc[0]]))]
-    ranks = np.full(len(along_x), len(along_x))  # r of the contact comes last: first of all, it would fill the factors
+    n_nodes = system.mesh.p.shape[1]
+    present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
+    inner = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
+    ranks = np.full(n_nodes, n_nodes)  # r of the contact comes last: first of all, it would fill the factors
     if len(inner):
-        ranks[inner] = factorise(stiffness[along_x[inner]][:, along_x[inner]].tocsc()).perm_c
-    return ranks[_nodes_of_dofs(system)]
+        ranks[inner] = factorise(stiffness[2 * inner][:, 2 * inner].tocsc()).perm_c
+    return ranks[system.node]
 
 
 def _condensed_mode(
     system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
-) -> tuple[Array, Array, float]:
-    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, their displacement (k,) under tension on the
-    ends, and how far both are from the solution under a random load.
+) -> tuple[sparse.csr_matrix, Array, Array, float]:
+    """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the compliance of these (k, k), their
+    displacement (k,) under tension on the ends, and how far both are from the solution under a random load.
 
-    The nodes of arc and contact stand last in the order of elimination, so that their stiffness is that of the trailing block of
-    the factors L D L^T: three to five times faster than solving for each unit force. With B the loads on the arc the compliance is
-    (L^-1 [B; 1])^T D^-1 (L^-1 [B; 1]), and that of the half-plane around it is taken off.
+    The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the inner ones alone, of
+
+        [K_ii 0; K_ti 1] = L U,     L_ti = K_ti U_ii^-1,     S = K_tt - L_ti D L_ti^T,   D the diagonal of U,
+
+    and dense algebra goes on with the stiffness S, several times faster there: columns of L_ti that hold little are multiplied as
+    sparse ones, the others as dense ones. With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the
+    half-plane around it is taken off.
     """
-    contact, around = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc))
-    held = np.flatnonzero(np.isin(mode.dofs, system.held))
-    motions = mode.motions
+    contact, around, held = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc, system.held))
     if system.around:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid motions changes nothing.
-        rigid = motions[: system.basis.N, around].T @ rigid_motions(system.basis)
+        rigid = mode.motions(system.arc.ravel(), around).T @ rigid_motions(system.mesh)[system.arc.ravel()]
         _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
         n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
-    inner = np.setdiff1d(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
-    order = np.concatenate([inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")], around, contact])
-    ordered = stiffness[order][:, order].tocsc()
-    factors = factorise(ordered, "NATURAL")
-    last = slice(len(inner), None)
-    lower, pivots = factors.L[last, last].toarray(), factors.U.diagonal()[last]
-    if not pivots.min() > 0:
-        raise LinAlgError("a stiffness of the contact nodes is not positive")
-    by_contact, by_arc = motions[system.contact.ravel()][:, contact], motions[system.arc.ravel()][:, around]
-    loads = np.vstack([by_arc.T @ (arc.by_nodes @ by_contact), np.eye(len(contact))])
-    root = solve_triangular(lower, loads, lower=True, unit_diagonal=True) / np.sqrt(pivots)[:, None]
+    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
+    inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
+    order, n, m, last = np.concatenate([inner, around, contact]), len(inner), len(around), slice(len(inner), None)
+    motions = mode.motions(np.arange(len(mode.column)), order)
+    ordered = (motions.T @ stiffness @ motions).tocsc()
+    units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
+    factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
+    root = cholesky(ordered[last, last].toarray() - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]), lower=True)
+    lower = np.tril(dpotri(root, lower=1)[0])
+    inverse = lower + np.tril(lower, -1).T
+    by_contact = mode.motions(system.contact.ravel(), contact)
+    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ by_contact)
+    carried = inverse[:, :m] @ on_arc + inverse[:, m:]
     of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
-    compliance = root.T @ root - of_half_plane[0] @ of_half_plane[1]
-    probe, forces = np.zeros(len(order)), np.random.default_rng(0).standard_normal(len(contact))
-    probe[last] = loads @ forces
-    found, pull = factors.solve(probe), (motions.T @ system.pull)[order]
-    pulled = factors.solve(pull)
-    moved, by_stress = (loads.T @ one[last] for one in (found, pulled))
-    moved -= of_half_plane[0] @ (of_half_plane[1] @ forces)
+    compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
+    forces, loads = np.random.default_rng(0).standard_normal(len(contact)), np.zeros((len(order), 2))
+    loads[last, 0] = np.concatenate([on_arc @ forces, forces])
+    loads[:, 1] = motions.T @ system.pull
+    found = factors.solve(loads)  # of the last ones the load that is left to them
+    found[last] = cho_solve((root, True), found[last])
+    found[:n] -= factors.solve(ordered[:, last] @ found[last])[:n]
+    moved, by_stress = (on_arc.T @ found[n : n + m] + found[n + m :]).T
+    moved = moved - of_half_plane[0] @ (of_half_plane[1] @ forces)
     errors = [
-        np.abs(ordered @ found - probe).max() / np.abs(probe).max(),
-        np.abs(ordered @ pulled - pull).max() / max(np.abs(pull).max(), 1e-300),
+        *(np.abs(ordered @ found - loads).max(axis=0) / np.maximum(np.abs(loads).max(axis=0), 1e-300)),
         np.abs(compliance @ forces - moved).max() / np.abs(moved).max(),
         # Betti's theorem: the load does the work in the displacement by tension that the tension does in its own.
-        np.abs(forces @ by_stress - pull @ found) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
+        np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0]) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
     ]
-    return compliance, by_stress, float(np.max(errors))
+    return by_contact, compliance, by_stress, float(np.max(errors))
+
+
+# Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the least on bodies of all sizes.
+_DENSE = 1 / 12
+
+
+def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
+    """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
+    total, counts = np.zeros((columns.shape[0],) * 2), np.diff(columns.indptr)
+    scaled, dense = columns.copy(), counts > _DENSE * len(total)
+    scaled.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
+    for sign in np.unique(np.sign(factor)):
+        few, many = scaled[:, (factor * sign > 0) & ~dense & (counts > 0)], scaled[:, (factor * sign > 0) & dense].toarray()
+        total += sign * ((few @ few.T).toarray() + many @ many.T)
+    return total
 
 
 class ArcLoads(NamedTuple):
@@ -364,13 +388,21 @@ class ArcLoads(NamedTuple):
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
-    facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
-    contact, dofs = system.basis.doflocs[0, system.contact[0]], system.arc.ravel()
-    by_nodes, *of_half_plane = arc_work(system.basis, facets, dofs, contact, system.material, datum_length)
-    if system.arc.size and not system.around:  # each end holds half of a force along x
+    contact, arc = system.mesh.p[0, system.node[system.contact[0]]], system.mesh.p[:, system.node[system.arc[0]]]
+    if system.around:
+        return ArcLoads(*arc_work(arc, system.order, contact, system.material, datum_length))
+    by_nodes = np.zeros((system.arc.size, system.contact.size))
+    if system.arc.size:  # each end holds half of a force along x
         ends = np.abs(system.pull[system.arc.ravel()])
-        by_nodes[:, : system.contact.shape[1]] -= (ends / ends.sum())[:, None]
-    return ArcLoads(by_nodes, *of_half_plane)
+        by_nodes[:, : len(contact)] = -(ends / ends.sum())[:, None]
+    return ArcLoads(by_nodes, *np.zeros((2, 0, system.contact.size)))
+
+
+def rigid_motions(mesh: skfem.Mesh) -> Array:
+    """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
+    x, y = mesh.p
+    one, none, largest = np.ones_like(x), np.zeros_like(x), np.abs(x).max()
+    return np.stack([[one, none, -y / largest], [none, one, x / largest]]).transpose(2, 0, 1).reshape(-1, 3)
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
@@ -402,16 +434,15 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     """
     system = assemble(body, material)
     arc, (elements, modes), nodes = arc_loads(system, datum_length), _modes(system), system.contact.ravel()
-    stiffness = len(modes) * _stiffness(system.basis.with_elements(elements), material, system.order)
+    stiffness = len(modes) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)
     flat, by_stress, asymmetry, residual = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes)), 0.0, 0.0
     try:
         for mode in modes:
-            own, stretched, error = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc)
+            by_contact, own, stretched, error = _condensed_mode(system, mode, stiffness, ranks, arc)
             asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
-            column, factor = np.unique(mode.column[nodes], return_inverse=True)[1], mode.factor[nodes]
-            flat += factor[:, None] * (own + own.T)[np.ix_(column, column)] * (factor / 2)
-            by_stress += factor * stretched[column]
+            flat += by_contact @ (by_contact @ ((own + own.T) / 2)).T
+            by_stress += by_contact @ stretched
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     if not max(asymmetry, residual) <= _LARGEST_ERROR:
@@ -419,20 +450,21 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             f"condensation: rounding leaves a compliance that differs from that of the mesh by {max(asymmetry, residual):.1e}: the "
             "body is too slender for its contact, or some of its elements are too thin"
         )
-    places, shape = system.basis.doflocs[:, system.contact[0]], system.contact.shape
+    places, shape = system.mesh.p[:, system.node[system.contact[0]]], system.contact.shape
+    members, shapes, _, along = line_elements(places, system.order, 3)
     return CondensedBody(
         body,
         material,
         freeze(places[0]),
         freeze(places[1]),
-        freeze(surface_weights(system.basis, system.contact)),
+        freeze(np.bincount(members.ravel(), (np.hypot(*along) @ shapes.T).ravel())),
         freeze(flat.reshape(*shape, *shape)),
         freeze(uniform_stretch(material, *places) if system.around else by_stress.reshape(shape)),
         {
             "asymmetry": asymmetry,
             "residual": float(residual),
             "sparse_factorisations": 1.0 + len(modes),
-            "degrees_of_freedom": float(system.basis.N),
+            "degrees_of_freedom": float(2 * system.mesh.p.shape[1]),
         },
     )
 
@@ -473,11 +505,11 @@ def displacement_fields(
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
     if system.arc.size:  # the rigid motion that the contact nodes lack
-        motions, contact = rigid_motions(system.basis), system.contact.ravel()
+        motions, contact = rigid_motions(system.mesh), system.contact.ravel()
         lacking = arc.by_nodes.T @ displacements[system.arc.ravel()] - arc.tractions.T @ (arc.displacements @ cases)
         displacements[: system.basis.N] += motions @ np.linalg.lstsq(motions[contact], lacking, rcond=None)[0]
     n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
-    tension = np.zeros((system.basis.nodal_dofs.shape[1], forces.shape[-1]))
+    tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_u:
         tension[:] = shear_modulus * displacements[n_u:]
     return system.basis, displacements[:n_u], tension

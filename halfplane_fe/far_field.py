@@ -13,15 +13,14 @@ the nodes of the arc instead leaves a C that is symmetric only up to the mesh of
 from __future__ import annotations
 
 import numpy as np
-import skfem
 from numpy.typing import NDArray
 
 from scenes import Elastic
 
 Array = NDArray[np.float64]
 
-# Order to which the arc is integrated: to rounding on elements no longer than their distance from a force.
-_ARC_ORDER = 16
+# Gauss points of an element of the arc: to rounding on elements no longer than their distance from a force.
+_POINTS = 9
 
 
 def surface_force_displacement(
@@ -95,44 +94,47 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
 
 
-def arc_work(
-    basis: skfem.Basis, facets: NDArray, dofs: NDArray, force_at: Array, material: Elastic, datum_length: float
-) -> tuple[Array, Array, Array]:
+def line_elements(line: Array, order: int, count: int) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count` Gauss points g on each.
+
+    Returns
+    -------
+    nodes : (e, k) of each element
+    shapes : (k, g) shape functions at the points
+    places : (2, e, g) of the points [length]
+    along : (2, e, g) tangents times the points' share of the length [length]
+    """
+    t, weights = np.polynomial.legendre.leggauss(count)
+    one = np.ones_like(t)
+    shapes, slopes = ([(1 - t) / 2, (1 + t) / 2], [-one / 2, one / 2])
+    if order == 2:
+        shapes, slopes = [t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2], [t - 0.5, -2 * t, t + 0.5]
+    nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
+    return nodes, np.array(shapes), line[:, nodes] @ np.array(shapes), line[:, nodes] @ np.array(slopes) * weights
+
+
+def arc_work(arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float) -> tuple[Array, Array, Array]:
     """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
 
     Parameters
     ----------
-    facets : of the mesh, on the arc; none for a body of finite size
-    dofs : (k,) degrees of freedom of the nodes there
+    arc : (2, k) its nodes by ascending x [length]
+    order : of its elements
     force_at : (m,) contact nodes [length]
 
     Returns
     -------
-    by_nodes : (k, 2 m) per unit displacement of each of `dofs`
+    by_nodes : (2 k, 2 m) per unit displacement of each node along x, then along y
     tractions, displacements : (l, 2 m) of the half-plane along x and y at the points of the arc, tractions times their share of
         its length; the product of the one, transposed, and the other is the work in the half-plane's own displacement
     """
-    by_nodes = np.zeros((len(dofs), 2 * len(force_at)))
-    if not len(facets):
-        return by_nodes, *np.zeros((2, 0, 2 * len(force_at)))
-    edge = skfem.FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=_ARC_ORDER)
-    x, y = np.asarray(edge.global_coordinates()).reshape(2, -1)
-    normal, length = np.asarray(edge.normals).reshape(2, -1), edge.dx.ravel()
-    young, nu = material.young_modulus, material.poisson_ratio
-    forces = surface_force_traction(x, y, normal, force_at).reshape(2, len(x), -1) * length[:, None]
-    displacement = surface_force_displacement(x, y, force_at, young, nu, datum_length).reshape(2 * len(x), -1)
-    row, by_facet = np.full(basis.N, -1), forces.reshape(2, len(facets), -1, forces.shape[-1])
-    row[dofs] = np.arange(len(dofs))
-    for function, own in enumerate(edge.element_dofs):
-        on = np.flatnonzero(row[own] >= 0)
-        value = np.asarray(edge.basis[function][0])[:, on]
-        np.add.at(by_nodes, row[own[on]], np.einsum("ieq,ieqm->em", value, by_facet[:, on], optimize=True))
-    return by_nodes, forces.reshape(2 * len(x), -1), displacement
-
-
-def rigid_motions(basis: skfem.Basis) -> Array:
-    """(basis.N, 3): two translations and the rotation, over the largest distance."""
-    along_x = np.zeros(basis.N, dtype=bool)
-    along_x[basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])] = True
-    x, y = basis.doflocs
-    return np.column_stack([along_x, ~along_x, np.where(along_x, -y, x) / np.abs(x).max()]).astype(np.float64)
+    nodes, shapes, places, (along_x, along_y) = line_elements(arc, order, _POINTS)
+    x, y = places.reshape(2, -1)
+    # The outward normal times the length.
+    forces = surface_force_traction(x, y, np.stack([along_y.ravel(), -along_x.ravel()]), force_at).reshape(2, *along_x.shape, -1)
+    by_nodes = np.zeros((2, arc.shape[1], forces.shape[-1]))
+    for of_element, shape in zip(nodes.T, shapes, strict=True):
+        by_nodes[:, of_element] += np.einsum("g,degm->dem", shape, forces)
+    displacement = surface_force_displacement(x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length)
+    forces, displacement = (values.reshape(2 * len(x), -1) for values in (forces, displacement))
+    return by_nodes.reshape(2 * arc.shape[1], -1), forces, displacement

@@ -16,7 +16,7 @@ import skfem
 from numpy.typing import ArrayLike, NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.elasticity import CondensedBody, displacement_fields, node_dofs, scalar_element, split_lame, uniform_stretch
+from halfplane_fe.elasticity import CondensedBody, cells_of, displacement_fields, scalar_element, split_lame, uniform_stretch
 from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
@@ -96,13 +96,13 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     for number, name in enumerate(_BODIES):
         side, material, bulk = 1.0 - 2.0 * number, solution.condensed[number].material, _bulk_stress(solution, steps, number)
         basis, displacements, stresses, _ = _stress(solution, number, steps, pairs, bulk)
-        nodes, places = node_dofs(basis), basis.mesh.p
-        moved = displacements[nodes]  # (2, n_nodes, k)
+        places = basis.mesh.p
+        moved = displacements.reshape(places.shape[1], 2, -1).swapaxes(0, 1)  # (2, n_nodes, k)
         if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
             moved = moved + uniform_stretch(material, *places)[..., None] * bulk
             stresses = stresses + np.array([1.0, 0.0, 0.0, material.poisson_ratio])[:, None] * bulk
         points = places.T * [1.0, side]
-        cells = _counter_clockwise(points, _cells(basis))
+        cells = _counter_clockwise(points, cells_of(basis.mesh, solution.condensed[number].order))
         found = []
         for k, (step, (series, _)) in enumerate(zip(steps, pairs, strict=True)):
             displacement, stress = moved[..., k].T * [1.0, side], stresses[..., k] * [1.0, 1.0, side, 1.0]
@@ -347,18 +347,6 @@ def _room(shape: Shape) -> float:
     return shape.radius if isinstance(shape, Cylinder) else min(shape.width / 2, shape.height)
 
 
-def _cells(basis: skfem.Basis) -> NDArray[np.int64]:
-    corners = basis.mesh.t[: basis.mesh.refdom.nfacets]
-    parts, first = [corners], basis.nodal_dofs.shape[1]
-    # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
-    if basis.facet_dofs.size:
-        parts.append(first + basis.mesh.t2f)
-        first += basis.mesh.facets.shape[1]
-    if basis.interior_dofs.size:
-        parts.append(first + np.arange(corners.shape[1])[None, :])
-    return np.vstack(parts).T.astype(np.int64)
-
-
 def _counter_clockwise(points: Array, cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """`cells` with those that go round clockwise reversed: readers of VTU would give them negative areas."""
     corners = points[cells[:, : 3 if cells.shape[1] in (3, 6) else 4]]
@@ -379,7 +367,7 @@ def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, conde
     mean = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
     parts = np.stack((mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean))
     at_nodes = parts @ _to_nodes(basis, condensed.order).T
-    area, cells, n_nodes = basis.dx.sum(axis=1)[:, None], _cells(basis).ravel(), basis.mesh.p.shape[1]
+    area, cells, n_nodes = basis.dx.sum(axis=1)[:, None], cells_of(basis.mesh, condensed.order).ravel(), basis.mesh.p.shape[1]
     weights = np.bincount(cells, np.broadcast_to(area, at_nodes.shape[1:]).ravel(), n_nodes)
     stress = np.column_stack([np.bincount(cells, (area * part).ravel(), n_nodes) / weights for part in at_nodes])
     return stress, np.asarray(weights, dtype=float)

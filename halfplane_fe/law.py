@@ -23,6 +23,7 @@ States = NDArray[np.int8]
 
 _SIGN = np.zeros(4, dtype=np.int64)
 _SIGN[SLIP_FORWARD], _SIGN[SLIP_REVERSE] = 1, -1
+_OPEN, _STICK, *_SLIPS = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
 
 
 def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) -> tuple[Array, Array, States]:
@@ -45,11 +46,9 @@ def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) 
     pressure = np.maximum(np.asarray(trial_pressure, dtype=float), 0.0)
     trial = np.asarray(trial_shear, dtype=float)
     limit = friction * pressure
-    shear = np.clip(trial, -limit, limit)
-    slips = np.where(trial > 0, SLIP_FORWARD, SLIP_REVERSE)
-    held = np.where(np.abs(trial) > limit, slips, STICK)
-    state = np.where(np.asarray(trial_pressure) > 0, held, OPEN)
-    return pressure, shear, state.astype(np.int8)
+    shear = np.minimum(np.maximum(trial, -limit), limit)  # several times as fast as np.clip
+    slips = np.where(trial > 0, *_SLIPS)
+    return pressure, shear, np.where(np.asarray(trial_pressure) > 0, np.where(np.abs(trial) > limit, slips, _STICK), _OPEN)
 
 
 def slip_sign(state: States) -> NDArray[np.int64]:

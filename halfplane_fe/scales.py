@@ -25,6 +25,7 @@ from halfplane_fe.interface import (
     shapes_alike,
     without_local_difference,
 )
+from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
@@ -103,6 +104,11 @@ def needs_shear(scene: Scene) -> bool:
     return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
 
 
+def on_half(scene: Scene, faces: Interface) -> bool:
+    """Whether faces and loads are their own mirror image, so that one half is solved for both."""
+    return not scene.unsymmetric and mirrored(faces, sheared(scene))
+
+
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     """Run the scene on a coarse mesh of its own size; `work` counts the condensations.
 
@@ -163,17 +169,8 @@ class _CoarsePair:
         self.room = face_room(self.scene) * _OF_THE_FACE
         self._made: tuple[float, Interface] | None = None
 
-    def problem(self, size: float, tangential: bool) -> ContactProblem:
-        """The contact problem at a half-width `size` of the side that may touch, lengths over `size`."""
-        unscaled = self._interface(size)
-        interface, zero = unscaled.scaled(size, 1 / self.modulus), np.zeros_like(unscaled.x)
-        height = initial_gap(self.scene, unscaled) * self.modulus / self.load
-        moment_given = self.scene.load.path().moment_given
-        parts = interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential
-        return ContactProblem(*parts, moment_given=moment_given)
-
-    def _interface(self, size: float) -> Interface:
-        """In the scene's units of length."""
+    def faces(self, size: float) -> Interface:
+        """In the scene's units of length, at a half-width `size` of the side that may touch."""
         made_at = 1.0 if self.scene.bodies.half_planes else size
         if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
@@ -182,19 +179,29 @@ class _CoarsePair:
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 
+    def problem(self, size: float, unscaled: Interface, tangential: bool) -> ContactProblem:
+        """The contact problem of these faces, lengths over `size`."""
+        interface, zero = unscaled.scaled(size, 1 / self.modulus), np.zeros_like(unscaled.x)
+        height = initial_gap(self.scene, unscaled) * self.modulus / self.load
+        moment_given = self.scene.load.path().moment_given
+        parts = interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential
+        return ContactProblem(*parts, moment_given=moment_given)
+
 
 def _grading(size: float, ratio: float) -> SurfaceGrading:
     return SurfaceGrading(inner=0.0, outer=size, size=ratio * size / _ELEMENTS, edge_size=ratio * size / _ELEMENTS, radius=5 * size)
 
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
-    problem = pair.problem(size, needs_shear(pair.scene))
+    faces, tangential = pair.faces(size), needs_shear(pair.scene)
+    problem, halved = pair.problem(size, faces, tangential), on_half(pair.scene, faces)
+    solved = pair.problem(size, half(faces), tangential) if halved else problem
     pace = Pace(pair.load, _COARSE_STEPS, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
-    run = run_path(problem, pair.scene.load.path(), pace, COARSE_CYCLES, lambda _done, _total, _text: None, keep_all=True)
+    run = run_path(solved, pair.scene.load.path(), pace, COARSE_CYCLES, lambda _done, _total, _text: None, keep_all=True)
     if run.failure is not None:
         raise run.failure
-    return problem, run
+    return problem, whole(run, faces) if halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
@@ -204,7 +211,8 @@ def _fitting_size(pair: _CoarsePair) -> float:
         start = _fitting_size(_CoarsePair(pair.scene.vary(bodies=Bodies()), pair.load, pair.modulus, pair.work))
     size = min(start, pair.room)
     for _ in range(400):
-        problem = pair.problem(size, tangential=False)
+        faces = pair.faces(size)
+        problem = pair.problem(size, half(faces) if on_half(pair.scene, faces) else faces, tangential=False)
         pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
         fraction = 1.0 if pressed.closed.all() else float(np.abs(problem.interface.x[pressed.closed]).max())
         if _FRACTION[0] <= fraction <= _FRACTION[1] or (size == pair.room and _FRACTION[1] < fraction < 1):

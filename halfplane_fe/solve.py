@@ -31,11 +31,11 @@ from halfplane_fe.interface import (
     meshed_pair,
     without_local_difference,
 )
-from halfplane_fe.mirror import half, mirrored, whole
+from halfplane_fe.mirror import half, whole
 from halfplane_fe.path import check_admissible
 from halfplane_fe.resolution import resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared
+from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, on_half, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
@@ -153,7 +153,7 @@ def _solve(
     doubt = partial(_uncertainty, scene, mesh, settings, scales)
     for faces in (made,) if cured is None else (cured, made):
         problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-        solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if _on_half(scene, faces) else problem
+        solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if on_half(scene, faces) else problem
         run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
         if not isinstance(run.failure, ConvergenceError):
             break
@@ -201,11 +201,6 @@ def _check_loads(scene: Scene) -> None:
         )
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
-
-
-def _on_half(scene: Scene, faces: Interface) -> bool:
-    """Whether faces and loads are their own mirror image, so that one half is solved for both."""
-    return not scene.unsymmetric and mirrored(faces, sheared(scene))
 
 
 class _Watch:
@@ -425,7 +420,7 @@ def _work(
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if stored := problem.work["condensations from the store"]:
         skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
-    if _on_half(scene, problem.interface):
+    if on_half(scene, problem.interface):
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")

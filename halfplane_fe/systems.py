@@ -16,6 +16,10 @@ the set, read off values, its answer is
     v + sum_r y_r c_r,   sum_r R(c_r) y_r = b - R(v),
 
 r being the rows in which set and base differ: one small system and one sum.
+
+On one half of faces that are their own mirror image, without coupling, the first k nodes touch and the first s of them stick, by
+ascending x, at almost all instants. Such nested sets need no base: with N = L L^T and X = L^-1 the inverse of the leading k rows
+and columns of N is X_k^T X_k, X_k being those of X; likewise of T.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
-from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
@@ -82,8 +86,7 @@ class _Base:
     traction : (n,) q over p of the nodes that slide
     held : (k,) rows of gap, slip and loads that hold, and at once the unknowns that are not given by others
     place : (2 n + 5,) of each row among them, -1 of others
-    parts, below : factors of the equations by parts that follow each other, by their places in `held`; what the first one's
-        unknowns add to the second one's equations
+    factors : of their equations
     free, beyond : rows of gap and slip that do not hold, and those rows of the matrix, (n_free, k)
     number, answers : (2 n + 5,) of each row or load whose answer is there, -1 of others; the answers, `count` of (m, 3 + 4 n)
     met : sets that were reached from it: met again, they have the same bits
@@ -93,8 +96,7 @@ class _Base:
     traction: Array
     held: Indices
     place: Indices
-    parts: list[tuple[Indices, Factors]]
-    below: Array
+    factors: Factors
     free: Indices
     beyond: Array
     number: Indices
@@ -105,7 +107,34 @@ class _Base:
     @property
     def nbytes(self) -> int:
         """Of the arrays that count."""
-        return sum(one.nbytes for one in (self.below, self.beyond, self.answers, *(factors[0] for _, factors in self.parts)))
+        return self.factors[0].nbytes + self.beyond.nbytes + self.answers.nbytes
+
+
+class _Nested:
+    """A compliance C (n, n), and what holds some first nodes: those at known displacements carry what keeps them there."""
+
+    def __init__(self, compliance: Array, factor: Array) -> None:
+        self.compliance, self.inverse = compliance, np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+        # In row k - 1 the forces that move each of the first k nodes by 1, and what they move all nodes by.
+        by_row = self.inverse.sum(axis=1)[:, None]
+        self.uniform, self.moved = np.cumsum(self.inverse * by_row, axis=0), np.cumsum(factor.T * by_row, axis=0)
+        self.stiffness = self.uniform.sum(axis=1)
+
+    def solved(self, held: int, touching: int, known: Array, total: Array) -> tuple[Array, Array, Array]:
+        """Forces F (n, m) that add up to `total` (m,), rigid motion r (m,), and C F - r: of the latter what the first `held` nodes
+        have, of F what the others have, is `known` (n, m); most often nothing beyond the first `touching` ones."""
+        forces, moved, rigid = known.copy(), known.copy(), total / self.stiffness[held - 1]
+        moved[held:] = 0.0
+        if known.any():
+            reach = len(known) if known[touching:].any() else touching
+            inverse = self.inverse[:held, :held]
+            right = known[:held] - self.compliance[:held, held:reach] @ known[held:reach]
+            forces[:held] = inverse.T @ (inverse @ right)
+            moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
+            rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
+        forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
+        moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
+        return forces, rigid, moved
 
 
 @dataclass(eq=False)
@@ -130,9 +159,9 @@ class Systems:
         faces, n = self.interface, len(self.interface.x)
         self.normal = faces.normal + np.diag(self.layer.normal)
         self.tangential = faces.tangential + np.diag(self.layer.tangential)
+        compliances = (self.normal, self.tangential) if self.shears else (self.normal,)
         try:
-            for compliance in (self.normal, self.tangential) if self.shears else (self.normal,):
-                cholesky(compliance, lower=True, check_finite=False)
+            factors = [cholesky(compliance, lower=True, check_finite=False) for compliance in compliances]
         except LinAlgError as reason:
             raise ConvergenceError(f"contact: the compliance of the contact nodes is not positive definite: {reason}") from reason
         n_x, n_y = faces.normals
@@ -145,13 +174,15 @@ class Systems:
         self.matrix[2 * n, : 2 * n] = np.concatenate([n_y, n_x])
         if faces.imposed is not None:
             self.matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
-        self._split = faces.coupling is None and faces.flat  # p does not depend on q then
         self._held_still = faces.guided or not self.shears
         if self._held_still:
             self.matrix[2 * n + 1, 2 * n + 1] = 1.0
         else:
             self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
         self._bases: list[_Base] = []  # what was used last comes last
+        self._nested: list[_Nested] = []
+        if faces.coupling is None and faces.flat and faces.imposed is None:  # p does not depend on q then
+            self._nested = [_Nested(*both) for both in zip(compliances, factors, strict=True)]
 
     def answers(self, states: States, n_loads: int, rows: Indices | None = None, given: Array | None = None) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row for changes that are given.
@@ -175,32 +206,42 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work["linear solves"] += 1
-        n, (base, differs) = len(states), self._nearest(states)
+        n, touching, sticking = len(states), int(np.count_nonzero(states)), int(np.count_nonzero(states == STICK))
+        if self._nested and sticking and states[:touching].all() and (states[:sticking] == STICK).all():
+            known = np.zeros((2, n, n_loads + (rows is not None)))
+            if rows is not None:
+                known[rows // n, rows % n, n_loads] = given
+            values, carried = np.zeros((known.shape[2], 3 + 4 * n)), np.eye(n_loads, known.shape[2])
+            slip, force, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+            force[:], values[:, 0], gap[:] = self._nested[0].solved(touching, touching, known[0], carried[0])
+            if self.shears:
+                known[1, :sticking] *= -1
+                known[1] += (slip_sign(states) * self.friction)[:, None] * force
+                shear[:], values[:, 1], moved = self._nested[1].solved(sticking, touching, known[1], carried[1])
+                slip[:] = -moved
+            return values
+        base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
         wanted, loads = np.flatnonzero(differs), np.arange(2 * n, 2 * n + n_loads)
         self._find(base, np.concatenate([wanted, loads]))
         found = np.zeros((n_loads + (rows is not None), 3 + 4 * n))
         found[:n_loads] = base.answers[base.number[loads]]
-        if len(wanted):
-            self.work["factor updates"] += 1
+        if not len(wanted):
+            return found
+        self.work["factor updates"] += 1
         change = np.zeros(2 * n)
         if rows is not None:
             change[rows] = given
-        # Where p does not depend on q, tangential rows leave all that is normal as it is.
-        for part in np.split(wanted, [np.searchsorted(wanted, n)]) if self._split else [wanted]:
-            if not len(part):
-                continue
-            # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
-            nodes, normal = part % n, part < n
-            state = states[nodes]
-            of_node = np.where(normal, np.where(state == OPEN, n, 3 * n), np.where((state == STICK) & self.shears, 0, 2 * n))
-            own, pressure, slope = 3 + of_node + nodes, 3 + n + nodes, np.where(normal, 0, slip_sign(state)) * self.friction
-            columns = base.answers[base.number[part]]
-            right = found[:, pressure] * slope - found[:, own]
-            right[n_loads:] += change[part]
-            found += _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T @ columns
-        return found
+        # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
+        nodes, normal = wanted % n, wanted < n
+        state = states[nodes]
+        of_node = np.where(normal, np.where(state == OPEN, n, 3 * n), np.where((state == STICK) & self.shears, 0, 2 * n))
+        own, pressure, slope = 3 + of_node + nodes, 3 + n + nodes, np.where(normal, 0, slip_sign(state)) * self.friction
+        columns = base.answers[base.number[wanted]]
+        right = found[:, pressure] * slope - found[:, own]
+        right[n_loads:] += change[wanted]
+        return np.asarray(found + _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T @ columns)
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
         """A base for a set, and the rows that differ: that from which the set was reached before, the one used last or, where it
@@ -235,12 +276,8 @@ class Systems:
         columns[:, np.searchsorted(held, sliding)] += self.matrix[:, n + sliding] * traction[sliding]
         place = np.full(len(mask), -1)
         place[held] = np.arange(len(held))
-        normal = (held < n) | (held == 2 * n) if self._split else np.ones(len(held), dtype=bool)
-        both = np.flatnonzero(normal), np.flatnonzero(~normal)
-        parts = [(part, _lu(columns[np.ix_(held[part], part)])) for part in both if len(part)]
-        below = columns[np.ix_(held[both[1]], both[0])]
         table = np.empty((0, 3 + 4 * n))
-        return _Base(kinds, traction, held, place, parts, below, free, columns[free], np.full_like(place, -1), table, set())
+        return _Base(kinds, traction, held, place, _lu(columns[held]), free, columns[free], np.full_like(place, -1), table, set())
 
     def _find(self, base: _Base, wanted: Indices) -> None:
         """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
@@ -255,14 +292,7 @@ class Systems:
         given = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
         right = -given[base.held]
         right[place[held], number[held]] += 1.0
-        unknown = np.zeros_like(right)
-        presses = np.flatnonzero((rows < n) | (rows >= 2 * n)) if self._split else number
-        for index, (part, factors) in enumerate(base.parts):
-            if index:
-                right[np.ix_(part, presses)] -= base.below @ unknown[np.ix_(base.parts[0][0], presses)]
-                unknown[part] = _lu_solve(factors, right[part])
-            else:
-                unknown[np.ix_(part, presses)] = _lu_solve(factors, right[np.ix_(part, presses)])
+        unknown = _lu_solve(base.factors, right)
         z, moved = np.zeros((2 * n + 5, len(rows))), np.zeros((2 * n, len(rows)))
         z[base.held] = unknown
         z[rows[~held], number[~held]] = 1.0

@@ -29,7 +29,7 @@ from scenes import (
     TimeSeriesLoad,
     sampled,
 )
-from scenes.unit_words import stress_in_pascal
+from scenes.unit_words import UNITS
 
 Array = NDArray[np.float64]
 
@@ -341,7 +341,7 @@ def in_words(scene: Scene, found: _LargestContact) -> str:
 def remarks(scene: Scene, found: _LargestContact) -> list[str]:
     """Sentences about numbers that are no fault but look like one; none where all is as usual."""
     said, (force, length, stress) = [], units(scene)
-    pascal = stress_in_pascal(stress)
+    pascal = UNITS["stress"].get(stress, 0.0)
     pair = {"material": scene.material.upper}
     if not scene.material.alike:
         pair = {"material.upper": scene.material.upper, "material.lower": scene.material.lower}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from reports.comparison.metrics import name_of
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
-from scenes.reduction import means
+from scenes.measured import means
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import semi_analytic
 from reports.checking import largest_contact
 from reports.units import number, units
 from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, Scene, TimeSeriesLoad
-from scenes.fitting import less_smoothed, resampled
+from scenes.fitting import fitted_again
 from scenes.profiles import Fitted
 
 # Other measurements that the noise could have given. Twice their standard deviation is known to 7 %, and a normal spread lies
@@ -64,7 +64,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     InputError
         For a scene whose profile is not fitted.
     """
-    if fit_of(scene) is None:
+    if (fitted := fit_of(scene)) is None:
         raise InputError(f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow")
     marched = not isinstance(scene.load, EllipseLoad) or scene.load.has_bulk_or_tilt
     skipped = marched and isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS
@@ -75,8 +75,10 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
             return None if keys is None else _values(scene.vary(profile={**keys, "fitted": None}), marched, skipped)
         return None
 
-    first, closer = _values(scene, marched, skipped), others(less_smoothed(scene.profile))
-    rows = [found for keys in resampled(scene.profile, count, seed) if (found := others(keys)) is not None]
+    first, random = _values(scene, marched, skipped), np.random.default_rng(seed)
+    closer = others(fitted_again(scene.profile, smoothing=0.1)) if fitted.weight else None
+    noises = (random.standard_normal(len(fitted.rows) - fitted.left_out) for _ in range(count))
+    rows = [found for noise in noises if (found := others(fitted_again(scene.profile, noise))) is not None]
     if len(rows) < max(2, count // 2):
         raise InputError(
             f"{scene.name}: of {count} other measurements with this noise only {len(rows)} can carry the load: measure a wider "

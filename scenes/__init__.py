@@ -5,10 +5,9 @@ The question::
     scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files and the library
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas, through measured rows, by Python functions
-    measured.py     tables of numbers, from files, in the scene's units
+    measured.py     tables of numbers, from files, in the scene's units; long records by turning points or within a tolerance
     fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk stress and tilt beside P and Q
-    reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence

@@ -56,10 +56,6 @@ class Materials(Frozen):
         return self.upper == self.lower
 
 
-Base = Literal["fixed", "rollers"]
-Sides = Literal["free", "guided"]
-
-
 class HalfPlane(Frozen):
     """Half-plane with a flat face: what half-plane theory is about."""
 
@@ -77,8 +73,10 @@ class _Rectangle(Frozen):
     kind: str
     width: Positive = Field(description="along the face, length units (library: mm)")
     height: Positive = Field(description="from the face, a pad's point of first contact, to the base, length units (library: mm)")
-    base: Base = Field("fixed", description="fixed to the rigid plane, or on rollers: free to slide along it")
-    sides: Sides = Field("free", description="free, or guided: free to slide along smooth walls")
+    base: Literal["fixed", "rollers"] = Field(
+        "fixed", description="fixed to the rigid plane, or on rollers: free to slide along it"
+    )
+    sides: Literal["free", "guided"] = Field("free", description="free, or guided: free to slide along smooth walls")
 
     @property
     def face_half_width(self) -> float:

@@ -210,31 +210,20 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
 
 def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     """Where the functions left and right of a run of short pieces cross, or their slopes where they only touch."""
-    begin, end = float(pieces.edges[run[0]]), float(pieces.edges[run[1]])
+    begin, end = (float(pieces.edges[place]) for place in run)
     least = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
-    found = float(pieces.edges[least] + pieces.edges[least + 1]) / 2
+    shortest = float(pieces.edges[least] + pieces.edges[least + 1]) / 2
     width = min(50 * (end - begin), begin - float(pieces.edges[0]) or np.inf, float(pieces.edges[-1]) - end or np.inf)
-    sides = []
-    for low, high in ((begin - width, begin), (end, end + width)):
-        coefficients = series(function(low + (high - low) * (1 + NODES) / 2))[:_LOW]
-        sides.append(chebyshev.Chebyshev(coefficients, domain=[low, high]))
-    jumps = [[side.deriv(order) if order else side for side in sides] for order in range(3)]
-
-    def jump(order: int, x: float) -> float:
-        left, right = jumps[order]
-        return float(right(x) - left(x))
-
-    order = 0 if abs(jump(1, found)) > 1e-2 * abs(jump(2, found)) * width else 1
-    for _ in range(4):
-        slope = jump(order + 1, found)
-        step = jump(order, found) / slope if slope else 0.0
-        if abs(step) > end - begin:
-            break
-        found -= step
-    return found
+    left, right = (
+        chebyshev.Chebyshev(series(function(low + width * (1 + NODES) / 2))[:_LOW], domain=[low, low + width])
+        for low in (begin - width, end)
+    )
+    jump = chebyshev.Chebyshev.interpolate(lambda x: right(x) - left(x), 3, [begin, end])
+    places = (jump if jump(begin) * jump(end) < 0 else jump.deriv()).roots().real
+    return float(min(places, key=lambda place: abs(place - shortest), default=shortest))
 
 
-def values_of(function: Callable[[Any], Any]) -> Callable[[Array], Array]:
+def values_of(function: Any) -> Callable[[Array], Array]:
     """The function over arrays, called point by point if it can't take them."""
 
     def over(x: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 # Characters of a sentence, of a value in it.
@@ -57,6 +58,13 @@ class RowError(ValueError):
     def __init__(self, row: int, rule: str) -> None:
         self.row, self.rule = row, rule
         super().__init__(f"row {row + 1}: {rule}")
+
+    @classmethod
+    def refuse(cls, bad: Any, rule: Callable[[int], str], first: int = 0) -> None:
+        """Raise for the first row that is `bad` (n,), the rows being counted from `first` on; `rule` is given its number."""
+        if bad.any():
+            row = first + int(bad.argmax())
+            raise cls(row, rule(row))
 
 
 _RULES = {

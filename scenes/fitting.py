@@ -42,8 +42,8 @@ _PARTS, _RISEN = 8, 0.05
 _BENT = 1e-9
 # Fits about another middle, by which other rows lie within the extent.
 _PASSES = 5
-# Places c, in L^2, of the polynomials (u - c)^2; degree of kappa in u.
-_TOUCHES, _DEGREE = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)]), 3
+# Places c, in L^2, of the polynomials (u - c)^2.
+_TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
 # Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows and steps count alike.
 _KNOTS, _PIECES, _WEIGHTS = 31, 61, np.logspace(-9, 3, 19)
 # Half-lengths of the flat, in L, of which the best with its middle at the start begins the search; the longest.
@@ -67,14 +67,13 @@ def fitted_keys(
     RowError
         For too few or too many rows, x that descends, rows that do not bend up or lie on one side of the middle in part.
     """
-    back = np.flatnonzero(np.diff(x) < 0)  # a trace with few digits has rows at one x
-    if len(back):
-        raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
+    RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)  # a trace with few digits has rows at one x
     if len(x) > _MOST:
         raise RowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
     last, fixed, whole = len(x) - 1, centre, x
-    if fixed is None and len(x) >= _FEWEST and x[0] >= 0 and _begins_in_the_middle(h):
-        fixed = 0.0
+    if fixed is None and len(x) >= _FEWEST and x[0] >= 0:  # rows of one side if their first part is hardly higher than the lowest
+        parts = np.array([part.mean() for part in np.array_split(h, _PARTS)])
+        fixed = 0.0 if parts[0] - parts.min() <= _RISEN * np.ptp(parts) else None
     start = _middle(x, h) if fixed is None else fixed
     reach, rows = extent or math.inf, np.column_stack([x, h])
     for _ in range(_PASSES):
@@ -121,45 +120,25 @@ def fitted_keys(
     }
 
 
-def resampled(profile: Any, count: int, seed: int = 0) -> list[dict[str, Any]]:
-    """Keys of the profiles that the same fit makes of `count` other measurements: the fitted curve, with other noise on each row.
+def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.0) -> dict[str, Any] | None:
+    """Keys of the profile that the same fit makes of the same rows, or of another measurement; None where noise bent them down.
 
     Parameters
     ----------
     profile : one with `fitted`
-    count, seed : how many, and of the random numbers
+    noise : of each row, over that of the fit: the other measurement is the fitted curve with it
+    smoothing : weight of the smoothing over that of the fit
     """
-    fitted, x, _ = _fitted_rows(profile)
-    curve, random = fitted.offset + profile.height(x), np.random.default_rng(seed)
-    others = (_again(fitted, x, curve + fitted.noise * random.standard_normal(len(x))) for _ in range(count))
-    return [keys for keys in others if keys is not None]
-
-
-def less_smoothed(profile: Any) -> dict[str, Any] | None:
-    """Keys of the profile that the same rows give with a tenth of the smoothing; None where there was none."""
-    fitted, x, h = _fitted_rows(profile)
-    return _again(fitted, x, h, 0.1) if fitted.weight else None
-
-
-def _fitted_rows(profile: Any) -> tuple[Any, Array, Array]:
-    """What is known of a fit, and its rows; x from the middle on, so that rows of both sides are such whatever their noise."""
     fitted, (x, h) = profile.fitted, profile.fitted.rows.values.T
+    # x from the middle on, so that rows of both sides are such whatever their noise.
     used = np.sort(np.argsort(np.abs(x - fitted.centre), kind="stable")[: len(x) - fitted.left_out])
-    return fitted, x[used] - fitted.centre, h[used]
-
-
-def _again(fitted: Any, x: Array, h: Array, smoothing: float = 1.0) -> dict[str, Any] | None:
-    """Keys of the same fit to other rows; None where noise alone bent them down."""
+    x, h = x[used] - fitted.centre, h[used]
+    if noise is not None:
+        h = fitted.offset + profile.height(x) + fitted.noise * noise
     centre, weight = None if fitted.centre_fitted else 0.0, smoothing * fitted.weight
     with contextlib.suppress(RowError):
         return fitted_keys(x, h, kind=fitted.kind, noise=fitted.noise, centre=centre, weight=weight)
     return None
-
-
-def _begins_in_the_middle(h: Array) -> bool:
-    """Whether rows of x >= 0 are those of one side: their first part is hardly higher than their lowest."""
-    means = np.array([part.mean() for part in np.array_split(h, _PARTS)])
-    return bool(means[0] - means.min() <= _RISEN * np.ptp(means))
 
 
 def _middle(x: Array, h: Array) -> float:
@@ -170,18 +149,11 @@ def _middle(x: Array, h: Array) -> float:
     return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
 
 
-def _bent_polynomials() -> Array:
-    """Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such."""
-    rows = [np.eye(_DEGREE + 1)[0], np.eye(_DEGREE + 1)[1]]
-    for c in _TOUCHES.tolist():
-        square = np.array([c * c, -2 * c, 1.0])
-        rows += [np.append(square, 0.0), np.append(0.0, square)]
-    return np.array([row / np.abs(row).max() for row in rows])
-
-
-_BENDS = _bent_polynomials()
+# Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1, u, (u - c)^2 and u (u - c)^2.
+_BENDS = np.concatenate([np.eye(4)[:2], *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _TOUCHES.tolist())])
+_BENDS /= np.abs(_BENDS).max(axis=1, keepdims=True)
 # What two integrals make of 1, u, u^2 and u^3, over s^2.
-_TWICE = (2 * np.arange(_DEGREE + 1) + 1) * (2 * np.arange(_DEGREE + 1) + 2)
+_TWICE = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +177,7 @@ class _Rows:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - half, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
-                return (s[:, None] ** (2 * np.arange(_DEGREE + 1) + 2) / _TWICE) @ _BENDS.T
+                return (s[:, None] ** [2, 4, 6, 8] / _TWICE) @ _BENDS.T
         # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls from the middle on.
         step = float(self.knots[1])
         corner = np.maximum(s[:, None] - np.append(self.knots, self.knots[-1] + step), 0.0) ** 3 / (6 * step)

@@ -13,20 +13,18 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
-from scenes.reduction import Reduction, reduced
+from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Reduction, Table, reduced
 from scenes.segments import (
     ChebyshevSegment,
     Combination,
     HarmonicSegment,
     LoadPath,
-    Loads,
     LoadSegment,
     Point,
     StraightSegment,
@@ -139,14 +137,10 @@ class BulkAndTilt(Frozen, Generic[V]):
         return value
 
     @model_validator(mode="after")
-    def _one_way_to_turn(self) -> Self:
+    def _can_be_followed(self) -> Self:
         ways = [key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None]
         if len(ways) > 1:
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
-        return self
-
-    @model_validator(mode="after")
-    def _can_be_followed(self) -> Self:
         if self.has_bulk_or_tilt:
             self.path()
         return self
@@ -172,8 +166,16 @@ class BulkAndTilt(Frozen, Generic[V]):
             further["turning"] = [leg.beside(Combination(line.x, line.height)) for leg in legs]
         for name, (one, other) in _PAIRS.items():
             pair = getattr(self, one), getattr(self, other)
-            if pair != (None, None):
-                further[name] = self.pairs(path, pair)
+            if pair == (None, None):
+                continue
+            curved = self.curved(path, pair)
+            straight = legs[: len(legs) - len(curved)]
+            ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
+            normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight)])
+            columns = [self.at_corners(value, normal_loads, float(end)).tolist() for value, end in zip(pair, ends, strict=True)]
+            corners = pairwise(zip(*columns, strict=True))
+            lines = (StraightSegment(leg.start, leg.end, *both) for leg, both in zip(straight, corners, strict=True))
+            further[name] = [*lines, *curved]
         found = [
             replace(leg, **dict(zip(further, parts, strict=True))) for leg, *parts in zip(legs, *further.values(), strict=True)
         ]
@@ -184,41 +186,22 @@ class BulkAndTilt(Frozen, Generic[V]):
     def path_of_loads(self) -> LoadPath:
         """P and Q alone."""
 
-    @abc.abstractmethod
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        """Two keys over the time of every leg of `path`, the initial loading first."""
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:  # noqa: ARG002 straight loads have none
+        """Two keys over the time of the last legs of `path`, those on which they follow formulas; before, they are straight."""
+        return ()
 
+    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:
+        """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in proportion to it, or by own points.
 
-def growing(legs: Sequence[LoadSegment], pair: Pair, last: Loads) -> list[LoadSegment]:
-    """Two keys over the initial loading, straight from (0, 0) to `last`: in proportion to P, or by points of their own.
-
-    Raises
-    ------
-    ValueError
-        For points of their own that are not as many as those of the initial loading.
-    """
-    if not legs:
-        return []
-    loads, columns = _normal_loads(legs), []
-    for value, end in zip(pair, last, strict=True):
-        own = getattr(value, "initial_loading", ())
-        if own and len(own) != len(legs) - 1:
-            raise ValueError(
-                f"initial_loading of a bulk stress or tilt has {len(own)} values for {len(legs) - 1} points of the load"
-            )
-        columns.append(np.array([0.0, *own, float(end)]) if own else float(end) * loads / loads[-1])
-    return _straight(legs, columns)
-
-
-def _normal_loads(legs: Sequence[LoadSegment]) -> NDArray[np.float64]:
-    """P at the ends of the legs (n,) from (0, 0) on, shape (n + 1,)."""
-    return np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in legs)])
-
-
-def _straight(legs: Sequence[LoadSegment], columns: Sequence[ArrayLike]) -> list[LoadSegment]:
-    """Straight segments over the times of the legs (n,) between two numbers at their ends, (n + 1,) each."""
-    corners = pairwise(zip(*np.array(columns, dtype=float).tolist(), strict=True))
-    return [StraightSegment(leg.start, leg.end, a, b) for leg, (a, b) in zip(legs, corners, strict=True)]
+        Raises
+        ------
+        ValueError
+            For points of its own that are not as many as those of the load.
+        """
+        own, count = getattr(value, "initial_loading", ()), len(normal_loads) - 2
+        if own and len(own) != count:
+            raise ValueError(f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points of the load")
+        return np.array([0.0, *own, last]) if own else last * normal_loads / (normal_loads[-1] or 1.0)
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
@@ -227,12 +210,11 @@ W = TypeVar("W", bound=Wave | WaveSum)
 class CyclicLoad(BulkAndTilt[W], Generic[W]):
     """A load whose cycle has formulas of time, and its bulk stresses and tilts too."""
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         means, waves = zip(
             *(value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ()) for value in pair), strict=True
         )
-        cycle = [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
-        return [*growing(path.initial_loading, pair, cycle[0].loads(path.cycle_start)), *cycle]
+        return [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
 
 
 class EllipseLoad(CyclicLoad[Wave]):
@@ -288,17 +270,14 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
     def places(self, corners: int) -> tuple[Sequence[int], int]:
         """Which entry of a list each corner of the path has, -1 for none; up to which corner a number grows with P."""
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        legs, columns = (*path.initial_loading, *path.cycle), []
-        (places, first), loads = self.places(len(legs) + 1), _normal_loads(legs)
-        for value in pair:
-            if not isinstance(value, tuple):
-                columns.append((value or 0.0) * np.where(np.arange(len(loads)) < first, loads / (loads[first] or 1.0), 1.0))
-            elif len(value) != max(places) + 1:
-                raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
-            else:
-                columns.append(np.array([value[k] if k >= 0 else 0.0 for k in places]))
-        return _straight(legs, columns)
+    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:  # noqa: ARG002
+        places, first = self.places(len(normal_loads))
+        if not isinstance(value, tuple):
+            growth = normal_loads / (normal_loads[first] or 1.0)
+            return (value or 0.0) * np.where(np.arange(len(normal_loads)) < first, growth, 1.0)
+        if len(value) != max(places) + 1:
+            raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
+        return np.array([value[k] if k >= 0 else 0.0 for k in places])
 
 
 class PolygonLoad(StraightLoad):
@@ -463,12 +442,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
-        step = np.diff(rows[:, 0])
-        back = np.flatnonzero(step <= 0)
-        if len(back):
-            row = int(back[0]) + 1
-            rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
-            raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
+        time, words = rows[:, 0], ("stands there twice", "comes after a later one")
+        RowError.refuse(
+            np.diff(time) <= 0, lambda k: f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend", 1
+        )
         if self.repeats and not np.any(rows[0, 1:]):
             raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
         if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
@@ -573,11 +550,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
         return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
 
-    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         functions = [values_of(one) if callable(one) else lambda time, one=one: np.full(np.shape(time), one or 0.0) for one in pair]
-        legs = (*path.initial_loading, *path.cycle)
-        pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in legs if leg.start >= 0]
-        return [*growing(legs[: -len(pieces)], pair, pieces[0].loads(0.0)), *pieces]
+        return [_chebyshev_piece(leg.start, leg.end, functions) for leg in (*path.initial_loading, *path.cycle) if leg.start >= 0]
 
     def in_words(self, unit: str) -> str:
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"

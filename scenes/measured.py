@@ -1,12 +1,13 @@
-"""Measured tables: rows of numbers from lists, or columns of text files turned into the units of the scene."""
+"""Measured tables: rows of numbers from lists, or columns of text files in the units of the scene; fewer rows for a long record."""
 
 from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,9 +46,8 @@ class Table:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
-        bad = np.flatnonzero(~(np.abs(values) <= LARGEST).all(axis=1))
-        if len(bad):
-            raise ValueError(f"row {bad[0] + 1}: {shown(values[bad[0]].tolist())} is not all finite numbers of at most {LARGEST:g}")
+        rule = f"is not all finite numbers of at most {LARGEST:g}"
+        RowError.refuse(~(np.abs(values) <= LARGEST).all(axis=1), lambda row: f"{shown(values[row].tolist())} {rule}")
         values.flags.writeable = False
         return cls(values)
 
@@ -110,15 +110,62 @@ class FromFile(Frozen):
             return self
         if self.file is None:
             raise PydanticCustomError("key_missing", "the key {key} is missing", {"key": self.table})
-        stated = {key: value for key in READING if (value := getattr(self, key, None)) is not None}
-        units, named = (info.context or {}).get("units"), self._named(stated.get("columns"))
-        wanted = self.quantities | {name: self.further[name] for name in named}
-        rows, read_as = _columns_of(_folder(info) / self.file, wanted, stated, units if isinstance(units, str) else _UNITS)
+        columns, units, path = getattr(self, "columns", None), (info.context or {}).get("units"), _folder(info) / self.file
+        units, named = units if isinstance(units, str) else _UNITS, self._named(columns)
+        quantities = self.quantities | {name: self.further[name] for name in named}
+        table = text_table(path, tuple(quantities), stated=_given(columns))
+        said = [
+            ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
+            ("columns separated by", table.separator),
+            ("decimal sign", table.decimal),
+        ]
+        if not table.encoding.startswith("UTF-8"):
+            said.append(("characters", table.encoding))
+        if table.skipped:
+            said.append(("lines above the headings", f"{table.skipped} skipped"))
+        thickness, converted = getattr(self, "thickness", None), False
+        factors, zeros, signs, words = (_given(getattr(self, key)) for key in ("scale", "zero", "sign", "units"))
+        for k, (name, kind) in enumerate(quantities.items()):
+            unit, where = words.get(name) or table.units[k], "stated" if name in words else "in its heading"
+            how, factor, per_length = [repr(table.headings[k]) if table.head else table.headings[k]], 1.0, None
+            if unit:
+                try:
+                    factor, per_length = unit_factor(unit, kind, units)
+                except ValueError as reason:
+                    if name in words:
+                        raise InputError(f"units.{name}: {reason}") from reason
+                    how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
+                else:
+                    converted = converted or kind != "time"
+                    how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
+            elif kind != "time":
+                how.append("no unit stated: taken to be in that of the scene")
+            if kind == "load" and per_length is (thickness is not None):
+                rule = "a force, and loads are per unit thickness: state the key thickness, the length of the contact out of the "
+                rule += "plane, by which it is divided"
+                if per_length:
+                    rule = "per length already: leave out the key thickness"
+                raise InputError(f"{path}: {name} is in {unit} ({where}), {rule}")
+            over = thickness if kind == "load" and thickness is not None else None
+            if name in zeros:
+                how.append(f"zero at {zeros[name]:.9g} of the file")
+            if name in factors:
+                how.append(f"times {factors[name]:.9g} (scale)")
+            if over is not None:
+                how.append(f"over the thickness {over:.9g}")
+            if signs.get(name, 1) < 0:
+                how.append("sign turned")
+            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
+                table.values[:, k] -= zeros.get(name, 0.0)
+                table.values[:, k] *= factor * (factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0))
+            said.append((name, ", ".join(how)))
+        if converted:
+            said.append((SCENE_UNITS, units))
         if both := [name for name in named if getattr(self, name) is not None]:
             raise InputError(f"{self.file}: {both[0]} is a column of the file and stated beside it: leave one out")
-        count = len(self.quantities)
-        found = {self.table: Table.of(rows.values[:, :count]) if named else rows, "read_as": read_as}
-        found |= {name: tuple(rows.values[:, count + k].tolist()) for k, name in enumerate(named)}
+        values, count = Table.of(table.values).values, len(self.quantities)
+        found = {self.table: Table.of(values[:, :count]), "read_as": tuple(said)}
+        found |= {name: tuple(values[:, count + k].tolist()) for k, name in enumerate(named)}
         for name, value in found.items():
             object.__setattr__(self, name, value)
         self.model_fields_set.update(found)
@@ -170,7 +217,8 @@ def _folder(info: ValidationInfo) -> Path:
 
 # Of the library; where nothing else is stated.
 _UNITS = "N, mm, MPa"
-_SCENE_UNITS = "units of the scene"
+SCENE_UNITS = "units of the scene"
+"""Key of `read_as`: into which units the columns of a file were turned; left out where none was."""
 
 
 def _given(table: Frozen | None) -> dict[str, Any]:
@@ -178,68 +226,97 @@ def _given(table: Frozen | None) -> dict[str, Any]:
     return {} if table is None else {name: value for name, value in table if value is not None}
 
 
-def _columns_of(path: Path, quantities: Mapping[str, Kind], stated: Mapping[str, Any], units: str) -> tuple[Table, ReadAs]:
-    """The rows of a file in the units of the scene, and how they were found: in pairs of words.
+# ------------------------------------------------------------------------------------------- fewer rows for a long record
+Rows = NDArray[np.int64]
+Reduction = Literal["turning_points", "tolerance"]
+# Of the largest load: what rounding may make of a distance.
+_ROUNDING = 1e-12
 
-    Raises
-    ------
-    InputError
-        One sentence: what the reader refuses, and a unit that can't be right.
+
+@lru_cache(maxsize=4)  # a record of two million rows takes seconds, and is asked for by each engine
+def reduced(rows: Table, average: int, how: Reduction | None, normal: float, tangential: float) -> Array:
+    """The rows (m, 3) of time, P and Q that stand for a record; of those that are kept the first and the last are two.
+
+    Parameters
+    ----------
+    average : how many neighbouring rows are replaced by their mean first; 1 for none
+    how : "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P and `tangential` of Q.
+        "tolerance": straight lines, each as long as it can be, that pass the other rows, in their order, at distances of at most
+        `normal` in P and `tangential` in Q. None: all
+
+    >>> record = Table.of([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
+    >>> reduced(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
+    [0.0, 8.0, -8.0]
+    >>> reduced(record, 2, None, 0.0, 0.0)[:, 2].tolist()
+    [2.5, 6.45, -8.0]
     """
-    found = text_table(path, tuple(quantities), stated=_given(stated.get("columns")))
-    said = [
-        ("file", f"{path.name}: {len(found.lines):,} rows from line {found.lines[0]} on"),
-        ("columns separated by", found.separator),
-        ("decimal sign", found.decimal),
-    ]
-    if not found.encoding.startswith("UTF-8"):
-        said.append(("characters", found.encoding))
-    if found.skipped:
-        said.append(("lines above the headings", f"{found.skipped} skipped"))
-    values, thickness, converted = found.values, stated.get("thickness"), False
-    factors, zeros, signs, words = (_given(stated.get(key)) for key in ("scale", "zero", "sign", "units"))
-    for k, (name, kind) in enumerate(quantities.items()):
-        heading, unit, where = found.headings[k], words.get(name) or found.units[k], "stated" if name in words else "in its heading"
-        how, factor, per_length = [f"{heading!r}" if found.head else heading], 1.0, None
-        if unit:
-            try:
-                factor, per_length = unit_factor(unit, kind, units)
-            except ValueError as reason:
-                if name in words:
-                    raise InputError(f"units.{name}: {reason}") from reason
-                how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
-            else:
-                converted = converted or kind != "time"
-                how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
-        elif kind != "time":
-            how.append("no unit stated: taken to be in that of the scene")
-        if kind == "load" and per_length is False and thickness is None:
-            raise InputError(
-                f"{path}: {name} is in {unit} ({where}), a force, and loads are per unit thickness: state the key thickness, the "
-                "length of the contact out of the plane, by which it is divided"
-            )
-        if kind == "load" and per_length and thickness is not None:
-            raise InputError(f"{path}: {name} is in {unit} ({where}), per length already: leave out the key thickness")
-        if name in zeros:
-            how.append(f"zero at {zeros[name]:.9g} of the file")
-        if name in factors:
-            how.append(f"times {factors[name]:.9g} (scale)")
-        if kind == "load" and thickness is not None:
-            how.append(f"over the thickness {thickness:.9g}")
-        if signs.get(name, 1) < 0:
-            how.append("sign turned")
-        factor *= factors.get(name, 1.0) * signs.get(name, 1) / (thickness if kind == "load" and thickness is not None else 1.0)
-        if name in zeros:
-            values[:, k] -= zeros[name]
-        if factor != 1:
-            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
-                values[:, k] *= factor
-        said.append((name, ", ".join(how)))
-    if converted:
-        said.append((_SCENE_UNITS, units))
-    return Table.of(values), tuple(said)
+    values = means(rows.values, average)
+    if how is None:
+        found = values
+    elif how == "turning_points":
+        turns = (turning_points(values[:, column], size) for column, size in ((1, normal), (2, tangential)))
+        found = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
+    else:
+        found = values[within(values[:, 1:], np.array([normal, tangential]))]
+    found.flags.writeable = False
+    return found
 
 
-def read_for(read_as: ReadAs | None) -> str:
-    """The units into which the columns of a file were turned; empty where none was."""
-    return dict(read_as or ()).get(_SCENE_UNITS, "")
+def means(values: Array, count: int) -> Array:
+    """The mean of each `count` neighbouring rows; the last of them may be of fewer."""
+    if count == 1:
+        return values
+    starts = np.arange(0, len(values), count)
+    return np.asarray(np.add.reduceat(values, starts, axis=0) / np.diff(starts, append=len(values))[:, None])
+
+
+def turning_points(values: Array, threshold: float) -> Rows:
+    """Rows (m,) at which `values` (n,) turn, but for swings of at most `threshold`: an extreme counts once they left it by more."""
+    step = np.diff(values)
+    moved = np.flatnonzero(step)
+    turned = moved[:-1][step[moved[:-1]] * step[moved[1:]] < 0] + 1  # the first row of a plateau that turns
+    found: list[int] = []
+    way, low, high = 0, 0, 0  # way of the swing that is followed, and its extreme rows so far
+    for row, value in zip((*turned.tolist(), len(values) - 1), (*values[turned].tolist(), float(values[-1])), strict=True):
+        high = row if value > values[high] else high
+        low = row if value < values[low] else low
+        if way >= 0 and values[high] - value > threshold:
+            found.append(high)
+            way, low = -1, row
+        elif way <= 0 and value - values[low] > threshold:
+            found.append(low)
+            way, high = 1, row
+    return np.array(found, dtype=np.int64)
+
+
+def within(path: Array, tolerance: Array) -> Rows:
+    """Rows (m,) whose straight lines pass all points (n, 2) of `path` in their order, each within `tolerance` (2,).
+
+    From each kept row as far as doubled and halved steps find a line that does: the intervals of the line near each point must
+    allow an order. A line is near the straight piece between two points where it is near both, since the distance is convex.
+    """
+    slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
+
+    def fits(first: int, last: int) -> bool:
+        start, way = path[first], path[last] - path[first]
+        between = path[first + 1 : last] - start
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (between - slack) / way, (between + slack) / way
+        still = way == 0
+        if np.any(np.abs(between[:, still]) > slack[still]):
+            return False
+        low = np.max(np.where(still, 0.0, np.minimum(one, other)), axis=1, initial=0.0)
+        high = np.min(np.where(still, 1.0, np.maximum(one, other)), axis=1, initial=1.0)
+        return bool(np.all(np.maximum.accumulate(low) <= high))
+
+    kept, last = [0], len(path) - 1
+    while kept[-1] < last:
+        first, reach = kept[-1], 1
+        while first + 2 * reach <= last and fits(first, first + 2 * reach):
+            reach *= 2
+        far = min(2 * reach, last - first + 1)
+        while far - reach > 1:  # `reach` fits, `far` does not or was not tried
+            middle = (reach + far) // 2
+            reach, far = (middle, far) if fits(first, first + middle) else (reach, middle)
+        kept.append(first + reach)
+    return np.array(kept, dtype=np.int64)

@@ -64,10 +64,13 @@ class Gap(Frozen):
         """Whether h(-x) = h(x)."""
         return True
 
+    datum: ClassVar[str]
+    """Which key is the `datum_length`."""
+
     @property
-    @abc.abstractmethod
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: the origin of displacements."""
+        return float(getattr(self, self.datum))
 
     @abc.abstractmethod
     def height(self, x: ArrayLike) -> Array:
@@ -159,12 +162,9 @@ class Hertz(MayBeFitted):
     0.002
     """
 
+    datum = "radius"
     kind: Literal["hertz"] = "hertz"
     radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.radius
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -181,13 +181,10 @@ class FlatRounded(MayBeFitted, TwoCurvatures):
     [0.0, 0.2]
     """
 
+    datum = "radius"
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
     flat_half_length: Positive = Field(description="half-length b of the flat face, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.radius
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -205,14 +202,11 @@ class PowerLaw(Gap):
     [0.0625, 0.5]
     """
 
+    datum = "length"
     kind: Literal["power_law"] = "power_law"
     exponent: float = Field(ge=1, description="exponent n, any real number")
     length: Positive = Field(description="distance at which the gap is `rise`, length units (library: mm)")
     rise: Positive = Field(description="gap at `length` (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.length
 
     def in_words(self, length: str) -> str:
         return f"a profile that grows like |x|^{self.exponent:.6g}, {self.rise:.6g} {length} at {self.length:.6g} {length}"
@@ -255,13 +249,10 @@ class Wedge(TwoCurvatures):
     [0.05, 0.25]
     """
 
+    datum = "tip_radius"
     kind: Literal["wedge"] = "wedge"
     tip_radius: Positive = Field(description="relative radius R of the tip, length units (library: mm)")
     tip_half_length: Positive = Field(description="half-length b of the tip, length units (library: mm)")
-
-    @property
-    def datum_length(self) -> float:
-        return self.tip_radius
 
     def in_words(self, length: str) -> str:
         return (
@@ -296,6 +287,7 @@ class EvenPolynomial(MayBeFitted):
     [0.75, 6.0]
     """
 
+    datum = "length"
     kind: Literal["polynomial"] = "polynomial"
     length: Positive = Field(description="length by which x is divided, length units (library: mm)")
     rises: tuple[float, ...] = Field(
@@ -313,10 +305,6 @@ class EvenPolynomial(MayBeFitted):
             raise ValueError(f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for all x > 0")
         return self
 
-    @property
-    def datum_length(self) -> float:
-        return self.length
-
     def in_words(self, length: str) -> str:
         return f"an even polynomial of {len(self.rises)} terms, {sum(self.rises):.6g} {length} high at {self.length:.6g} {length}"
 
@@ -333,14 +321,15 @@ class CallableProfile(Gap):
     """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
 
     The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given and is a
-    smooth function of x^2 near 0, as a series in x^2 there, since h has few digits left. A corner of the slope is found, a jump
-    refused.
+    smooth function of x^2 near 0, that of a series in x^2, since h has few digits left there. A corner of the slope is found, a
+    jump refused.
 
     >>> profile = CallableProfile(slope_function=lambda x: x**3, extent=2.0)
     >>> round(float(profile.height(1.0)), 14), round(float(profile.slope(0.5)), 14)
     (0.25, 0.125)
     """
 
+    datum = "extent"
     kind: Literal["callable"] = "callable"
     height_function: PythonFunction | None = Field(None, description="gap h of x, both length units (library: mm)")
     slope_function: PythonFunction | None = Field(None, description="slope h' of x")
@@ -348,37 +337,13 @@ class CallableProfile(Gap):
     breaks: tuple[Positive, ...] = Field((), description="places x at which the slope has a corner, if known (library: mm)")
 
     _slope: Pieces = PrivateAttr()
-    _core: chebyshev.Chebyshev | None = PrivateAttr(None)  # h'(x)/x as a series of x^2, up to the first edge of `_slope`
-    _height: Pieces | None = PrivateAttr(None)
+    _height: Pieces = PrivateAttr()  # above that at the first edge
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
-        function = self.height_function or self.slope_function
-        assert function is not None
-        over, sign = values_of(function), -1.0 if self.height_function is None else 1.0
-        edges = np.union1d(self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0), [at for at in self.breaks if at < self.extent])
-        self._check_symmetry(over, sign)
-        try:
-            if self.height_function is not None:
-                core, end = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
-                if core is not None and end == edges[-1]:
-                    self._slope = fit(lambda x: x * core(x**2), edges[-2:])
-                else:
-                    self._slope = fit(over, edges[edges >= end]).derivative
-                self._core = core
-            else:
-                self._slope = fit(over, edges)
-                self._height = _integral(self._slope)
-        except Unresolved as fault:
-            raise ValueError(
-                f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no derivative can be had there"
-            ) from fault
-        self._check_slope()
-        return self
-
-    def _check_symmetry(self, over: Callable[[Array], Array], sign: float) -> None:
+        over, sign = values_of(self.height_function or self.slope_function), -1.0 if self.height_function is None else 1.0
         x = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
             right, left = over(x), over(-x)
@@ -387,8 +352,18 @@ class CallableProfile(Gap):
         apart = np.abs(right - sign * left) > 1e-9 * np.abs(right).max()
         if np.any(apart):
             raise ValueError(f"the profile is not symmetric: its sides differ at x = {x[apart][0]:.6g}")
-
-    def _check_slope(self) -> None:
+        edges = np.union1d(self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0), [at for at in self.breaks if at < self.extent])
+        try:
+            slope_of: Callable[[Array], ArrayLike] = over
+            if self.height_function is not None:
+                core, end = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
+                above = fit(over, edges[edges >= min(end, edges[-2])]).derivative
+                edges, slope_of = np.union1d(edges, above.edges), lambda x: np.where(x < end, x * core(x**2), above(x))
+            self._slope = fit(slope_of, edges)
+        except Unresolved as fault:
+            raise ValueError(
+                f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no derivative can be had there"
+            ) from fault
         inside = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(0.02, 0.98, 25)
         slope = self._slope(inside)
         falls = slope < -1e-11 * np.max(np.abs(slope))
@@ -401,6 +376,11 @@ class CallableProfile(Gap):
         if np.any(jump):
             where = self._slope.edges[1:-1][jump][0]
             raise ValueError(f"the profile has no derivative at x = {where:.6g}: its slope jumps there")
+        # The term of highest degree, which is rounding, is dropped.
+        primitive = chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1] * np.diff(self._slope.edges) / 2
+        primitive[0] += np.append(0.0, np.cumsum(chebyshev.chebval(1.0, primitive))[:-1])
+        self._height = Pieces(self._slope.edges, primitive)
+        return self
 
     def __eq__(self, other: object) -> bool:
         """Whether the keys are the same: the series follow from them."""
@@ -413,10 +393,6 @@ class CallableProfile(Gap):
     def kinks(self) -> tuple[float, ...]:
         return tuple(self.breaks)
 
-    @property
-    def datum_length(self) -> float:
-        return self.extent
-
     def in_words(self, length: str) -> str:
         return f"a profile given by a Python function up to {self.extent:.6g} {length}"
 
@@ -428,21 +404,13 @@ class CallableProfile(Gap):
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
-        above = self._slope(np.clip(at, first, self.extent))
-        inner = np.minimum(at, first)
-        below = inner * self._core(inner**2) if self._core is not None else above * (inner / first) ** self.exponent
-        return np.asarray(np.where(at < first, below, above))
+        return self._slope(np.clip(at, first, self.extent)) * np.minimum(at / first, 1.0) ** self.exponent
 
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
         above = self._slope.derivative(np.clip(at, first, self.extent)) * at
-        inner = np.minimum(at, first)
-        if self._core is not None:
-            below = inner * (self._core(inner**2) + 2 * inner**2 * self._core.deriv()(inner**2))
-        else:
-            below = self.exponent * self.slope(inner)
-        return np.asarray(np.where(at < first, below, np.where(at > self.extent, 0.0, above)))
+        return np.where(at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above))
 
     @property
     def exponent(self) -> float:
@@ -455,19 +423,13 @@ class CallableProfile(Gap):
         distance = np.abs(np.asarray(x, dtype=float))
         inside = np.minimum(distance, self.extent)
         beyond = (distance - inside) * float(self.slope(self.extent))
-        if self.height_function is not None:
-            over = values_of(self.height_function)
-            return over(inside) - over(np.zeros(1)).item() + beyond
-        assert self._height is not None
-        first = float(self._slope.edges[0])
-        low = inside * self.slope(inside) / (self.exponent + 1)
-        return np.asarray(
-            np.where(inside < first, low, self._height(inside) + first * self.slope(first) / (self.exponent + 1)) + beyond
-        )
+        low = np.minimum(inside, self._slope.edges[0])
+        below = low * self.slope(low) / (self.exponent + 1)
+        return below + np.where(inside > low, self._height(inside), 0.0) + beyond
 
 
-def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev | None, float]:
-    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end; None and 0 if there is none."""
+def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev, float]:
+    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end, which is 0 if there is none."""
     offset = float(over(np.zeros(1)).item())
     noise = 2e-16 * abs(float(over(edges[-1:]).item()) - offset)
     for end in edges[::-1].tolist():
@@ -476,16 +438,7 @@ def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.
         coefficients = series(values)
         if np.all(np.isfinite(values)) and float(tail(coefficients)) <= noise + 1e-15 * float(np.max(np.abs(values))):
             return chebyshev.Chebyshev(chebyshev.chebder(coefficients) * 4 / end**2, domain=[0.0, end**2]), end
-    return None, 0.0
-
-
-def _integral(pieces: Pieces) -> Pieces:
-    """Integral from the first edge on; the term of highest degree, which is rounding, is dropped."""
-    half = np.diff(pieces.edges) / 2
-    primitive = chebyshev.chebint(pieces.coefficients, lbnd=-1)[:-1] * half
-    rises = chebyshev.chebval(1.0, primitive)
-    primitive[0] += np.concatenate([[0.0], np.cumsum(rises)[:-1]])
-    return Pieces(pieces.edges, primitive)
+    return chebyshev.Chebyshev([0.0]), 0.0
 
 
 class Tabulated(FromFile):
@@ -559,14 +512,14 @@ class Tabulated(FromFile):
 
     def spline(self) -> Spline:
         """The curve for x >= 0; InputError for rows that are to be fitted, which are another profile in a scene."""
-        if self.fit is not None:
-            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
         if not self.symmetric:
             raise InputError("profile: its two sides are unequal, and each has a spline of its own: take `sides`")
         return self.sides()[-1]
 
     def sides(self) -> tuple[Spline, Spline]:
         """The curve to the left of x = 0, x counted to the left, and to the right."""
+        if self.fit is not None:
+            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
         found = [rising_spline(*side) for side in self._sides()]
         return found[0], found[-1]
 
@@ -587,18 +540,15 @@ class Tabulated(FromFile):
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
-        if self.symmetric or self.fit is not None:
-            return _on(self.spline(), np.abs(np.asarray(x, dtype=float)))
-        at, (left, right) = np.asarray(x, dtype=float), self.sides()
-        return np.asarray(np.where(at < 0, _on(left, np.abs(at)), _on(right, np.abs(at))))
+        at = np.asarray(x, dtype=float)
 
+        def height(side: Spline) -> Array:
+            number = np.clip(np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1)
+            step, bend = np.abs(at) - side.x[number], np.append(side.curvature, 0.0)[number]  # straight beyond the last knot
+            return np.asarray(side.height[number] + step * (side.slope[number] + bend * step / 2))
 
-def _on(spline: Spline, distance: Array) -> Array:
-    """h at distances >= 0 from x = 0, any shape; straight beyond the last knot."""
-    number = np.clip(np.searchsorted(spline.x, distance, side="right") - 1, 0, len(spline.x) - 1)
-    step = distance - spline.x[number]
-    bend = np.append(spline.curvature, 0.0)[number]
-    return np.asarray(spline.height[number] + step * (spline.slope[number] + bend * step / 2))
+        left, right = map(height, self.sides())
+        return np.where(at < 0, left, right)
 
 
 def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
@@ -612,53 +562,47 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
     x, h = points.T
-    back = np.flatnonzero(np.diff(x) <= 0)
-    if len(back):
-        raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
-    close = np.flatnonzero(np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])))
-    if len(close):
-        raise RowError(
-            int(close[0]) + 1,
-            f"x = {x[close[0] + 1]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
-        )
+    RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
+    RowError.refuse(
+        np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
+        lambda row: f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
+        1,
+    )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
     centre = int(np.flatnonzero(x == 0)[0])
+    right, rise, limit = x[centre:], h[centre:], asymmetry * float(np.ptp(h))
     if centre:
-        h = _averaged(x, h, centre, asymmetry)
-    x, h = x[centre:], h[centre:] - h[centre]
-    if len(x) > _MOST:
-        rule = f"the profile has {len(x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
-        raise RowError(centre + _MOST, rule)
-    falls = np.flatnonzero(np.diff(h) < 0)
-    if len(falls):
-        raise RowError(
-            centre + int(falls[0]) + 1, f"h = {points[centre + falls[0] + 1, 1]:.6g} falls: the profile must rise for x > 0"
-        )
-    if h[-1] == 0:
+        left = -x[centre::-1]
+        if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
+            row = 0 if len(left) > len(right) else len(x) - 1
+            raise RowError(row, f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone")
+        said = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
+        RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: said, centre)
+        rise = (rise + h[centre::-1]) / 2
+    said = f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
+    RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: said, centre)
+    RowError.refuse(np.diff(rise) < 0, lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0", centre + 1)
+    if rise[-1] == rise[0]:
         raise RowError(len(points) - 1, "the profile is flat from end to end: it must rise somewhere")
-    return x, h
-
-
-def _averaged(x: Array, h: Array, centre: int, asymmetry: float) -> Array:
-    """h with the mean of both sides for x > 0."""
-    right, left = x[centre:], -x[centre::-1]
-    if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
-        row = 0 if len(left) > len(right) else len(x) - 1
-        raise RowError(row, f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone")
-    limit = asymmetry * float(np.max(h) - np.min(h))
-    apart = np.flatnonzero(np.abs(h[centre:] - h[centre::-1]) > limit)
-    if len(apart):
-        raise RowError(centre + int(apart[0]), f"the profile is not symmetric: the sides differ by more than {limit:.3g} there")
-    mean = h.copy()
-    mean[centre:] = (h[centre:] + h[centre::-1]) / 2
-    return mean
+    return right, rise - rise[0]
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed."""
-    secant = np.diff(h) / np.diff(x)
-    slope = _slopes(x, secant)
+    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed.
+
+    The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows lie on a line the spline follows
+    it: any other slope at its ends would bend it back.
+    """
+    step = np.diff(x)
+    secant, slope = np.diff(h) / step, np.zeros(len(x))
+    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
+    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
+    line = np.minimum(along[:-1], along[1:])
+    parabola = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
+    slope[1:-1] = np.where(np.isfinite(line), line, parabola)
+    slope[-1] = np.clip(2 * secant[-1] - slope[-2], 0.0, 2 * secant[-1])
+    slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
     begin, end = slope[:-1] - secant, slope[1:] - secant
     bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
     # Where the curvature changes within an interval: where both parts bend the same way, else, with an inflection, in its middle.
@@ -670,24 +614,6 @@ def rising_spline(x: Array, h: Array) -> Spline:
     tangent = np.maximum(np.insert(slope, bent + 1, between), 0.0)  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
     return Spline(at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at))
-
-
-def _slopes(x: Array, secant: Array) -> Array:
-    """Slopes at the rows: of the parabola through three of them, 0 in the middle of the profile, never beyond twice a secant.
-
-    Where three rows lie on a line the spline follows it: any other slope at its ends would bend it back.
-    """
-    step = np.diff(x)
-    slope = np.zeros(len(x))
-    slope[1:-1] = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
-    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
-    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
-    line = np.minimum(along[:-1], along[1:])
-    slope[1:-1] = np.where(np.isfinite(line), line, slope[1:-1])
-    slope[-1] = 2 * secant[-1] - slope[-2]
-    slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
-    slope[-1] = np.clip(slope[-1], 0.0, 2 * secant[-1])
-    return slope
 
 
 Curve = Annotated[

@@ -10,57 +10,27 @@ from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.bodies import Bodies, Elastic, Materials, Pad
 from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
-from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, validated
+from scenes.frozen import Frozen, Positive, ShortForm, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
-from scenes.measured import READING, read_for
+from scenes.measured import READING, SCENE_UNITS
 from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
-Tag = Literal[
-    # where it comes from
-    "paper",
-    "benchmark",
-    "made-up-record",
-    # profile
-    "hertz",
-    "flat",
-    "compound",
-    "wedge",
-    "profile",
-    # bodies and materials
-    "half-planes",
-    "bodies",
-    "block",
-    "pad",
-    "cylinder",
-    "unlike",
-    # loads
-    "ellipse",
-    "polygon",
-    "harmonics",
-    "time-series",
-    "line",
-    "constant-load",
-    "normal-only",
-    "other-sense",
-    "bulk",
-    "tilt",
-    "unloading",
-    # what happens
-    "partial-slip",
-    "full-stick",
-    "near-sliding",
-    "frictionless",
-    # what its expected numbers rest on
-    "closed-form",
-]
+Origin = Literal["paper", "benchmark", "made-up-record"]
+ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
+BodyTag = Literal["half-planes", "bodies", "block", "pad", "cylinder", "unlike"]
+LoadKind = Literal["ellipse", "polygon", "harmonics", "time-series"]
+LoadTag = Literal["line", "constant-load", "normal-only", "other-sense", "bulk", "tilt", "unloading"]
+Happens = Literal["partial-slip", "full-stick", "near-sliding", "frictionless"]
+Tag = Literal[Origin, ProfileTag, BodyTag, LoadKind, LoadTag, Happens, "closed-form"]
+"""The last: what its expected numbers rest on."""
 
 
 def tags() -> tuple[str, ...]:
@@ -216,29 +186,19 @@ class Scene(Frozen):
         return units
 
     @model_validator(mode="after")
-    def _columns_were_turned_into_its_units(self) -> Self:
+    def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (own := read_for(getattr(table, "read_as", None))) and own != self.units:
+            if (own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)) != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
                     "together in a scene file, or to Scene.vary"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _lengths_can_be_squared(self) -> Self:
-        length = self.profile.datum_length
+        length, radius, arc = self.profile.datum_length, self.bodies.relative_radius(), self.profile.arc
         if not 1 / LARGEST <= length <= LARGEST:
             raise ValueError(
                 f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and {LARGEST:g}, "
                 "and its square would be no number: choose other units"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _faces_make_the_profile(self) -> Self:
-        radius = self.bodies.relative_radius()
-        arc = self.profile.arc
         if radius is not None and not (self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9):
             raise ValueError(
                 f"profile is not that of the cylinders: it is kind = 'hertz' with radius = {radius:.12g} "
@@ -365,14 +325,7 @@ def load_scene(source: str | Path) -> Scene:
         if not data:
             raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
         name, folder = path.stem, path.parent
-    try:
-        # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
-        text = json.dumps({"name": name} | data, default=str)
-        return Scene.model_validate_json(text, strict=True, context={"folder": folder, "units": data.get("units")})
-    except ValidationError as faults:
-        raise InputError(f"{path}: {refusal(faults, data, Scene)}") from faults
-    except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{path}: its tables are nested too deeply") from reason
+    return checked(Scene, {"name": name} | data, str(path), of_file=True, folder=folder)
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import abc
 import cmath
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -318,21 +318,13 @@ class HarmonicSegment(LoadSegment):
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
 
-        One wave: where its argument is a multiple of pi. Several: roots of the rate, a polynomial in z, as eigenvalues, and steps
-        of Newton's method.
+        Roots of the rate, a polynomial in z, as eigenvalues, and steps of Newton's method.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)]  # sin t (1 + 4 cos t) = 0
         [0.5804, 1.0, 1.4196]
         """
         size = np.abs(what) @ np.abs(self._coefficients)
-        if self.ellipse:
-            height, lead = self.wave(what)
-            if abs(height) <= _ROUNDING * size[1]:
-                return []
-            first = -lead
-            number = range(math.ceil((self.start - first) / math.pi), math.floor((self.end - first) / math.pi) + 1)
-            return [time for time in (first + k * math.pi for k in number) if self.start < time < self.end]
         rates, whole = self._rate(what), float(np.arange(len(size)) @ size)
         rates[np.abs(rates) <= _ROUNDING * whole] = 0
         if whole < LEAST or not np.any(rates):
@@ -342,13 +334,7 @@ class HarmonicSegment(LoadSegment):
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
         first = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
         turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
-        times = ((angles + first)[:, None] + 2 * math.pi * turns).ravel()
-        k = np.arange(order + 1)
-
-        def rate(time: Array, derivative: int) -> Array:
-            return _wave_sum(rates[: order + 1] * (1j * k) ** derivative, time)
-
-        return _sharpened(self, times, rate, lambda time: time)
+        return _sharpened(self, what, ((angles + first)[:, None] + 2 * math.pi * turns).ravel())
 
     def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
         if not self.ellipse:
@@ -446,11 +432,7 @@ class ChebyshevSegment(LoadSegment):
         slope = slope[: known[-1] + 1]
         roots = chebyshev.chebroots(slope)
         unit = np.clip(roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1)
-
-        def rate(u: Array, derivative: int) -> Array:
-            return np.asarray(chebyshev.chebval(u, chebyshev.chebder(slope, derivative) if derivative else slope))
-
-        return _sharpened(self, unit, rate, lambda u: (self.start + self.end) / 2 + (self.end - self.start) / 2 * u)
+        return _sharpened(self, what, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit)
 
     @property
     def is_straight(self) -> bool:
@@ -538,16 +520,14 @@ def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
     return np.reshape(value.real, np.shape(time))
 
 
-def _sharpened(
-    segment: LoadSegment, guess: Array, rate: Callable[[Array, int], Array], time_at: Callable[[Array], Array]
-) -> list[float]:
-    """Times of the segment, ascending, after two of Newton's steps, as long as they are small."""
-    found = guess
+def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[float]:
+    """Turning points of a combination in the segment, ascending, after two of Newton's steps, as long as they are small."""
+    found, apart, longest = guess, 1e-6 * (segment.end - segment.start), _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):
-        slope = rate(found, 1)
-        step = rate(found, 0) / np.where(slope != 0, slope, 1.0)
-        found = found - np.where((slope != 0) & (np.abs(step) < _DOUBLE), step, 0.0)
-    return sorted(time for time in time_at(found).tolist() if segment.start < time < segment.end)
+        rate, beside = segment.rate_of(what, np.stack([found, found + apart]))
+        step = rate * apart / np.where(beside != rate, beside - rate, np.inf)
+        found = found - np.where(np.abs(step) < longest, step, 0.0)
+    return sorted(time for time in found.tolist() if segment.start < time < segment.end)
 
 
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:

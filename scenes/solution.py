@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from enum import IntEnum
 from importlib import import_module
 from pathlib import Path
@@ -44,6 +44,11 @@ def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
     return array
 
 
+def _stored(words: str, over: str, unit: str = "") -> dict[str, Any]:
+    """Metadata of an array of an answer: its name in words, its dimensions, of which unit it is."""
+    return {"words": words, "over": tuple(over.split()), "unit": unit}
+
+
 @dataclass(frozen=True, eq=False)
 class Record:
     """How a solution came about.
@@ -67,7 +72,7 @@ class Record:
     converged: bool
     termination: str
     message: str
-    iterations: NDArray[np.int64]
+    iterations: NDArray[np.int64] = field(metadata=_stored("contact iterations", "time"))
     certificates: Mapping[str, Array] = field(default_factory=dict)
     energy: Mapping[str, Array] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -122,23 +127,23 @@ class ContactSolution:
 
     engine: str
     scene: Scene
-    time: Array
-    normal_load: Array
-    tangential_load: Array
-    x: Array
-    pressure: Array
-    shear: Array
-    slip: Array
-    state: NDArray[np.int8]
-    contact_edges: Array
-    stick_edges: Array
-    contact_half_width: Array
-    stick_half_width: Array
-    tangential_displacement: Array
-    normal_approach: Array
-    dissipation_density: Array
+    time: Array = field(metadata=_stored("time of the load path", "time"))
+    normal_load: Array = field(metadata=_stored("normal load P per unit thickness", "time", "load"))
+    tangential_load: Array = field(metadata=_stored("tangential load Q per unit thickness", "time", "load"))
+    x: Array = field(metadata=_stored("position along the surface of the lower body", "x", "length"))
+    pressure: Array = field(metadata=_stored("contact pressure p", "time x", "stress"))
+    shear: Array = field(metadata=_stored("shear traction q on the lower body", "time x", "stress"))
+    slip: Array = field(metadata=_stored("slip of the upper body over the lower", "time x", "length"))
+    state: NDArray[np.int8] = field(metadata=_stored("0 open, 1 stick, 2 forward slip, 3 reverse slip", "time x"))
+    contact_edges: Array = field(metadata=_stored("edges of the contact", "time side", "length"))
+    stick_edges: Array = field(metadata=_stored("edges of the stick zone", "time side", "length"))
+    contact_half_width: Array = field(metadata=_stored("contact half-width a", "time", "length"))
+    stick_half_width: Array = field(metadata=_stored("stick half-width c", "time", "length"))
+    tangential_displacement: Array = field(metadata=_stored("relative tangential displacement U", "time", "length"))
+    normal_approach: Array = field(metadata=_stored("normal approach", "time", "length"))
+    dissipation_density: Array = field(metadata=_stored("friction work per unit area of the last cycle", "x", "load"))
     dissipation: float
-    cycle_dissipation: Array
+    cycle_dissipation: Array = field(metadata=_stored("friction work of each cycle per unit thickness", "cycle", "energy"))
     permanent_stick_half_width: float
     steady_from: int | None
     record: Record
@@ -147,12 +152,18 @@ class ContactSolution:
     versions: Mapping[str, str] = field(default_factory=dict)
     loop_work: float = float("nan")
     dissipation_uncertainty: float = float("nan")
-    bulk_stress_lower: Array | None = None
-    bulk_stress_upper: Array | None = None
-    tilt: Array | None = None
-    moment: Array | None = None
-    shear_moment: Array | None = None
-    permanent_stick_edges: Array | None = None
+    bulk_stress_lower: Array | None = field(default=None, metadata=_stored("bulk stress of the lower body", "time", "stress"))
+    bulk_stress_upper: Array | None = field(default=None, metadata=_stored("bulk stress of the upper body", "time", "stress"))
+    tilt: Array | None = field(default=None, metadata=_stored("tilt of the upper body", "time"))
+    moment: Array | None = field(
+        default=None, metadata=_stored("moment of the pressure about x = 0 per unit thickness", "time", "force")
+    )
+    shear_moment: Array | None = field(
+        default=None, metadata=_stored("integral of x times shear traction per unit thickness", "time", "force")
+    )
+    permanent_stick_edges: Array | None = field(
+        default=None, metadata=_stored("edges of what sticks through the whole cycle", "side", "length")
+    )
 
     @property
     def thinned(self) -> bool:
@@ -177,10 +188,10 @@ class ContactSolution:
         force, length, stress = self.scene.unit_words
         units = {"length": length, "stress": stress, "load": f"{force}/{length}", "force": force, "": "1"}
         units["energy"] = f"{force}·{length}/{length}"
-        arrays = {name: getattr(self.record if name == "iterations" else self, name) for name in _STORED}
+        arrays = {name: getattr(self.record if name == "iterations" else self, name) for name in _ARRAYS}
         variables = {
-            name: (dims, arrays[name], {"long_name": words, "units": units[unit]})
-            for name, (dims, words, unit) in _STORED.items()
+            name: (one.metadata["over"], arrays[name], {"long_name": one.metadata["words"], "units": units[one.metadata["unit"]]})
+            for name, one in _ARRAYS.items()
             if arrays[name] is not None
         }
         record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
@@ -215,7 +226,7 @@ class ContactSolution:
         def starting_with(prefix: str) -> dict[str, Array]:
             return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
 
-        present = [name for name in _STORED if name != "iterations" and (name in _FORM or name in data)]
+        present = [name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in data)]
         values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in present}
         for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
             values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
@@ -267,15 +278,8 @@ class ContactSolution:
         """What tab completion shows: neither old names nor private ones."""
         return sorted(name for name in super().__dir__() if name not in RENAMED and not name.startswith("_"))
 
-    @property
-    def rigid_shift(self) -> Array:
-        """The old name of `tangential_displacement`."""
-        return np.asarray(getattr(self, present_name("rigid_shift")))
-
-    @property
-    def rigid_approach(self) -> Array:
-        """The old name of `normal_approach`."""
-        return np.asarray(getattr(self, present_name("rigid_approach")))
+    rigid_shift = property(lambda self: getattr(self, present_name("rigid_shift")), doc="Old name of `tangential_displacement`.")
+    rigid_approach = property(lambda self: getattr(self, present_name("rigid_approach")), doc="Old name of `normal_approach`.")
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
@@ -294,33 +298,7 @@ class ContactSolution:
 
 FORMAT = "halfplane solution 2"
 """Of a stored answer. The first had no such word, and `step` and `point` for dimensions; it is read too."""
-# What every array of a stored answer is: its dimensions, its name in words, of which unit; the numbers beside them.
-_STORED: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "time": (("time",), "time of the load path", ""),
-    "x": (("x",), "position along the surface of the lower body", "length"),
-    "normal_load": (("time",), "normal load P per unit thickness", "load"),
-    "tangential_load": (("time",), "tangential load Q per unit thickness", "load"),
-    "pressure": (("time", "x"), "contact pressure p", "stress"),
-    "shear": (("time", "x"), "shear traction q on the lower body", "stress"),
-    "slip": (("time", "x"), "slip of the upper body over the lower", "length"),
-    "state": (("time", "x"), "0 open, 1 stick, 2 forward slip, 3 reverse slip", ""),
-    "contact_edges": (("time", "side"), "edges of the contact", "length"),
-    "stick_edges": (("time", "side"), "edges of the stick zone", "length"),
-    "contact_half_width": (("time",), "contact half-width a", "length"),
-    "stick_half_width": (("time",), "stick half-width c", "length"),
-    "tangential_displacement": (("time",), "relative tangential displacement U", "length"),
-    "normal_approach": (("time",), "normal approach", "length"),
-    "dissipation_density": (("x",), "friction work per unit area of the last cycle", "load"),
-    "cycle_dissipation": (("cycle",), "friction work of each cycle per unit thickness", "energy"),
-    "iterations": (("time",), "contact iterations", ""),
-    "bulk_stress_lower": (("time",), "bulk stress of the lower body", "stress"),
-    "bulk_stress_upper": (("time",), "bulk stress of the upper body", "stress"),
-    "tilt": (("time",), "tilt of the upper body", ""),
-    "moment": (("time",), "moment of the pressure about x = 0 per unit thickness", "force"),
-    "shear_moment": (("time",), "integral of x times shear traction per unit thickness", "force"),
-    "permanent_stick_edges": (("side",), "edges of what sticks through the whole cycle", "length"),
-}
-# Only of scenes with bulk stress, tilt or an unsymmetric profile.
-_WITH_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment", "permanent_stick_edges")
-_FORM = {name: dimensions for name, (dimensions, _, _) in _STORED.items() if name not in _WITH_BULK}
+_ARRAYS = {one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata}
+# All but those of scenes with bulk stress, tilt or an unsymmetric profile.
+_FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import re
+from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import TextIO
 
@@ -30,8 +31,8 @@ MOST_ROWS, _LONGEST, _LONGEST_OF_ALL = 2_000_000, 100_000, 10_000_000
 # What a file may be written in; a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
 _ENCODINGS = {"utf-8-sig": "UTF-8", "cp1252": "Windows-1252, since it is not UTF-8", "utf-16": "UTF-16"}
 _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
-# Lines that are looked at before the table is read, rows and characters that are read at a time: some MB of text.
-_LOOK, _CHUNK, _CHARACTERS = 200, 50_000, 20_000_000
+# Lines that are looked at before the table is read, bytes that show what it is written in.
+_LOOK, _START = 200, 50_000
 # Of a number: the square of a larger one, in whatever units, would be none.
 LARGEST = 1e100
 _REMARKS = ("#", "**", "%", "//")
@@ -143,45 +144,31 @@ def text_table(
     for name, own in (stated or {}).items():
         if isinstance(own, int) and own < 1:
             raise InputError(f"{path}: columns = {{{name} = {own}}} is refused: columns are numbered from 1 on")
+    longest = _LONGEST if columns else _LONGEST_OF_ALL
     try:
         check_size(path, what, TEXT, cure)
-        with path.open("rb") as stream:
-            start = stream.read(_CHUNK)
+        with path.open("rb") as binary:
+            start = binary.read(_START)
         many = start.startswith(_MARKS_OF_16)
         for encoding in ("utf-16",) if many else ("utf-8-sig",) if b"\0" in start else ("utf-8-sig", "cp1252"):
-            with contextlib.suppress(UnicodeError):
-                return _text_table(path, columns, f"{what}; {cure}", stated or {}, known, encoding)
+            with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
+                lines = partial(_lines, path, stream, longest)
+                layout = _layout(path, list(islice(lines(), _LOOK)), columns, stated or {}, known)
+                comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
+                values, numbers = _numbers(path, lines, layout, comma, bool(columns), f"{path}: {what}", cure)
+                headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
+                if not layout.head:
+                    headings = tuple(f"column {k + 1}" for k in layout.used)
+                words = SEPARATORS[layout.separator], "comma" if comma else "point", _ENCODINGS[encoding]
+                return TextTable(columns or headings, values, numbers, headings, units, *words, layout.head, layout.skipped)
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(f"{path}: the file can't be read: it is not {'UTF-16' if many else 'UTF-8'} text")
 
 
-def _text_table(
-    path: Path,
-    columns: tuple[str, ...],
-    too_many: str,
-    stated: Mapping[str, str | int],
-    known: Callable[[str], bool],
-    encoding: str,
-) -> TextTable:
-    """As `text_table`, of a file in a known encoding; OSError, UnicodeError."""
-    longest = _LONGEST if columns else _LONGEST_OF_ALL
-    with path.open(encoding=encoding) as stream:
-        start = _lines(path, stream, longest)
-        layout = _layout(path, [*_chunk(start, 3), *_chunk(start, _LOOK)], columns, stated, known)
-        stream.seek(0)
-        comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
-    with path.open(encoding=encoding) as stream:
-        values, numbers = _stream(path, _lines(path, stream, longest), layout, comma, bool(columns), too_many)
-    headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
-    if not layout.head:
-        headings = tuple(f"column {k + 1}" for k in layout.used)
-    words = SEPARATORS[layout.separator], "comma" if comma else "point", _ENCODINGS[encoding]
-    return TextTable(columns or headings, values, numbers, headings, units, *words, layout.head, layout.skipped)
-
-
 def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:
-    """Number and text of every line that is not empty."""
+    """Number and text of every line that is not empty, from the first on."""
+    stream.seek(0)
     for number, line in enumerate(iter(partial(stream.readline, longest + 1), ""), 1):
         if len(line) > longest:
             raise InputError(f"{path}, line {number}: more than {longest:,} characters are no row of a table")
@@ -224,40 +211,39 @@ def _layout(
         raise InputError(f"{path}: the file is empty; {wanted} are needed")
     least = max(len(columns), 1)
     by_number = bool(columns) and all(isinstance(stated.get(name), int) for name in columns)
-    for place, (number, text) in enumerate(lines):
-        remark = text.startswith(_REMARKS)
-        if not remark and any(len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS):
-            break
-        following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
-        uneven: list[_Layout] = []  # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
-        for mark in SEPARATORS:
-            for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
-                used = _used(path, number, names, columns, stated) if columns else tuple(range(len(names)))
-                if used is None or by_number or (not columns and (remark or sum(map(known, names)) < 2)):
-                    continue
-                units, first = _units_below(following, mark, len(names))
-                row = following[first][1] if len(following) > first else None
-                even = row is None or len(_cells(row, mark)) == len(names)
-                if remark and (row is None or not even or not _numeric(row, mark)):
-                    continue
-                own = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
-                start = following[first][0] if row is not None else number + 1
-                skipped = sum(before < number for before, _ in bare)
-                found = _Layout(mark, tuple(names), tuple(own), used, number, start, skipped)
-                if even:
-                    return found
-                uneven.append(found)
-        if uneven:
-            return uneven[0]
+    # Where no columns are asked for: a line with two known headings, else the first line of two words or more.
+    for least_known in (0,) if columns else (2, 0):
+        for place, (number, text) in enumerate(lines):
+            remark = text.startswith(_REMARKS)
+            if not remark and any(len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS):
+                break
+            following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
+            uneven: list[_Layout] = []  # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
+            for mark in SEPARATORS:
+                for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
+                    used = _used(path, number, names, columns, stated) if columns else tuple(range(len(names)))
+                    if used is None or by_number:
+                        continue
+                    if not columns and (remark or len(names) < 2 or sum(map(known, names)) < least_known):
+                        continue
+                    # A line of its own below the headings may hold the units.
+                    units = [cell.strip("[]() ") for cell in _cells(following[0][1], mark)] if following else []
+                    below = len(units) == len(names) and any(map(is_unit, units))
+                    below = below and all(unit in ("", "-") or is_unit(unit) for unit in units)
+                    units = [unit.strip("-") for unit in units] if below else [""] * len(names)
+                    start, row = following[below] if len(following) > below else (number + 1, None)
+                    even = row is None or len(_cells(row, mark)) == len(names)
+                    if remark and (row is None or not even or not _numeric(row, mark)):
+                        continue
+                    own = tuple(unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True))
+                    skipped = sum(before < number for before, _ in bare)
+                    found = _Layout(mark, tuple(names), own, used, number, start, skipped)
+                    if even:
+                        return found
+                    uneven.append(found)
+            if uneven:
+                return uneven[0]
     return _plain_layout(path, bare, columns, stated, by_number)
-
-
-def _units_below(following: list[Line], mark: str | None, count: int) -> tuple[list[str], int]:
-    """The units in a line of their own below the headings, and how many lines that takes."""
-    cells = [cell.strip("[]() ") for cell in _cells(following[0][1], mark)] if following else []
-    if len(cells) == count and any(map(is_unit, cells)) and all(cell in ("", "-") or is_unit(cell) for cell in cells):
-        return ["" if cell == "-" else cell for cell in cells], 1
-    return [""] * count, 0
 
 
 def _used(
@@ -286,20 +272,12 @@ def _used(
 def _plain_layout(
     path: Path, bare: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], by_number: bool
 ) -> _Layout:
-    """Where no line of headings was recognised: rows alone, or headings that are taken as they stand; else what is wrong."""
-    (number, text), rest = bare[0], bare[1:]
+    """Where no line of headings was recognised: rows alone; else what is wrong."""
+    number, text = bare[0]
     rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
     if not columns:
-        if rows or _numeric(text, None):
-            raise InputError(
-                f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
-            )
-        below = rest[0][1] if rest else ""
-        even = (mark for mark in SEPARATORS if 1 < len(_cells(text, mark)) == len(_cells(below, mark)))
-        mark = next(even, next((mark for mark in SEPARATORS if mark is not None and mark in text), None))
-        names = next((way for way in _headings(text, mark) if len(way) == len(_cells(below, mark))), _cells(text, mark))
-        units = tuple(unit_in(name)[1] for name in names)
-        return _Layout(mark, tuple(names), units, tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
+        what = "it has numbers only" if rows or _numeric(text, None) else f"it is {shown(text)}"
+        raise InputError(f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; {what}")
     listed, count = ", ".join(columns), len(columns)
 
     # The first row of numbers, its separator and cells.
@@ -330,12 +308,12 @@ def _plain_layout(
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
 
 
-def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
+def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     """Whether commas are the decimal sign: the first row with either sign in a column that is read decides.
 
     Of both signs it is the later one in a cell that has both: the other one stands between thousands, and is refused.
     """
-    for number, text in _lines(path, stream, _LONGEST_OF_ALL):
+    for number, text in lines:
         if number < layout.first or not ("," in text or "." in text):
             continue
         cells = _cells(text, layout.separator)
@@ -346,55 +324,40 @@ def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
     return False
 
 
-def _stream(
-    path: Path, lines: Iterator[Line], layout: _Layout, comma: bool, remarks_in_rows: bool, too_many: str
+def _numbers(
+    path: Path, lines: Callable[[], Iterator[Line]], layout: _Layout, comma: bool, remarks_in_rows: bool, what: str, cure: str
 ) -> tuple[Array, NDArray[np.int64]]:
-    """The numbers of the columns that are read and the line of each row, some ten thousand rows at a time."""
-    values: list[Array] = []
-    places: list[NDArray[np.int64]] = []
-    rows = ((number, text) for number, text in lines if number >= layout.first and not text.startswith(_REMARKS))
-    if remarks_in_rows:
-        rows = ((number, text.split("#", 1)[0].rstrip()) for number, text in rows)
-    while chunk := _chunk(rows):
-        places.append(np.array([number for number, _ in chunk]))
-        if sum(map(len, places)) > MOST_ROWS:
-            what, _, cure = too_many.partition("; ")
-            raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
-        values.append(_values(path, chunk, layout, comma))
-    if not values:
-        names = ", ".join(layout.names[k] for k in layout.used)
-        raise InputError(f"{path}: no row of numbers below the names {names}")
-    return np.concatenate(values), np.concatenate(places)
+    """The numbers of the columns that are read and the line of each row: at once where all is well, else one by one to a fault."""
+    mark, more, places = layout.separator, len(layout.names) - 1, array("q")
 
+    def rows() -> Iterator[Line]:
+        del places[:]
+        for number, text in lines():
+            if number < layout.first or text.startswith(_REMARKS):
+                continue
+            if len(places) == MOST_ROWS:
+                raise InputError(f"{what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
+            places.append(number)
+            yield number, text.split("#", 1)[0].rstrip() if remarks_in_rows and "#" in text else text
 
-def _chunk(rows: Iterator[Line], most: int = _CHUNK) -> list[Line]:
-    """The next rows, some MB of text at most."""
-    found: list[Line] = []
-    characters = 0
-    for row in islice(rows, most):
-        found.append(row)
-        characters += len(row[1])
-        if characters > _CHARACTERS:
-            break
-    return found
+    def even_rows() -> Iterator[str]:
+        for _, text in rows():
+            if (len(text.split()) - 1 if mark is None else text.count(mark)) != more or (comma and "." in text):
+                raise ValueError
+            yield text.replace(",", ".") if comma else text
 
-
-def _values(path: Path, chunk: list[Line], layout: _Layout, comma: bool) -> Array:
-    """The numbers of some rows, (n, n_columns): at once where all is well, else one by one up to the first fault."""
-    mark, more = layout.separator, len(layout.names) - 1
-    texts = [text for _, text in chunk]
-    even = all((len(text.split()) - 1 if mark is None else text.count(mark)) == more for text in texts)
-    if comma:
-        even = even and not any("." in text for text in texts)
-        texts = [text.replace(",", ".") for text in texts]
-    if even:
-        try:
-            values = np.loadtxt(texts, delimiter=mark, comments=None, ndmin=2, usecols=layout.used)
-        except ValueError:
-            values = np.empty(0)
-        if len(values) and bool((np.abs(values) <= LARGEST).all()):
-            return values
-    return np.array([_row(path, number, text, layout, comma) for number, text in chunk])
+    if next(rows(), None) is None:
+        raise InputError(f"{path}: no row of numbers below the names {', '.join(layout.names[k] for k in layout.used)}")
+    try:
+        values = np.loadtxt(even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used)
+    except InputError:
+        raise
+    except ValueError:
+        values = np.array([[np.nan]])
+    if not (np.abs(values) <= LARGEST).all():
+        each = chain.from_iterable(_row(path, number, text, layout, comma) for number, text in rows())
+        values = np.fromiter(each, dtype=float).reshape(-1, len(layout.used))
+    return values, np.array(places, dtype=np.int64)
 
 
 def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list[float]:

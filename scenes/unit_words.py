@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Literal
 
-# Of each word: its size in N, m and Pa.
-FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605}
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254}
-STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
-ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295}
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0}
-# Of files alone: no scene has them.
-_MORE_FORCES, _MORE_LENGTHS = {"mN": 1e-3, "daN": 10.0, "kgf": 9.80665}, {"nm": 1e-9}
+UNITS = {
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254},
+    "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168},
+}
+"""What a scene may be in: the size of each word in N, m and Pa."""
+_OF_FILES = {
+    "load": UNITS["force"] | {"mN": 1e-3, "daN": 10.0, "kgf": 9.80665},
+    "length": UNITS["length"] | {"nm": 1e-9},
+    "stress": UNITS["stress"],
+    "angle": {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
+    "moment": {},  # is not converted
+}
 _ROUNDING = 1e-6
 
-# Kinds of columns; a moment is not converted.
 Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
-
-
-def stress_in_pascal(word: str) -> float:
-    """What a unit of stress is in Pa; 0 for a word that nobody here knows.
-
-    >>> stress_in_pascal("MPa"), stress_in_pascal("stress")
-    (1000000.0, 0.0)
-    """
-    return STRESSES.get(word, 0.0)
+"""Kinds of columns."""
 
 
 def inconsistent(units: str) -> str:
@@ -39,17 +37,16 @@ def inconsistent(units: str) -> str:
     "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
     """
     words = [word for word in re.split(r"[,\s]+", units) if word]
-    known = FORCES.keys() | LENGTHS.keys() | STRESSES.keys()
-    if len(words) != 3 or not known.issuperset(words):
+    if len(words) != 3 or not set().union(*UNITS.values()).issuperset(words):
         return ""
-    force, length, stress = words
-    if units.count(",") != 2 or force not in FORCES or length not in LENGTHS or stress not in STRESSES:
+    if units.count(",") != 2 or any(word not in known for word, known in zip(words, UNITS.values(), strict=True)):
         return "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
-    wanted = FORCES[force] / LENGTHS[length] ** 2
-    if abs(STRESSES[stress] / wanted - 1) < _ROUNDING:
+    force, length, stress = words
+    wanted = UNITS["force"][force] / UNITS["length"][length] ** 2
+    right = [word for word, size in UNITS["stress"].items() if abs(size / wanted - 1) < _ROUNDING]
+    if stress in right:
         return ""
-    name = next((f" is {word}," for word, size in STRESSES.items() if abs(size / wanted - 1) < _ROUNDING), " is")
-    fault = f"{force}/{length}^2{name} not {stress}"
+    fault = f"{force}/{length}^2 is {f'{right[0]}, ' if right else ''}not {stress}"
     return f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
 
 
@@ -72,11 +69,19 @@ def is_unit(word: str) -> bool:
     >>> is_unit("N/mm"), is_unit("ms"), is_unit("volts")
     (True, True, False)
     """
-    return word in TIMES or word in ANGLES or word in STRESSES or _size(word) is not None
+    return any(_size(word, kind) is not None for kind in _OF_FILES)
+
+
+def _size(unit: str, kind: str) -> tuple[float, bool] | None:
+    """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this kind."""
+    above, slash, below = unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
+    if above not in _OF_FILES[kind] or (slash and below not in _OF_FILES["length"]):
+        return None
+    return _OF_FILES[kind][above] / _OF_FILES["length"].get(below, 1.0), bool(slash)
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
-    """What turns a number in `unit` into the scene's unit, and whether it is a force per length; time goes to s.
+    """What turns a number in `unit` into the scene's unit, and whether it is a force per length; time goes to s, an angle to rad.
 
     Parameters
     ----------
@@ -90,37 +95,16 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     >>> unit_factor("kN", "load", "N, mm, MPa"), unit_factor("kN/m", "load", "N, mm, MPa"), unit_factor("ms", "time", "SI")
     ((1000.0, False), (1.0, True), (0.001, False))
     """
-    if kind in ("time", "angle", "moment"):
-        known = {"time": TIMES, "angle": ANGLES}.get(kind, {})
-        if unit not in known:
-            raise ValueError(f"{unit!r} is no unit of {kind} that is known; known are {', '.join(known) or 'none'}")
-        return known[unit], False
-    if kind == "stress":
-        own = STRESSES.get(([*re.split(r"[,\s]+", units), "", "", ""])[2])
-        if unit not in STRESSES or own is None:
-            raise ValueError(
-                f"{unit!r} can't be turned into the stresses of {units!r}; known are {', '.join(STRESSES)}; or use scale"
-            )
-        return float(f"{STRESSES[unit] / own:.12g}"), False
-    size = _size(unit)
-    if size is None or size[0] != kind:
-        what = {"length": "length", "load": "force, or of force per length,"}[kind]
-        known = {"length": LENGTHS | _MORE_LENGTHS, "load": FORCES | _MORE_FORCES}[kind]
-        raise ValueError(f"{unit!r} is no unit of {what} that is known; known are {', '.join(known)}")
-    force, length = ([*re.split(r"[,\s]+", units), "", ""])[:2]
-    if force not in FORCES or length not in LENGTHS:
+    size = _size(unit, kind)
+    if size is None:
+        what = "force, or of force per length," if kind == "load" else kind
+        raise ValueError(f"{unit!r} is no unit of {what} that is known; known are {', '.join(_OF_FILES[kind]) or 'none'}")
+    value, per_length = size
+    words = [*re.split(r"[,\s]+", units), "", "", ""]
+    force, length, stress = (known.get(word, 0.0) for word, known in zip(words, UNITS.values(), strict=False))
+    if kind in ("time", "angle"):
+        return value, False
+    own = {"length": length, "load": force / ((length or math.inf) if per_length else 1.0), "stress": stress}[kind]
+    if not own:
         raise ValueError(f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known words; use scale")
-    _, value, per_length = size
-    own = LENGTHS[length] if kind == "length" else FORCES[force] / (LENGTHS[length] if per_length else 1.0)
     return float(f"{value / own:.12g}"), per_length  # 1e3/1e3 is 1, whatever the quotients' rounding
-
-
-def _size(unit: str) -> tuple[str, float, bool] | None:
-    """Kind, size in N, m or N/m, and whether it is per length; None for what is neither."""
-    forces, lengths = FORCES | _MORE_FORCES, LENGTHS | _MORE_LENGTHS
-    above, _, below = unit.replace(" ", "").partition("/")
-    if above in lengths and not below:
-        return "length", lengths[above], False
-    if above in forces and below in (*lengths, ""):
-        return "load", forces[above] / lengths.get(below, 1.0), bool(below)
-    return None

@@ -291,8 +291,8 @@ def dissipation(
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
     A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
     take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of
-    ln a(P): 8 us for polynomials and functions, 16 us for wedges and compound curvatures, 50 us for tables of 31 rows, and 1 ms and
-    more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different polynomial or R2/R1 costs 2 to 4 ms.
+    ln a(P): 10 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the parameters are
+    arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -598,7 +598,7 @@ def _alike(kind: str, parameters: list[Array]) -> Iterator[tuple[Indices, tuple[
         yield members, tuple(row), length[members], height[members]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=512)
 def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
     """The contact of a profile in units of its own, with E* = 1."""
     return contact_of(_PROFILES[kind](*shape), Materials(upper=_HALF, lower=_HALF))

@@ -15,8 +15,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from scenes import NORMAL_LOAD, Combination, InadmissibleLoadError, InputError, LoadPath, LoadSegment
 from semi_analytic.memory import (
@@ -316,7 +316,11 @@ def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, fri
     marks, directions = [begin], [int(signs[known[0]])]
     for left, right in pairwise(known):
         if signs[left] != signs[right]:
-            marks.append(float(brentq(excess, times[left], times[right], xtol=_LAST_DIGITS * (end - begin), rtol=_LAST_DIGITS)))
+            marks.append(
+                float(
+                    scipy.optimize.brentq(excess, times[left], times[right], xtol=_LAST_DIGITS * (end - begin), rtol=_LAST_DIGITS)
+                )
+            )
             directions.append(int(signs[right]))
     return list(zip(marks, [*marks[1:], end], directions, strict=True))
 

@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import elementwise
 
 from scenes import Elastic, EllipseLoad, InadmissibleLoadError, InputError, Materials, Profile, Scene, freeze, sampled
 from scenes.frozen import validated
@@ -232,6 +231,8 @@ def _inverse(
     work : (k,) coefficients and the numbers of their members -> W (k,)
     least, no_slip : (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
+    from scipy.optimize import elementwise  # noqa: PLC0415 - `scipy.optimize` alone does not load it
+
     try:
         wanted = np.asarray(target, dtype=float)
         whole = np.broadcast_shapes(wanted.shape, shape)

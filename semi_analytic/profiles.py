@@ -18,9 +18,9 @@ from functools import cache, cached_property, partial
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.polynomial import Polynomial, chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicHermiteSpline
 
 from scenes import (
     CallableProfile,
@@ -208,7 +208,7 @@ def inverse_of(load: Function, stiffness: Function, unit: float, corner: float =
     """
 
     @cache
-    def table() -> tuple[Array, Array, CubicHermiteSpline, Array]:
+    def table() -> tuple[Array, Array, scipy.interpolate.CubicHermiteSpline, Array]:
         d = np.append(np.exp(np.arange(math.log(_BELOW * unit), math.log(min(_ABOVE * unit, extent)), _STEP)), [corner, extent])
         d = np.unique(d[(d > 0) & np.isfinite(d)])
         with np.errstate(all="ignore"):
@@ -219,7 +219,7 @@ def inverse_of(load: Function, stiffness: Function, unit: float, corner: float =
             slope, chord = np.exp(x) / (d * stiffness(d)), np.diff(np.log(d)) / np.diff(x)
         # As long as no slope is more than three times a chord beside it the cubic rises.
         slope = np.fmin(slope, 3 * np.minimum(np.append(chord, np.inf), np.append(np.inf, chord)))
-        return x, d, CubicHermiteSpline(x, np.log(d), slope), slope
+        return x, d, scipy.interpolate.CubicHermiteSpline(x, np.log(d), slope), slope
 
     def advance(force: Array) -> Array:
         x, ends, cubic, slope = table()

@@ -24,14 +24,17 @@ a corner of the profile:
     P = P_b    cos t = (P_b - P0)/P1:            E-G  t_E + s = t,     I-J  t_E + s = t +- pi,   J-M  t_E - s = +-t
     P_c = P_b  E-G  v sin^2((D - s)/2) = P_b - P_T,   J-M  u sin^2(s/2) = P_b - P_T,   I-J  t_E - s = t +- pi
 
-Between corners all three phases are smooth in s, so that few nodes are enough; Lam is a difference of a primitive of ln a(P), of
-which a profile has one table.
+Between corners all three phases are smooth in s. Where P - P_c is no small share of P0, W is taken apart into two courses of loads,
+P and P_c, by parts: w~ is w from the end of slip on, at G or M, and L = ln a is all that is asked of the profile, a lookup in one
+table. Each course is cut at its own corners, and pieces crowd to their lower loads: L is a smooth function of sqrt(P - P_b).
+
+    W    = (f A/pi) [ -int w~ P' L(P) dt + int (w~ P_c' - w' (P - P_c)) L(P_c) dt ]
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -40,7 +43,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
-from scenes.chebyshev import DEGREE, Powers, halved
+from scenes.chebyshev import Powers, halved
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.quadrature import ROOTS, gauss, graded
@@ -49,8 +52,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")
-# Nodes of pieces, in arrays that fit into the cache, and points at once.
-_ELEMENTS, _POINTS = 32768, 500
+# Nodes of pieces and members, in arrays that fit into the cache, and points at once.
+_ELEMENTS, _AT_ONCE, _POINTS = 32768, 4096, 500
 # A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or less (10 times as much where
 # P hardly grows), or after a few halvings this share of P0^2; it is halved so often at most.
 _CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
@@ -236,12 +239,12 @@ _TINY, _FLOOR = 1e-100, 1e-200
 
 # ------------------------------------------------------------------------- any profile: pieces of phases, and series of Lam
 class Rule(NamedTuple):
-    """Nodes on [0, 1] by their distance `near` from the end that is closer, the lower one or not; weights and checks, (n, k).
+    """Nodes on [0, 1], (n, 1), by the way from an end, `lower` or not, to each; weights (n,) and checks (k, n).
 
     A check is a sum that is 0 but for what the rule leaves out.
     """
 
-    near: Array
+    way: Array
     lower: NDArray[np.bool_]
     weight: Array
     check: Array
@@ -252,31 +255,38 @@ def _halves() -> Rule:
     weight = graded(0.0, 1.0)[1]
     check = weight.copy()
     check[::2] -= 2 * weight[::2]
-    return Rule(np.minimum(ROOTS.up, ROOTS.down), ROOTS.up < 0.5, weight, check[:, None])
+    lower = ROOTS.up[:, None] < 0.5
+    return Rule(np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None]), lower, weight, check[None])
 
 
-def _legendre(count: int, crowded: bool) -> Rule:
-    """Gauss' rule and its last three coefficients; crowded by 3 t^2 - 2 t^3, in which roots at both ends are smooth."""
+def _legendre(count: int, ends: int) -> Rule:
+    """Gauss' rule and its last three coefficients; crowded by t^2 to the lower end, by 3 t^2 - 2 t^3 to both: roots are smooth."""
     t, weight = gauss(count)
-    small = np.minimum(t, 1 - t)
-    share, rate = (small * small * (3 - 2 * small), 6 * t * (1 - t)) if crowded else (small, np.ones(count))
     order = np.arange(count - 3, count)
-    check = legendre.legvander(2 * t - 1, count - 1)[:, order] * (2 * order + 1)
-    return Rule(share, t < 0.5, weight * rate, (weight * rate)[:, None] * check)
+    check = legendre.legvander(2 * t - 1, count - 1)[:, order].T * (2 * order[:, None] + 1)
+    if ends < 2:
+        weight = weight * 2 * t if ends else weight
+        return Rule(t[:, None] ** (1 + ends), np.array(True), weight, weight * check)
+    near, lower, weight = np.minimum(t, 1 - t), t[:, None] < 0.5, weight * 6 * t * (1 - t)
+    share = (near * near * (3 - 2 * near))[:, None]
+    return Rule(np.where(lower, share, -share), lower, weight, weight * check)
 
 
-# For all that is singular; for pieces without corners, and between corners by their length up to these [rad].
-_GRADED, _SHORT = _halves(), np.array([0.15, 0.4])
-_QUICK = _legendre(20, False), *(_legendre(count, True) for count in (12, 16, 24))
-# The same for the three last coefficients: they fall like a power where two corners are close, and leave 1e-3 of themselves.
-_SETTLED, _ENOUGH = 3e-8, 0.3
-# Shares of P0 down to which P - P_c goes by series of J, and by those of L: they keep 1e-10 of Lam.
+# For all that is singular; for pieces without corners, and for others; for those of one course, by length up to these [rad].
+_GRADED, _QUICK = (_halves(),), (_legendre(20, 0), _legendre(24, 2))
+_BEHIND, _SHORT = tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24)), np.array([0.1, 0.3, 0.6, 1.0])
+# The same for the three last coefficients: they fall like a power where two corners are close, and leave 1e-3 of themselves; in
+# courses of loads so many times P0^2 of W are enough: they leave 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
+_SETTLED, _ENOUGH = 3e-8, 50.0
+# Shares of P0 down to which P - P_c goes by L at P and at P_c, and by L between them: they keep 1e-10 of Lam.
 _DEEP, _SHALLOW = 0.002, 1e-6
-# Fewer members than these go by one rule.
-_SOME = 100
+# Fewer members than these go by one rule, and so few without a table.
+_SOME, _DIRECT = 100, 8
 
 Kernel = Callable[[Array, Array], Array]
-"""Lam from P and P - P_c, (pieces, nodes) each."""
+"""Lam from P and P - P_c, (nodes, pieces) each."""
+Pieces = tuple[Indices, Indices, Array, Array, Indices]
+"""Group, member, begin, end and number of the rule of each piece, sorted by group."""
 
 
 def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
@@ -293,7 +303,7 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
-    works = _over_phases(e, contact, contact.dissipation_kernel, (_GRADED,), _CONVERGED, 0.0)
+    works = _over_phases(e, contact, contact.dissipation_kernel, _GRADED, _CONVERGED)
     return works[0], works[1]
 
 
@@ -310,142 +320,212 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
     (0.106967415, 0.106967415)
     """
     works, share = np.empty((2, len(e.mean))), e.deepest / e.mean
-    groups: list[tuple[NDArray[np.bool_], Kernel, float]] = [(share <= _SHALLOW, contact.dissipation_kernel, 0.0)]
-    if np.any(share > _SHALLOW):
+    table, least = None, _DEEP
+    if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
         # Whole octaves, so that the next block or call finds its series; what is 2^-40 of the largest load counts for nothing.
-        most = float(np.max(e.mean + e.amplitude))
+        most, least = float(np.max(e.mean + e.amplitude)), _SHALLOW
         first = math.frexp(max(float(np.min(e.permanent)), 2.0**-40 * most))[1] - 1
-        series = _slip_area(contact, first // 8 * 8, math.frexp(most)[1])
-        groups += [((share > _SHALLOW) & (share <= _DEEP), series.close, 0.0), (share > _DEEP, series, _ENOUGH)]
-    for some, kernel, least in groups:
-        count = int(np.sum(some))
-        if count:
-            # Of a few every call counts, and not its length.
-            rules, floor = (_QUICK, least) if count >= _SOME else (_QUICK[-1:], 0.0)
-            works[:, some] = _over_phases(e.take(some), contact, kernel, rules, _SETTLED, floor)
+        table = _log_half_width(contact, first // 8 * 8, math.frexp(most)[1])
+    edges, log = (table.edges, table) if table else (contact.break_loads, _log_of(contact))
+    area = table.slip_area if table else contact.dissipation_kernel
+    ways: tuple[tuple[NDArray[np.bool_], Callable[[Ellipses], Array]], ...] = (
+        (share <= least, lambda some: _over_phases(some, contact, contact.dissipation_kernel, _QUICK, _SETTLED)),
+        ((share > least) & (share <= _DEEP), lambda some: _over_phases(some, contact, area, _QUICK, _SETTLED)),
+        (share > _DEEP, lambda some: _over_loads(some, edges, log)),
+    )
+    for some, work in ways:
+        members = np.flatnonzero(some)
+        for here in (members[k : k + _AT_ONCE] for k in range(0, len(members), _AT_ONCE)):
+            works[:, here] = work(e.take(here))
     return works
 
 
-def _over_phases(e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float, least: float) -> Array:
-    """Forward and reverse part of W, (2, m), over pieces between corners.
-
-    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less than `least` of it.
-    """
+def _over_phases(e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float) -> Array:
+    """Forward and reverse part of W, (2, m), over pieces of phases between corners."""
     corners, pieces = contact.break_loads, []
     # A corner that is nearly met counts too.
     met = (corners > 0.99 * np.min(e.permanent, initial=math.inf)) & (corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0))
     for number, ends in enumerate(corner_angles(e, corners[met, None]).values()):
         owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]).T & (e.deepest > 0)[:, None])
         low, high = ends[row, owner], ends[row + 1, owner]
-        pieces.append((np.full(len(row), number), owner, low, high, high - low < ends[-1, owner]))
-    phase, member, begin, end, cornered = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
+        pieces.append((np.full(len(row), number), owner, low, high, np.minimum(high - low < ends[-1, owner], len(rules) - 1)))
+
+    def terms(phase: Indices, member: Indices, s: Array) -> Array:
+        rate, slipped, load = np.empty((3, *s.shape))
+        for name, first, last in zip(PHASES, *np.searchsorted(phase, [[0, 1, 2], [1, 2, 3]]), strict=True):
+            some = slice(first, last)
+            rate[:, some], slipped[:, some], load[:, some] = phase_of(name, e.take(member[some]), s[:, some])
+        return rate * kernel(load, np.minimum(slipped, load))
+
+    works = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
+    return np.stack([works[1] + works[2], works[0]])
+
+
+_COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
+
+
+def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Array:
+    """Forward and reverse part of W, (2, m), by parts: over the courses of P and of P_c, between edges behind which L is smooth.
+
+    Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s in J-M.
+    """
+    edges = edges[(edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude)), None]
+    start, pieces = e.start, []
+    time = np.arccos(np.clip((edges - e.mean) / np.where(e.moving, e.amplitude, np.inf), -1.0, 1.0))
+    above, full = np.maximum(edges - e.permanent, 0.0), 2 * math.pi
+    by_v, by_u = (half_angle(above / np.where(size > 0, size, np.inf)) for size in (e.v, e.u))
+    # The greatest and the least load too: a piece has one end that is the lower load.
+    nothing, least, most = (np.full((1, len(start)), angle) for angle in (0.0, math.pi, full))
+    courses = (
+        (start, start + e.turn, (time, least, full - time, most)),
+        (start + math.pi, start + full, (full - time, most, full + time)),
+        (nothing[0], e.turn, (by_v,)),
+        (start + e.turn, start + math.pi, (full - time,)),
+        (nothing[0], e.turn, (by_u,)),
+    )
+    for number, (begin, end, cuts) in enumerate(courses):
+        ends = np.sort(np.clip(np.concatenate([begin[None], *cuts, end[None]]), begin, np.maximum(begin, end)), axis=0)
+        owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
+        low, high = ends[row, owner], ends[row + 1, owner]
+        if number in (0, 1, 3):
+            low, high = np.where((low + high) / full % 2 > 1, [low, high], [high, low])  # P grows from pi to 2 pi
+        pieces.append((np.full(len(row), number), owner, low, high, np.searchsorted(_SHORT, np.abs(high - low))))
+    # L counts from that of P0: what is left of any constant is round-off.
+    base = log(e.mean[None])[0]
+
+    def terms(course: Indices, member: Indices, angle: Array) -> Array:
+        weight, load = np.empty((2, *angle.shape))
+        for number, first, last in zip(range(5), *np.searchsorted(course, [np.arange(5), np.arange(1, 6)]), strict=True):
+            some = slice(first, last)
+            weight[:, some], load[:, some] = course_of(_COURSES[number], e.take(member[some]), angle[:, some])
+        return weight * (log(load) - base[member])
+
+    works = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
+    return np.stack([works[1] + works[3] + works[4], works[0] + works[2]])
+
+
+def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
+    """What stands before L in W pi E*/(2 f^2), and the load, at angles of a course; one tangent stands for sine and cosine."""
+    tangent = np.tan(angle / 2)
+    square = tangent * tangent
+    share = 1 / (1 + square)
+    cosine, sine = (1 - square) * share, 2 * tangent * share
+    if name in ("P_c, E-G", "P_c, J-M"):
+        one, other, turn = (e.v, e.u, e.turn) if name == "P_c, E-G" else (e.u, e.v, -e.turn)
+        above = one * square * share
+        return one * sine * (above - other / 2 * (1 - np.cos(turn) * cosine - np.sin(turn) * sine)), e.permanent + above
+    load = (e.mean - e.amplitude) + 2 * e.amplitude * share
+    if name == "P_c, I-J":
+        along, across = e.cosine * cosine + e.sine * sine, e.cosine * sine - e.sine * cosine
+        return -e.u * e.amplitude * ((1 - along) * sine + 2 * e.sine * across * across), load
+    size, end = (e.v, e.start + e.turn) if name == "P, E-G" else (e.u, e.start)
+    return size * e.amplitude * sine * (np.cos(end) * cosine + np.sin(end) * sine - 1), load
+
+
+def _over_pieces(
+    e: Ellipses,
+    pieces: Sequence[Pieces],
+    groups: int,
+    terms: Callable[[Indices, Indices, Array], Array],
+    rules: tuple[Rule, ...],
+    settled: float,
+    least: float = 0.0,
+) -> Array:
+    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group, (groups, m).
+
+    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less than `least` of it.
+    """
+    group, member, begin, end, kind = (np.concatenate(part) for part in zip(*pieces, strict=True))
+    if len(e.mean) < _SOME:  # every call counts, and not its length
+        kind, least = np.full(len(kind), len(rules) - 1), 0.0
+    works, size = np.zeros((groups, len(e.mean))), np.zeros(len(e.mean))
     for level in range(_HALVINGS + 1):
         value, error = np.empty(len(member)), np.empty(len(member))
-        kind = np.minimum(cornered * (1 + np.searchsorted(_SHORT, end - begin)), len(rules) - 1)
         for number, rule in enumerate(rules):
-            those, step = np.flatnonzero(kind == number), _ELEMENTS // len(rule.near)
+            those, step = np.flatnonzero(kind == number), _ELEMENTS // len(rule.weight)
             for here in (those[k : k + step] for k in range(0, len(those), step)):
-                low, high, length = begin[here, None], end[here, None], (end - begin)[here]
-                s = np.where(rule.lower, low + length[:, None] * rule.near, high - length[:, None] * rule.near)
-                rate, slipped, load = np.empty((3, *s.shape))
-                for name, first, last in zip(PHASES, *np.searchsorted(phase[here], [[0, 1, 2], [1, 2, 3]]), strict=True):
-                    some = slice(first, last)
-                    rate[some], slipped[some], load[some] = phase_of(name, e.take(member[here[some], None]), s[some])
-                terms = rate * kernel(load, np.minimum(slipped, load))
-                value[here], error[here] = (terms @ rule.weight) * length, np.max(np.abs(terms @ rule.check), axis=1) * length
+                low, high = begin[here], end[here]
+                found = terms(group[here], member[here], np.where(rule.lower, low, high) + (high - low) * rule.way)
+                length = np.abs(high - low)
+                value[here], error[here] = rule.weight @ found * length, np.max(np.abs(rule.check @ found), axis=0) * length
         size = size if level else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
         done = ~(error > settled * size[member]) | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
-        np.add.at(works, (phase[done], member[done]), value[done])
-        # Halves side by side: phases stay in order.
-        phase, member, cornered = (np.repeat(part[~done], 2) for part in (phase, member, cornered))
+        np.add.at(works, (group[done], member[done]), value[done])
+        # Halves side by side: groups stay in order.
+        group, member, kind = (np.repeat(part[~done], 2) for part in (group, member, kind))
         begin, end = begin[~done], end[~done]
         middle = (begin + end) / 2
         begin, end = np.ravel([begin, middle], order="F"), np.ravel([middle, end], order="F")
         if not len(member):
             break
-    works[phase, member] = np.nan
-    return np.stack([works[1] + works[2], works[0]])
+    works[group, member] = np.nan
+    return works
 
 
-class SlipArea:
-    """Lam of any profile by series of L = ln a and of J = int L dP over v = sqrt(P - P_b) behind each corner P_b.
+def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
+    """L of loads, ln(a/a_0) beside a flat."""
+    level = replace(contact, datum_length=contact.least / 2 if contact.least > 0 else 0.5)
+    return lambda load: -level.log_ratio(load)
 
-        Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c)
 
-    From P = 0 on series are in octaves of v. J is the integral of the series of L itself: what L leaves out cancels.
+class LogHalfWidth:
+    """L = ln a of any profile by series over v = sqrt(P - P_b) behind each corner P_b; from P = 0 on in octaves of v.
+
+    Attributes
+    ----------
+    edges : (n,) loads between which each series holds, without the first and the last
     """
 
     def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
         """From the load 2^first to 2^last, or to where the profile ends."""
         corners = contact.break_loads
         most = 2.0**last if contact.extent == math.inf else min(2.0**last, float(contact.load(contact.extent)))
-        self._begins = np.append(0.0, corners[(corners > 0) & (corners < most)])
-        ends = np.append(self._begins[1:], most)
-        level = replace(contact, datum_length=contact.least / 2 if contact.least > 0 else 0.5)  # ln(a/a_0) beside a flat
-        self._places = np.concatenate([[0.0], np.cumsum(np.sqrt(ends - self._begins))])
-        edges, logs, areas, area = [], [], [], 0.0
-        for begin, whole, place in zip(self._begins.tolist(), np.diff(self._places).tolist(), self._places.tolist(), strict=False):
-            octaves = max(math.ceil(math.log2(whole) - first / 2), 1)
-            marks = np.append(0.0, whole) if begin else whole * 2.0 ** np.arange(-octaves, 1.0)
-            found = halved(lambda v, b=begin: -level.log_ratio(b + v * v), marks, max(contact.noise / 4e-14, 1.0))  # type: ignore[misc]
-            low, half = found.edges[:-1], np.diff(found.edges) / 2
-            # int L 2 v dv, v = low + half (1 + t).
-            twice = chebyshev.chebmul
-            rise = np.transpose(
-                [
-                    chebyshev.chebint(twice(c, [v + h, h]) * 2 * h, lbnd=-1)[: DEGREE + 1]
-                    for c, v, h in zip(found.coefficients.T, low, half, strict=True)
-                ]
-            )
-            sums = area + np.cumsum(np.append(0.0, np.sum(rise, axis=0)))
-            rise[0] += sums[:-1]
-            area = float(sums[-1])
-            edges.append(low + place)
-            logs.append(found.coefficients)
-            areas.append(rise)
-        self._edges = np.append(np.concatenate(edges), self._places[-1])
-        self._scale = 2 / np.diff(self._edges)
-        self._log, self._area = Powers(np.concatenate(logs, axis=1)), Powers(np.concatenate(areas, axis=1))
+        begins = np.array([0.0, *corners[(corners > 0) & (corners < most)], most])
+        places, log = (
+            np.append(0.0, np.cumsum(np.sqrt(np.diff(begins)))),
+            _log_of(contact),
+        )  # of the corners, one v behind the other
+        octaves = max(math.ceil(math.log2(places[1]) - first / 2), 1)
 
-    def _behind(self, load: Array) -> Indices:
-        """Number of the corner behind which loads are, (rows, 1); no row passes one."""
-        return np.searchsorted(self._begins[1:], load[:, load.shape[1] // 2])[:, None]
+        def at(place: Array) -> Array:
+            behind = np.searchsorted(places[1:-1], place, side="right")
+            return log(begins[behind] + np.square(place - places[behind]))
 
-    def _at(self, place: Array) -> tuple[Indices, Array]:
-        """Piece of the series, and where in it."""
-        piece = np.searchsorted(self._edges[1:-1], place, side="right")
-        return piece, (place - self._edges.take(piece)) * self._scale.take(piece) - 1
+        found = halved(at, np.append(places[1] * 2.0 ** np.arange(-octaves, 0), places[1:]), max(contact.noise / 4e-14, 1.0))
+        behind = np.searchsorted(places[1:-1], found.edges[:-1], side="right")
+        self._begin, self._log = begins[behind], Powers(found.coefficients)
+        self._low, self._high = found.edges[:-1] - places[behind], found.edges[1:] - places[behind]
+        self.edges = (self._begin + np.square(self._low))[1:]
 
-    def __call__(self, load: Array, slipped: Array) -> Array:
-        """Lam from P and P - P_c, (rows, nodes), to some 1e-16 of P^2."""
-        upper, lower = (
-            self._at(self._places[number] + np.sqrt(np.maximum(values - self._begins[number], 0.0)))
-            for values in (load, load - slipped)
-            for number in (self._behind(values),)
-        )
-        return self._area(*upper) - self._area(*lower) - slipped * self._log(*lower)
+    def _at(self, piece: Indices, v: Array) -> Array:
+        """L by these series at v."""
+        low = self._low[piece]
+        return self._log(np.broadcast_to(piece, v.shape), np.maximum((v - low) * (2 / (self._high[piece] - low)) - 1, -1.0))
 
-    def close(self, load: Array, slipped: Array) -> Array:
-        """The same to 1e-16 of P - P_c: int [L - L(P_c)] d eta from P_c on, from corner to corner by Gauss' rule in v."""
+    def __call__(self, load: Array) -> Array:
+        """L of loads, (nodes, n); no column passes an edge."""
+        piece = np.searchsorted(self.edges, load[len(load) // 2])
+        return self._at(piece, np.sqrt(np.maximum(load - self._begin[piece], 0.0)))
+
+    def slip_area(self, load: Array, slipped: Array) -> Array:
+        """Lam from P and P - P_c to 1e-16 of P - P_c: int [L - L(P_c)] d eta from edge to edge by Gauss' rule in v."""
         front, (node, weight) = load - slipped, gauss(4)
-        number, last = self._behind(front), self._behind(load)
-        v = np.sqrt(np.maximum(front - self._begins[number], 0.0))
-        base, total, left = self._log(*self._at(self._places[number] + v)), np.zeros(load.shape), slipped
-        for _ in range(int(np.max(last - number)) + 1):
-            room = np.where(number < last, np.square(self._places[number + 1] - self._places[number]) - v * v, np.inf)
-            rise = np.clip(room, 0.0, left)
+        piece, last = (np.searchsorted(self.edges, values) for values in (front, load))
+        v = np.sqrt(np.maximum(front - self._begin[piece], 0.0))
+        base, total, left = self._at(piece, v), np.zeros(load.shape), slipped
+        for _ in range(int(np.max(last - piece, initial=0)) + 1):
+            rise = np.clip(np.where(piece < last, np.square(self._high[piece]) - v * v, np.inf), 0.0, left)
             step = rise / np.maximum(v + np.sqrt(v * v + rise), 1e-300)
             at = v[..., None] + step[..., None] * node
-            log = self._log(*self._at(self._places[number][..., None] + at))
-            total += step * np.sum(weight * 2 * at * (log - base[..., None]), axis=-1)
-            left, number, v = left - rise, np.minimum(number + 1, last), np.zeros(load.shape)
+            total += step * np.sum(weight * 2 * at * (self._at(piece[..., None], at) - base[..., None]), axis=-1)
+            left, piece = left - rise, np.minimum(piece + 1, last)
+            v = np.where(left > 0, self._low[piece], v)
         return total
 
 
 @lru_cache(maxsize=8)
-def _slip_area(contact: SymmetricContact, first: int, last: int) -> SlipArea:
-    return SlipArea(contact, first, last)
+def _log_half_width(contact: SymmetricContact, first: int, last: int) -> LogHalfWidth:
+    return LogHalfWidth(contact, first, last)
 
 
 # ------------------------------------------------------------------- Hertz, power laws, flat and rounded faces: by Lam

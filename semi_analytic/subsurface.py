@@ -29,8 +29,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import dst
 
 from scenes import ContactSolution, InputError, Scene, scene_of
 from semi_analytic.memory import Piece, Snapshot, front_time, pieces
@@ -232,7 +232,7 @@ def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Ar
     at = middle + half * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
     share = np.interp(at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching])
-    series = dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
+    series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half
     zeta.imag = np.abs(y) / half

@@ -9,6 +9,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -258,6 +259,23 @@ def test_help_loads_nothing_heavy(tmp_path: Path) -> None:
     with start(tmp_path, program=("-c", program)) as running:
         shown, _ = running.communicate()
     assert (running.returncode, shown.splitlines()[-1]) == (0, "loaded:")
+
+
+def test_importing_theory_loads_no_part_of_scipy_and_nothing_of_the_finite_elements() -> None:
+    """Half of the time that it takes: a part of scipy is loaded by the first solve that needs it."""
+    heavy = [
+        "scipy.optimize",
+        "scipy.interpolate",
+        "scipy.special",
+        "scipy.linalg",
+        "scipy.fft",
+        "xarray",
+        "skfem",
+        "gmsh",
+        "pandas",
+    ]
+    program = f"import sys, semi_analytic; print(*(name for name in {heavy} if name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "\n"
 
 
 def test_a_completion_script_knows_every_command_and_bash_completes(tmp_path: Path) -> None:

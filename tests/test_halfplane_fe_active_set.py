@@ -4,7 +4,6 @@ import functools
 import itertools
 from collections import Counter
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import halfplane_fe
-from halfplane_fe import SolverSettings, systems
+from halfplane_fe import SolverSettings, scales, systems
 from halfplane_fe.contact import ContactProblem, nodal
 from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energies
@@ -258,6 +257,20 @@ def test_every_set_is_solved_to_rounding_and_few_are_factorised(pair: str) -> No
     assert 0 < work["factorisations"] < 12
 
 
+def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised() -> None:
+    """Some nodes stick, the next ones slide, the others are open: one Cholesky factor holds the inverses of all such sets."""
+    work: Counter[str] = Counter()
+    one = random_systems("like", work=work)
+    for number in range(40):
+        touching, sticking = np.sort(RNG.integers(1, N + 1, 2))[::-1]
+        sliding = RNG.choice([FORWARD, REVERSE], touching - sticking)
+        states = np.concatenate([np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]).astype(np.int8)
+        rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
+        assert residual(one, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+    assert work["linear solves"] == 40
+    assert not work["factorisations"]
+
+
 def test_bodies_that_nothing_holds_are_no_answer():
     one, slides = random_systems(), np.full(N, FORWARD, dtype=np.int8)
     near = slides.copy()
@@ -288,7 +301,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     one, reached = random_systems(n=n), []
     for states in sets(300, n, every):
         assert residual(one, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.below, base.beyond, base.answers, *(factors[0] for _, factors in base.parts)) for base in one._bases]
+        bases = [(base.factors[0], base.beyond, base.answers) for base in one._bases]
         reached.append(sum(array.nbytes for arrays in bases for array in arrays))
     assert max(reached) <= bound
     assert one.work["factorisations"] > 6
@@ -298,7 +311,6 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
 # ---------------------------------------------------------------------------------------------- one half of mirrored faces
 
 
-SOLVE = import_module("halfplane_fe.solve")
 COARSER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
 SHORT = SolverSettings(steps_per_cycle=16, step_tolerance=np.inf)
 PENALTY = SolverSettings(
@@ -311,7 +323,7 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     scene = load_scene(name)
     halved = halfplane_fe.solve(scene, COARSER, settings)
     assert "contact nodes" in halved.work.skipped
-    monkeypatch.setattr(SOLVE, "mirrored", lambda *_: False)
+    monkeypatch.setattr(scales, "mirrored", lambda *_: False)
     full = halfplane_fe.solve(scene, COARSER, settings)
     for field in (
         "time",

@@ -37,7 +37,7 @@ from scenes import (
     sampled,
 )
 from scenes.errors import NotFoundError
-from scenes.reduction import turning_points, within
+from scenes.measured import turning_points, within
 
 TURN = 2 * math.pi
 ELLIPSE = ellipse_segment(4.0, 4.0 + TURN, (3.0, 1.1), (1.0, 0.7), 1.3)

@@ -32,7 +32,7 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import arc_depth, face_of
-from scenes.fitting import fitted_keys, less_smoothed, resampled
+from scenes.fitting import fitted_again, fitted_keys
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -334,8 +334,9 @@ def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurement
     scenes = [scene_of(rows_of(truth, 101, 20e-6, seed=seed), "flat_rounded", 20e-6) for seed in range(60)]
     widths = [largest_contact(scene, "").half_width for scene in scenes]
     assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
-    assert len(resampled(scenes[0].profile, 4)) == 4
-    assert resampled(scenes[0].profile, 2, seed=1) != resampled(scenes[0].profile, 2, seed=2)
+    one, other = (fit_uncertainty(scenes[0], 4, seed) for seed in (1, 2))
+    assert (one.resamples, one.failed) == (4, 0)
+    assert one.half_width != other.half_width
 
 
 def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
@@ -346,11 +347,11 @@ def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
     def change(keys):
         return largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width - found.value
 
-    others = [change(keys) for keys in resampled(scene.profile, 10)]
-    closer = abs(change(less_smoothed(scene.profile)))
+    random = np.random.default_rng(0)
+    others = [change(fitted_again(scene.profile, random.standard_normal(61))) for _ in range(10)]
+    closer = abs(change(fitted_again(scene.profile, smoothing=0.1)))
     assert closer > abs(np.mean(others))
     assert found.uncertainty == pytest.approx(2 * np.std(others) + closer, rel=1e-9)
-    assert less_smoothed(fit_profile(rows_of(TRUTHS["hertz"]), "hertz")) is None
 
 
 def test_page_and_json_state_the_fit():
