@@ -356,7 +356,7 @@ class Loop:
     def add(self, block: Block) -> None:
         """The records of the next block."""
         contact, records = self._contact, block.records
-        slope = np.array([line.slope if line is not None else 0.0 for line in block.lines])
+        slope = block.ends[3] / block.ends[2]
         limit, growth = records.direction * self._friction, records.load_after - records.load
 
         def moved(which: Indices, load: Array, slipped: Array) -> Array:

@@ -569,7 +569,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
     for k in needed:
         part, last, worked = series.parts[k], k == covered[-1], whole and (at_rows or k in covered)
         alive = depth_of(part.curve)
-        for begin, block in blocks(part, friction):
+        for begin, block in blocks(part, friction, states.curves):
             records, slips, steps = block.records, block.records.slipping(), len(block.rows) - 1
             here = slice(*np.searchsorted(step, [starts[k] + begin, starts[k] + begin + steps]).tolist())
             states.add(block, step[here] - starts[k] - begin, share[here], near[here])

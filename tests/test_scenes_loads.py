@@ -200,6 +200,9 @@ def test_segments_state_what_they_are_and_keep_their_ends():
     assert replace(ELLIPSE, normal=((1.0, 0.0), (0.0, 3.0))).ellipse == ELLIPSE.ellipse
     assert replace(ELLIPSE, normal=((1.0, 0.0), (1e-300, 0.0))).ellipse is None
     assert replace(ELLIPSE.shifted(7 * TURN), start=ELLIPSE.start, end=ELLIPSE.end) == ELLIPSE
+    # Not the start, where Q turns too: the root of a polynomial lay a rounding inside the third turn, and instants moved with it.
+    turns = [leg for number in range(3) for leg in load_scene("hertz-paper").load.path().cycle_legs(number)]
+    assert [len(leg.turning_points(TANGENTIAL_LOAD)) for leg in turns] == [1, 1, 1]
     straight = StraightSegment(0.1, 0.7, (0.1, 0.3), (1.1, -0.7))
     assert [float(v) for t in (0.1, 0.7) for v in straight.loads(t)] == [0.1, 0.3, 1.1, -0.7]
     # A load that starts from nothing keeps its digits: 3 over a duration of 3.
