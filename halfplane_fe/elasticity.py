@@ -80,7 +80,7 @@ class System:
     @cached_property
     def stiffness(self) -> sparse.csr_matrix:
         """(n_dofs, n_dofs) assembled when it is first used [stress]."""
-        return _stiffness(self, np.arange(len(self.cells))).tocsr()
+        return _stiffness(self, np.arange(len(self.cells)))
 
 
 def order_of(mesh: skfem.Mesh) -> int:
@@ -97,14 +97,10 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
 
 def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
     """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
-    corners, first = mesh.t[: mesh.refdom.nfacets], mesh.nvertices
-    if order == 1:
-        return corners.T.astype(np.int64)
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
-    parts = [corners, first + mesh.t2f]
-    if mesh.refdom.nfacets == 4:
-        parts.append(first + mesh.facets.shape[1] + np.arange(corners.shape[1])[None, :])
-    return np.vstack(parts).T.astype(np.int64)
+    middles = np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None]
+    parts = mesh.t[: mesh.refdom.nfacets], mesh.nvertices + mesh.t2f, middles
+    return np.vstack(parts[: 1 if order == 1 else mesh.refdom.nfacets - 1]).T.astype(np.int64)
 
 
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
@@ -146,9 +142,8 @@ def _pull(system: System, facets: list[int]) -> Array:
     """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are along x."""
     forces = np.zeros(len(system.node))
     if facets:
-        basis = system.basis
-        ends = skfem.FacetBasis(basis.mesh, basis.elem, facets=np.array(facets), intorder=4)
-        forces[: basis.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
+        ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
+        forces[: ends.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
     return forces
 
 
@@ -159,7 +154,7 @@ def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
     return (lam - rest, rest, shear_modulus) if order == 2 and rest > 1e-6 * shear_modulus else (lam, 0.0, shear_modulus)
 
 
-def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
+def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]:
     quasi-definite.
 
@@ -169,8 +164,8 @@ def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
     # notation: G is the shear modulus
     lam, rest, G = split_lame(system.material, system.order)
     mesh, cells = system.mesh, system.cells[elements]
-    element, of_pressure = scalar_element(mesh, system.order), scalar_element(mesh, 1)
-    points, weights = get_quadrature(element, 2 * system.order)
+    element = scalar_element(mesh, system.order)
+    points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
     size = xx * yy - xy * yx
@@ -180,24 +175,15 @@ def _stiffness(system: System, elements: Indices) -> sparse.coo_matrix:
     D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(len(cells), len(slopes), 2, len(slopes), 2)
     blocks = lam * D + G * D.swapaxes(2, 4)
     blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    dofs, blocks = (
-        np.stack([2 * cells, 2 * cells + 1], axis=-1).reshape(len(cells), -1),
-        blocks.reshape(len(cells), *(2 * len(slopes),) * 2),
-    )
+    dofs, blocks = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1), blocks.reshape(len(cells), 2 * len(slopes), -1)
     if rest:
-        corners = cells[:, : mesh.refdom.nfacets]
-        values = np.stack([of_pressure.lbasis(points, i)[0] for i in range(corners.shape[1])])
+        corners, linear = cells[:, : mesh.refdom.nfacets], scalar_element(mesh, 1)
+        values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
         divergence, mass = G * (values * share) @ gradients.transpose(0, 2, 1), -(G**2) / rest * (values * share) @ values.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
     rows, columns = (np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :]))
-    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2).tocoo()
-
-
-def surface_weights(line: Array, order: int) -> Array:
-    """(n,) integral of each node's shape function over the line through the nodes (2, n) [length]."""
-    nodes, shapes, _, along = line_elements(line, order, 3)
-    return np.asarray(np.bincount(nodes.ravel(), (np.hypot(*along) @ shapes.T).ravel()), dtype=np.float64)
+    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
 
 
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves 1e-13; of a guided block 1e4 times
@@ -306,25 +292,22 @@ def _mirror_images(system: System) -> Indices | None:
     return image if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables) else None
 
 
-def _elimination_ranks(system: System, stiffness: sparse.coo_matrix) -> Indices:
+def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors sparse: node by node.
 
     That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
     """
     n_nodes = system.mesh.p.shape[1]
-    outside = np.ones(n_nodes, dtype=bool)
-    outside[system.node[stiffness.row]] = False
-    outside[system.node[np.concatenate([system.contact[0], system.arc[0]])]] = True
-    inner = np.flatnonzero(~outside)
+    present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
+    inner = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
     ranks = np.full(n_nodes, n_nodes)  # r of the contact comes last: first of all, it would fill the factors
     if len(inner):
-        every = np.arange(len(system.node))
-        ranks[inner] = factorise(_part(stiffness, _Mode(every, every, np.ones(len(every))), 2 * inner)).perm_c
+        ranks[inner] = factorise(stiffness[2 * inner][:, 2 * inner].tocsc()).perm_c
     return ranks[system.node]
 
 
 def _condensed_mode(
-    system: System, mode: _Mode, stiffness: sparse.coo_matrix, ranks: Indices, arc: ArcLoads
+    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
 ) -> tuple[sparse.csr_matrix, Array, Array, float]:
     """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the compliance of these (k, k), their
     displacement (k,) under tension on the ends, and how far both are from the solution under a random load.
@@ -344,27 +327,24 @@ def _condensed_mode(
         _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
         n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
-    inner = np.ones(len(mode.dofs), dtype=bool)
-    inner[np.concatenate([held, around, contact])] = False
-    inner = np.flatnonzero(inner)
+    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
     order, n, m, last = np.concatenate([inner, around, contact]), len(inner), len(around), slice(len(inner), None)
-    ordered = _part(stiffness, mode, order)
-    end, others = ordered.indptr[n], np.arange(len(order) - n)  # of the columns of the inner ones: those after them are units
-    columns = np.ones(len(others)), n + others, np.append(end + others, end + len(others))
-    parts = zip((ordered.data[:end], ordered.indices[:end], ordered.indptr[:n]), columns, strict=True)
-    factors = factorise(sparse.csc_matrix(tuple(map(np.concatenate, parts)), ordered.shape), "NATURAL")
+    motions = mode.motions(np.arange(len(mode.column)), order)
+    ordered = (motions.T @ stiffness @ motions).tocsc()
+    units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
+    factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
     root = cholesky(ordered[last, last].toarray() - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]), lower=True)
     lower = np.tril(dpotri(root, lower=1)[0])
     inverse = lower + np.tril(lower, -1).T
-    by_contact, by_arc = mode.motions(system.contact.ravel(), contact), mode.motions(system.arc.ravel(), around)
-    on_arc = by_arc.T @ (arc.by_nodes @ by_contact)
+    by_contact = mode.motions(system.contact.ravel(), contact)
+    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ by_contact)
     carried = inverse[:, :m] @ on_arc + inverse[:, m:]
     of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
     compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
     forces, loads = np.random.default_rng(0).standard_normal(len(contact)), np.zeros((len(order), 2))
     loads[last, 0] = np.concatenate([on_arc @ forces, forces])
-    loads[:, 1] = np.bincount(mode.column, mode.factor * system.pull, len(mode.dofs))[order]
+    loads[:, 1] = motions.T @ system.pull
     found = factors.solve(loads)  # of the last ones the load that is left to them
     found[last] = cho_solve((root, True), found[last])
     found[:n] -= factors.solve(ordered[:, last] @ found[last])[:n]
@@ -377,17 +357,6 @@ def _condensed_mode(
         np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0]) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
     ]
     return by_contact, compliance, by_stress, float(np.max(errors))
-
-
-def _part(stiffness: sparse.coo_matrix, mode: _Mode, order: Indices) -> sparse.csc_matrix:
-    """Stiffness of a mode's motions `order`, in this order."""
-    place = np.full(len(mode.dofs), -1)
-    place[order] = np.arange(len(order))
-    of_dofs = np.where(mode.factor == 0, -1, place[mode.column])
-    rows, columns = of_dofs[stiffness.row], of_dofs[stiffness.col]
-    kept = (rows >= 0) & (columns >= 0)
-    values = stiffness.data * mode.factor[stiffness.row] * mode.factor[stiffness.col]
-    return sparse.csc_matrix((values[kept], (rows[kept], columns[kept])), shape=(len(order),) * 2)
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the least on bodies of all sizes.
@@ -482,12 +451,13 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             "body is too slender for its contact, or some of its elements are too thin"
         )
     places, shape = system.mesh.p[:, system.node[system.contact[0]]], system.contact.shape
+    members, shapes, _, along = line_elements(places, system.order, 3)
     return CondensedBody(
         body,
         material,
         freeze(places[0]),
         freeze(places[1]),
-        freeze(surface_weights(places, system.order)),
+        freeze(np.bincount(members.ravel(), (np.hypot(*along) @ shapes.T).ravel())),
         freeze(flat.reshape(*shape, *shape)),
         freeze(uniform_stretch(material, *places) if system.around else by_stress.reshape(shape)),
         {

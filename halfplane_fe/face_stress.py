@@ -14,7 +14,8 @@ without tractions on a flat face: a power series sum_k c_k z^k of the potential,
 integral where they are good, a little below the face and beside the contact.
 
 Of the nodal p the outermost three on each side are the mesh's: the edge of contact is where p^2, which grows in proportion to
-the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. What the mesh adds there
+the distance from a smooth edge, extrapolates to 0 from the nodes further in, and p comes from there. Jumps of the profile's
+curvature bend p^2 without end: p over their form (`_form`) is what is fitted. What the mesh adds there
 alternates between corners and mid-side nodes and dies out: a term of that form is fitted with the parabola of p^2, and left out.
 Where it slips, q = +-f p.
 
@@ -24,7 +25,8 @@ Source: Muskhelishvili (1953), Some Basic Problems of the Mathematical Theory of
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +52,8 @@ FEWEST = 3
 _ANGLES, _FEW, _MANY = 8, 512, 8192
 # Size of w^k below which the series ends.
 _NEGLIGIBLE = 1e-10
+# Distance from an edge over the half-width at which what is finite there counts as that of the edge.
+_AT_EDGE = 1e-9
 # Terms of the power series of the rest.
 _TERMS = 7
 
@@ -140,6 +144,7 @@ class Nodal:
     friction : f
     tangential_load : sum of the nodal forces of q: what the smoothed q lacks of it is put at the stick edges
     growing : whether P grows by |dQ|/f at least: then a slip zone that no node shows is none
+    kinks : (k, 2) x at which the curvature of the profile jumps, and E* times its jump from left to right [length, stress/length]
     """
 
     x: Array
@@ -150,6 +155,7 @@ class Nodal:
     friction: float
     tangential_load: float
     growing: bool
+    kinks: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     def slips(self, nodes: int) -> bool:
         """Whether slip zones at both edges, of so many nodes at least, enclose a stick zone."""
@@ -164,7 +170,8 @@ def tractions(nodal: Nodal, rim: tuple[int, float] = (_RIM, 1.0), level: bool = 
     rim : outermost nodes that are left out, and share that is taken of the nodes that p^2 is fitted to
     level : whether q/p stays what it is at the outermost node from there on, in full stick and in full slip
     """
-    x, p = nodal.x, nodal.pressure
+    x, form = nodal.x, _form(nodal)
+    p = nodal.pressure / form(x)
     fits = [_edge(x, p, rim), _edge(-x[::-1], p[::-1], rim)]
     known = [fit for fit in fits if fit is not None]
     rough = len(known) < 2
@@ -180,6 +187,7 @@ def tractions(nodal: Nodal, rim: tuple[int, float] = (_RIM, 1.0), level: bool = 
     for side, (_, start, polynomial) in zip((1.0, -1.0), () if rough else known, strict=False):
         outside = side * at < start
         smooth[outside] = np.sqrt(np.maximum(np.polyval(polynomial, side * at[outside] - start), 0.0))
+    smooth = smooth * form(at)
     sheared = _shear(at, smooth, nodal, 0 if rough else rim[0], level)
     weights = np.sin(theta) * half * math.pi / count
     lacking = _where_it_lacks(at, smooth, weights, nodal) * (nodal.tangential_load - float(weights @ sheared))
@@ -217,6 +225,42 @@ def _series(values: Array) -> Array:
     found = np.asarray(dst(values, type=2) / len(values))
     found[-1] /= 2
     return found
+
+
+def _form(nodal: Nodal) -> Callable[[Array], Array]:
+    """What of p no root and no polynomial has: that of jumps of the profile's curvature, up to a factor.
+
+    With x between the edges l and r of contact, phi the angle whose cosine is (b - m)/h, and a jump k of h'' at b,
+
+        p = E* k/(2 pi) [phi sqrt((x - l) (r - x)) + (x - b) ln |...|] + sqrt((x - l) (r - x)) times what is smooth:
+
+    the slope of p is infinite at b. What is smooth is taken as constant; where that does not leave a pressure, the form is 1.
+
+    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over sqrt((x - l) (r - x)).
+    """
+    left, right = nodal.contact
+    middle, half = (left + right) / 2, (right - left) / 2
+    inside = nodal.kinks[np.abs(nodal.kinks[:, 0] - middle) < half]
+
+    def kinked(x: Array) -> Array:
+        """p over the root by the jumps."""
+        u = ((x - middle) / half).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
+        root, found = np.sqrt(1 - u**2), np.zeros_like(u)
+        for place, jump in inside.tolist():
+            # Of a jump on the left the mirror image: curvature that ends there.
+            side, b = (1.0, (place - middle) / half) if place > middle else (-1.0, (middle - place) / half)
+            t, other = side * u, math.sqrt(1 - b**2)
+            away = np.where(t == b, 1.0, t - b)
+            log = np.where(t == b, 0.0, np.log(np.abs((1 - b * t + root * other) / away)))
+            found += side * jump / (2 * math.pi) * (math.acos(b) + (t - b) * log / root)
+        return found
+
+    inner = nodal.x[_RIM:-_RIM] if len(nodal.x) > 3 * _RIM else nodal.x
+    root = np.sqrt(np.maximum((inner - left) * (right - inner), (_AT_EDGE * half) ** 2))
+    rest = float(np.mean(nodal.pressure[_RIM:-_RIM] / root - kinked(inner))) if len(inner) < len(nodal.x) else 0.0
+    if not len(inside) or not np.all(rest + kinked(nodal.x) > 0):
+        return np.ones_like
+    return lambda x: rest + kinked(x)
 
 
 def _edge(x: Array, p: Array, rim: tuple[int, float]) -> tuple[float, float, Array] | None:

@@ -19,8 +19,9 @@ from skfem.helpers import sym_grad
 from halfplane_fe.elasticity import CondensedBody, cells_of, displacement_fields, scalar_element, split_lame, uniform_stretch
 from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
+from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import ContactSolution, HalfPlane, InputError
+from scenes import ContactSolution, HalfPlane, InputError, Scene
 from scenes.bodies import Cylinder, Shape, face_of
 
 Array = NDArray[np.float64]
@@ -36,6 +37,8 @@ _OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
 _BELOW, _BESIDE = 0.15, 1.2
 # Pressure of a node over the largest one up to which it is round-off.
 _TOUCHES = 1e-9
+# Step over the place of a kink of the profile by which its curvature on either side is found.
+_STEP_AT_KINK = 1e-3
 # Instants at which that is found for a whole cycle; instants of a cycle among which the largest tension is looked for.
 _SAMPLED, _CANDIDATES = 12, 40
 
@@ -283,7 +286,19 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
     # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the uncertainty larger, not smaller.
     growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
-    return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
+    kinks = profile_kinks(solution.scene)
+    return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing, kinks)
+
+
+def profile_kinks(scene: Scene) -> Array:
+    """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right [length, stress/length]."""
+    found = []
+    for place in scene.profile.kinks:
+        step = _STEP_AT_KINK * place
+        height = scene.profile.height(place + step * np.arange(-2, 3))
+        jump = (height[4] - 2 * height[3] + 2 * height[1] - height[0]) / step**2  # second differences of either side
+        found += [(place, jump), (-place, -jump)]
+    return np.array(found).reshape(-1, 2) * [1.0, contact_modulus(scene.material.lower, scene.material.upper)]
 
 
 def _stress(

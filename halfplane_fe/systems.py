@@ -48,6 +48,8 @@ _BYTES = 300_000_000
 _MOST_ROWS = 96
 # Rows next to one that is wanted whose answers are found along with it: edges of contact and stick travel from node to node.
 _NEIGHBOURS = 12
+# Rows of a triangle that are multiplied at once: read from memory once for both products, and not beyond the diagonal.
+_ROWS = 256
 
 
 class SingularSet(ArithmeticError):
@@ -86,8 +88,7 @@ class _Base:
     traction : (n,) q over p of the nodes that slide
     held : (k,) rows of gap, slip and loads that hold, and at once the unknowns that are not given by others
     place : (2 n + 5,) of each row among them, -1 of others
-    parts, below : factors of the equations by parts that follow each other, by their places in `held`; what the first one's
-        unknowns add to the second one's equations
+    factors : of their equations
     free, beyond : rows of gap and slip that do not hold, and those rows of the matrix, (n_free, k)
     number, answers : (2 n + 5,) of each row or load whose answer is there, -1 of others; the answers, `count` of (m, 3 + 4 n)
     met : sets that were reached from it: met again, they have the same bits
@@ -97,8 +98,7 @@ class _Base:
     traction: Array
     held: Indices
     place: Indices
-    parts: list[tuple[Indices, Factors]]
-    below: Array
+    factors: Factors
     free: Indices
     beyond: Array
     number: Indices
@@ -109,7 +109,7 @@ class _Base:
     @property
     def nbytes(self) -> int:
         """Of the arrays that count."""
-        return sum(one.nbytes for one in (self.below, self.beyond, self.answers, *(factors[0] for _, factors in self.parts)))
+        return self.factors[0].nbytes + self.beyond.nbytes + self.answers.nbytes
 
 
 class _Nested:
@@ -129,9 +129,10 @@ class _Nested:
         moved[held:] = 0.0
         if known.any():
             reach = len(known) if known[touching:].any() else touching
-            inverse = self.inverse[:held, :held]
-            right = known[:held] - self.compliance[:held, held:reach] @ known[held:reach]
-            forces[:held] = inverse.T @ (inverse @ right)
+            right, forces[:held] = known[:held] - self.compliance[:held, held:reach] @ known[held:reach], 0.0
+            for end in range(_ROWS, held + _ROWS, _ROWS):
+                rows = self.inverse[end - _ROWS : min(end, held), : min(end, held)]
+                forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
             moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
             rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
         forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
@@ -176,7 +177,6 @@ class Systems:
         self.matrix[2 * n, : 2 * n] = np.concatenate([n_y, n_x])
         if faces.imposed is not None:
             self.matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
-        self._split = faces.coupling is None and faces.flat  # p does not depend on q then
         self._held_still = faces.guided or not self.shears
         if self._held_still:
             self.matrix[2 * n + 1, 2 * n + 1] = 1.0
@@ -184,7 +184,7 @@ class Systems:
             self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
         self._bases: list[_Base] = []  # what was used last comes last
         self._nested: list[_Nested] = []
-        if self._split and faces.imposed is None:
+        if faces.coupling is None and faces.flat and faces.imposed is None:  # p does not depend on q then
             self._nested = [_Nested(*both) for both in zip(compliances, factors, strict=True)]
 
     def answers(self, states: States, n_loads: int, rows: Indices | None = None, given: Array | None = None) -> Array:
@@ -230,25 +230,21 @@ class Systems:
         self._find(base, np.concatenate([wanted, loads]))
         found = np.zeros((n_loads + (rows is not None), 3 + 4 * n))
         found[:n_loads] = base.answers[base.number[loads]]
-        if len(wanted):
-            self.work["factor updates"] += 1
+        if not len(wanted):
+            return found
+        self.work["factor updates"] += 1
         change = np.zeros(2 * n)
         if rows is not None:
             change[rows] = given
-        # Where p does not depend on q, tangential rows leave all that is normal as it is.
-        for part in np.split(wanted, [np.searchsorted(wanted, n)]) if self._split else [wanted]:
-            if not len(part):
-                continue
-            # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
-            nodes, normal = part % n, part < n
-            state = states[nodes]
-            of_node = np.where(normal, np.where(state == OPEN, n, 3 * n), np.where((state == STICK) & self.shears, 0, 2 * n))
-            own, pressure, slope = 3 + of_node + nodes, 3 + n + nodes, np.where(normal, 0, slip_sign(state)) * self.friction
-            columns = base.answers[base.number[part]]
-            right = found[:, pressure] * slope - found[:, own]
-            right[n_loads:] += change[part]
-            found += _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T @ columns
-        return found
+        # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
+        nodes, normal = wanted % n, wanted < n
+        state = states[nodes]
+        of_node = np.where(normal, np.where(state == OPEN, n, 3 * n), np.where((state == STICK) & self.shears, 0, 2 * n))
+        own, pressure, slope = 3 + of_node + nodes, 3 + n + nodes, np.where(normal, 0, slip_sign(state)) * self.friction
+        columns = base.answers[base.number[wanted]]
+        right = found[:, pressure] * slope - found[:, own]
+        right[n_loads:] += change[wanted]
+        return np.asarray(found + _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T @ columns)
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
         """A base for a set, and the rows that differ: that from which the set was reached before, the one used last or, where it
@@ -283,12 +279,8 @@ class Systems:
         columns[:, np.searchsorted(held, sliding)] += self.matrix[:, n + sliding] * traction[sliding]
         place = np.full(len(mask), -1)
         place[held] = np.arange(len(held))
-        normal = (held < n) | (held == 2 * n) if self._split else np.ones(len(held), dtype=bool)
-        both = np.flatnonzero(normal), np.flatnonzero(~normal)
-        parts = [(part, _lu(columns[np.ix_(held[part], part)])) for part in both if len(part)]
-        below = columns[np.ix_(held[both[1]], both[0])]
         table = np.empty((0, 3 + 4 * n))
-        return _Base(kinds, traction, held, place, parts, below, free, columns[free], np.full_like(place, -1), table, set())
+        return _Base(kinds, traction, held, place, _lu(columns[held]), free, columns[free], np.full_like(place, -1), table, set())
 
     def _find(self, base: _Base, wanted: Indices) -> None:
         """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
@@ -303,14 +295,7 @@ class Systems:
         given = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
         right = -given[base.held]
         right[place[held], number[held]] += 1.0
-        unknown = np.zeros_like(right)
-        presses = np.flatnonzero((rows < n) | (rows >= 2 * n)) if self._split else number
-        for index, (part, factors) in enumerate(base.parts):
-            if index:
-                right[np.ix_(part, presses)] -= base.below @ unknown[np.ix_(base.parts[0][0], presses)]
-                unknown[part] = _lu_solve(factors, right[part])
-            else:
-                unknown[np.ix_(part, presses)] = _lu_solve(factors, right[np.ix_(part, presses)])
+        unknown = _lu_solve(base.factors, right)
         z, moved = np.zeros((2 * n + 5, len(rows))), np.zeros((2 * n, len(rows)))
         z[base.held] = unknown
         z[rows[~held], number[~held]] = 1.0

@@ -44,7 +44,7 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     cross = ahead[0] * back[1] - ahead[1] * back[0]
     angles = np.arctan2(np.abs(cross), np.sum(ahead * back, axis=0))
     shape = _triangle_shape(cross, sides) if triangles else _quadrilateral_shape(ahead, back, cross)
-    points, weights = get_quadrature(mesh.elem, 4)
+    points, weights = get_quadrature(mesh.refdom, 4)
     return {
         "elements": float(mesh.t.shape[1]),
         "nodes": float(mesh.p.shape[1]),

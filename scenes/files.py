@@ -126,21 +126,6 @@ def parsed_toml(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def not_toml(text: str, reason: Exception) -> str:
-    """Why TOML was refused, with the line at fault; a comma within a number is pointed at.
-
-    >>> not_toml("a = 1\\nb = 0,4", ValueError("Expected newline (at line 2, column 6)"))
-    "not valid TOML: Expected newline (at line 2, column 6), in 'b = 0,4'; write a decimal point, not a comma"
-    """
-    found = re.search(r"\(at line (\d+), column \d+\)", str(reason))
-    lines = text.split("\n")
-    if not found or not 0 < int(found[1]) <= len(lines):
-        return f"not valid TOML: {reason}"
-    line = lines[int(found[1]) - 1].strip()
-    comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
-    return f"not valid TOML: {reason}, in {shown(line)}{comma}"
-
-
 def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
     """The table of keys in a file, JSON where its name says so, else TOML: the door of every file that a user writes by hand.
 
@@ -156,7 +141,13 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
     try:
         data = parsed_json(text) if is_json else parsed_toml(text)
     except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits
-        why = f"not valid JSON: {reason}" if is_json else not_toml(text, reason)
+        why, place, lines = f"not valid TOML: {reason}", re.search(r"\(at line (\d+), column \d+\)", str(reason)), text.split("\n")
+        if is_json:
+            why = f"not valid JSON: {reason}"
+        elif place and 0 < int(place[1]) <= len(lines):
+            line = lines[int(place[1]) - 1].strip()
+            comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
+            why += f", in {shown(line)}{comma}"
         raise InputError(f"{path}: {why}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{path}: {what} is a table of keys, not a {type(data).__name__}")

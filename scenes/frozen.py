@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Self, TypeVar
 
 from pydantic import (
@@ -186,7 +188,7 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
         Traceback (most recent call last):
         scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction? `halfplane schema` lists the keys
         """
-        return _checked(type(self), self.merged(present_names(changes)), "vary")
+        return checked(type(self), self.merged(present_names(changes)), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The keys that were given, those of `changes` in their place; raw, for the check that follows."""
@@ -268,15 +270,34 @@ def validated(given: M, wanted: type[Frozen]) -> M:
         how = "; load_scene reads one from the library or a file" if wanted.__name__ == "Scene" else ""
         raise InputError(f"a {wanted.__name__} is needed, not {shown(given)}{how}")
     name = getattr(given, "name", "")
-    return _checked(type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__)
+    return checked(type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__)
 
 
-def _checked(model: type[M], data: Any, where: str) -> M:
+def checked(model: type[M], data: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()) -> M:
+    """What the check of `model` makes of `data`: the one way from keys to a table of them.
+
+    Parameters
+    ----------
+    where : what a refusal begins with
+    of_file : whether the keys come from a file: then "1.0" and true are no numbers
+    folder : where files lie that the keys name
+
+    Raises
+    ------
+    InputError
+        One sentence: key, value, rule and what to do.
+    """
     units = data.get("units") if isinstance(data, Mapping) else getattr(data, "units", None)
+    context = {"folder": folder} | ({"units": units} if isinstance(units, str) else {})
+    before = f"{where}: " if where else ""
     try:
-        return model.model_validate(data, context={"units": units} if isinstance(units, str) else {})
+        if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
+            return model.model_validate_json(json.dumps(data, default=str), strict=True, context=context)
+        return model.model_validate(data, context=context)
     except ValidationError as faults:
-        raise InputError(f"{where}: {refusal(faults, _plain(data), model)}") from faults
+        raise InputError(f"{before}{refusal(faults, _plain(data), model)}") from faults
+    except RecursionError as reason:  # JSON with brackets by the hundred
+        raise InputError(f"{before}its tables are nested too deeply") from reason
 
 
 def _plain(data: Any) -> Any:

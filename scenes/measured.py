@@ -46,9 +46,8 @@ class Table:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
-        bad = np.flatnonzero(~(np.abs(values) <= LARGEST).all(axis=1))
-        if len(bad):
-            raise ValueError(f"row {bad[0] + 1}: {shown(values[bad[0]].tolist())} is not all finite numbers of at most {LARGEST:g}")
+        rule = f"is not all finite numbers of at most {LARGEST:g}"
+        RowError.refuse(~(np.abs(values) <= LARGEST).all(axis=1), lambda row: f"{shown(values[row].tolist())} {rule}")
         values.flags.writeable = False
         return cls(values)
 
@@ -161,7 +160,7 @@ class FromFile(Frozen):
                 table.values[:, k] *= factor * (factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0))
             said.append((name, ", ".join(how)))
         if converted:
-            said.append((_SCENE_UNITS, units))
+            said.append((SCENE_UNITS, units))
         if both := [name for name in named if getattr(self, name) is not None]:
             raise InputError(f"{self.file}: {both[0]} is a column of the file and stated beside it: leave one out")
         values, count = Table.of(table.values).values, len(self.quantities)
@@ -218,17 +217,13 @@ def _folder(info: ValidationInfo) -> Path:
 
 # Of the library; where nothing else is stated.
 _UNITS = "N, mm, MPa"
-_SCENE_UNITS = "units of the scene"
+SCENE_UNITS = "units of the scene"
+"""Key of `read_as`: into which units the columns of a file were turned; left out where none was."""
 
 
 def _given(table: Frozen | None) -> dict[str, Any]:
     """What a table with a key for each column states of them."""
     return {} if table is None else {name: value for name, value in table if value is not None}
-
-
-def read_for(read_as: ReadAs | None) -> str:
-    """The units into which the columns of a file were turned; empty where none was."""
-    return dict(read_as or ()).get(_SCENE_UNITS, "")
 
 
 # ------------------------------------------------------------------------------------------- fewer rows for a long record

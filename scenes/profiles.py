@@ -321,8 +321,8 @@ class CallableProfile(Gap):
     """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
 
     The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given and is a
-    smooth function of x^2 near 0, as a series in x^2 there, since h has few digits left. A corner of the slope is found, a jump
-    refused.
+    smooth function of x^2 near 0, that of a series in x^2, since h has few digits left there. A corner of the slope is found, a
+    jump refused.
 
     >>> profile = CallableProfile(slope_function=lambda x: x**3, extent=2.0)
     >>> round(float(profile.height(1.0)), 14), round(float(profile.slope(0.5)), 14)
@@ -337,8 +337,7 @@ class CallableProfile(Gap):
     breaks: tuple[Positive, ...] = Field((), description="places x at which the slope has a corner, if known (library: mm)")
 
     _slope: Pieces = PrivateAttr()
-    _core: chebyshev.Chebyshev | None = PrivateAttr(None)  # h'(x)/x as a series of x^2, up to the first edge of `_slope`
-    _height: Pieces | None = PrivateAttr(None)
+    _height: Pieces = PrivateAttr()  # above that at the first edge
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
@@ -355,19 +354,12 @@ class CallableProfile(Gap):
             raise ValueError(f"the profile is not symmetric: its sides differ at x = {x[apart][0]:.6g}")
         edges = np.union1d(self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0), [at for at in self.breaks if at < self.extent])
         try:
+            slope_of: Callable[[Array], ArrayLike] = over
             if self.height_function is not None:
                 core, end = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
-                if core is not None and end == edges[-1]:
-                    self._slope = fit(lambda x: x * core(x**2), edges[-2:])
-                else:
-                    self._slope = fit(over, edges[edges >= end]).derivative
-                self._core = core
-            else:
-                self._slope = fit(over, edges)
-                # The integral from the first edge on; the term of highest degree, which is rounding, is dropped.
-                primitive = chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1] * np.diff(self._slope.edges) / 2
-                primitive[0] += np.append(0.0, np.cumsum(chebyshev.chebval(1.0, primitive))[:-1])
-                self._height = Pieces(self._slope.edges, primitive)
+                above = fit(over, edges[edges >= min(end, edges[-2])]).derivative
+                edges, slope_of = np.union1d(edges, above.edges), lambda x: np.where(x < end, x * core(x**2), above(x))
+            self._slope = fit(slope_of, edges)
         except Unresolved as fault:
             raise ValueError(
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no derivative can be had there"
@@ -384,6 +376,10 @@ class CallableProfile(Gap):
         if np.any(jump):
             where = self._slope.edges[1:-1][jump][0]
             raise ValueError(f"the profile has no derivative at x = {where:.6g}: its slope jumps there")
+        # The term of highest degree, which is rounding, is dropped.
+        primitive = chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1] * np.diff(self._slope.edges) / 2
+        primitive[0] += np.append(0.0, np.cumsum(chebyshev.chebval(1.0, primitive))[:-1])
+        self._height = Pieces(self._slope.edges, primitive)
         return self
 
     def __eq__(self, other: object) -> bool:
@@ -408,17 +404,13 @@ class CallableProfile(Gap):
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
-        above, inner = self._slope(np.clip(at, first, self.extent)), np.minimum(at, first)
-        below = inner * self._core(inner**2) if self._core is not None else above * (inner / first) ** self.exponent
-        return np.asarray(np.where(at < first, below, above))
+        return self._slope(np.clip(at, first, self.extent)) * np.minimum(at / first, 1.0) ** self.exponent
 
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
-        above, inner = self._slope.derivative(np.clip(at, first, self.extent)) * at, np.minimum(at, first)
-        more = 0.0 if self._core is None else 2 * inner**3 * self._core.deriv()(inner**2)
-        below = self.slope(inner) * (self.exponent if self._core is None else 1.0) + more
-        return np.asarray(np.where(at < first, below, np.where(at > self.extent, 0.0, above)))
+        above = self._slope.derivative(np.clip(at, first, self.extent)) * at
+        return np.where(at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above))
 
     @property
     def exponent(self) -> float:
@@ -431,16 +423,13 @@ class CallableProfile(Gap):
         distance = np.abs(np.asarray(x, dtype=float))
         inside = np.minimum(distance, self.extent)
         beyond = (distance - inside) * float(self.slope(self.extent))
-        if self._height is None:
-            over = values_of(self.height_function)
-            return over(inside) - over(np.zeros(1)).item() + beyond
         low = np.minimum(inside, self._slope.edges[0])
         below = low * self.slope(low) / (self.exponent + 1)
         return below + np.where(inside > low, self._height(inside), 0.0) + beyond
 
 
-def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev | None, float]:
-    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end; None and 0 if there is none."""
+def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev, float]:
+    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end, which is 0 if there is none."""
     offset = float(over(np.zeros(1)).item())
     noise = 2e-16 * abs(float(over(edges[-1:]).item()) - offset)
     for end in edges[::-1].tolist():
@@ -449,7 +438,7 @@ def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.
         coefficients = series(values)
         if np.all(np.isfinite(values)) and float(tail(coefficients)) <= noise + 1e-15 * float(np.max(np.abs(values))):
             return chebyshev.Chebyshev(chebyshev.chebder(coefficients) * 4 / end**2, domain=[0.0, end**2]), end
-    return None, 0.0
+    return chebyshev.Chebyshev([0.0]), 0.0
 
 
 class Tabulated(FromFile):

@@ -10,15 +10,15 @@ from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.bodies import Bodies, Elastic, Materials, Pad
 from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
-from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, validated
+from scenes.frozen import Frozen, Positive, ShortForm, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
-from scenes.measured import READING, read_for
+from scenes.measured import READING, SCENE_UNITS
 from scenes.profiles import Profile
 from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
@@ -188,7 +188,7 @@ class Scene(Frozen):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (own := read_for(getattr(table, "read_as", None))) and own != self.units:
+            if (own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)) != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
                     "together in a scene file, or to Scene.vary"
@@ -325,14 +325,7 @@ def load_scene(source: str | Path) -> Scene:
         if not data:
             raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
         name, folder = path.stem, path.parent
-    try:
-        # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
-        text = json.dumps({"name": name} | data, default=str)
-        return Scene.model_validate_json(text, strict=True, context={"folder": folder, "units": data.get("units")})
-    except ValidationError as faults:
-        raise InputError(f"{path}: {refusal(faults, data, Scene)}") from faults
-    except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{path}: its tables are nested too deeply") from reason
+    return checked(Scene, {"name": name} | data, str(path), of_file=True, folder=folder)
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:

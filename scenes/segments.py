@@ -318,13 +318,19 @@ class HarmonicSegment(LoadSegment):
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
 
-        Roots of the rate, a polynomial in z, as eigenvalues, and steps of Newton's method.
+        One wave: where its argument is a multiple of pi, with none a rounding inside a turn that starts at one. Several:
+        roots of the rate, a polynomial in z, as eigenvalues, and steps of Newton's method.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)]  # sin t (1 + 4 cos t) = 0
         [0.5804, 1.0, 1.4196]
         """
         size = np.abs(what) @ np.abs(self._coefficients)
+        if self.ellipse:
+            height, lead = self.wave(what)
+            first, last = ((time + lead) / math.pi for time in (self.start, self.end))
+            number = range(math.ceil(first), math.floor(last) + 1) if abs(height) > _ROUNDING * size[1] else ()
+            return [time for time in (k * math.pi - lead for k in number) if self.start < time < self.end]
         rates, whole = self._rate(what), float(np.arange(len(size)) @ size)
         rates[np.abs(rates) <= _ROUNDING * whole] = 0
         if whole < LEAST or not np.any(rates):

@@ -37,8 +37,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONVERGED = 1e-12
-# How often a range is halved at most: parts of 1/131,072 of it are left as they are.
-_HALVINGS = 17
+# How often a range is halved at most: parts of 1/131,072 of it are left as they are; and all parts where they are more than so
+# many an integral and a few hundred: what is left to halve then is the last digits of loads along which next to nothing slips.
+_HALVINGS, _MOST, _FEW = 17, 64, 256
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
 _DIGITS_OF_SHIFT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded, which
@@ -82,7 +83,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     parts = [_whole(span) for span in spans if span.direction and span.active is not None]
 
     def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
-        return _work_of_span(contact, span, low, high, rule)
+        times, weights = rule(low, high)
+        area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
+        return np.asarray(np.sum(weights * _growth(span, times) * area, axis=-1))
 
     return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work)))
 
@@ -135,12 +138,9 @@ def _over_spans(
 Rule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
-def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike, rule: Rule) -> Array:
-    """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
-    times, weights = rule(begin, end)
-    area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
-    growth = span.leg.rate_of(level(span.direction, span.friction), times)
-    return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
+def _growth(span: Span, times: Array) -> Array:
+    """f times the rate at which the level of a span of slip grows; >= 0."""
+    return span.friction * np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
 
 
 def uneven(contact: Contact, span: Span) -> bool:
@@ -170,7 +170,11 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     parts = [(span, *slip_times(span, edge)) for span in spans if span.direction and span.active is not None]
 
     def work(span: Span, which: Indices, low: Array, high: Array, rule: Rule) -> Array:
-        return _work_at(contact, span, x[which], edge[which], low, high, rule)
+        times, weights = rule(low, high)
+        at, load = x[which, None], span.leg.loads(times)[0]
+        front = load - span.slipped(times)
+        ratio = contact.arccosh_ratio(at, np.maximum(edge[which, None] - front, 0.0), contact.advance(front))
+        return np.asarray(np.sum(weights * _growth(span, times) * contact.pressure(at, load) * ratio, axis=-1))
 
     return _over_spans(contact, modulus, parts, len(x), work)
 
@@ -192,15 +196,6 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     inside = edge_load < max(first.normal, last.normal)
     end = meets if growth <= -LEAST else np.full(begin.shape, last.time)
     return begin, np.where(inside, end, begin)
-
-
-def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array, rule: Rule) -> Array:
-    times, weights = rule(begin, end)
-    load = span.leg.loads(times)[0]
-    front = load - span.slipped(times)
-    ratio = contact.arccosh_ratio(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), contact.advance(front))
-    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-    return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * ratio, axis=-1)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
@@ -402,7 +397,7 @@ def by_halving(
     work : work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k] to high[k], (n,), by one rule
     begin, end : (m,)
     allowed : the change at which a part has converged, `CONVERGED` of their size where rounding leaves as much. A part of 2^-17 of
-        its range, or one that is not finite, is left as it is, and its error shows that.
+        its range, or one that is not finite, is left as it is, and so are too many at once; the error shows that.
     marks : (j,) ascending, where a part is cut rather than in its middle: the integrands are not smooth there
 
     >>> def midpoint(which, low, high):
@@ -423,7 +418,7 @@ def by_halving(
             middle, depth = np.where(inside, nearest, middle), np.where(inside, -1, depth)
         left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
         change = np.abs(left + right - rough)
-        done = (change <= allowed) | ~np.isfinite(change) | (depth == _HALVINGS)
+        done = (change <= allowed) | ~np.isfinite(change) | (depth == _HALVINGS) | (len(which) > _MOST * len(value) + _FEW)
         np.add.at(value, which[done], (left + right)[done])
         np.add.at(error, which[done], change[done])
         on = ~done

@@ -66,16 +66,13 @@ from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, level, pieces,
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
-from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
 _INSTANTS = 7
 _PLACES = 25
-# Of closed forms: a twentieth of what a solution costs.
-_FEW_INSTANTS = 5
-_FEW_POINTS = 9
 _NEAR = 0.01
 _TINY = float(np.finfo(float).tiny)
 _EPS = float(np.finfo(float).eps)
@@ -623,8 +620,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
 def _along_spans(history: History, request: Request) -> Along:
     """States at the instants of the request and the friction work of the cycles, span by span.
 
-    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, or
-    edges pass corners, one rule for each phase is not enough for W(x): there spans are halved until that changes nothing.
+    W of a steady ellipse comes from formulas that keep their digits, however small the slip.
     """
     contact, modulus, fields, last = request.contact, request.modulus, request.fields, history.covered[-1]
     snapshot, friction = history.snapshot(request.time), history.spans[0].friction
@@ -640,7 +636,7 @@ def _along_spans(history: History, request: Request) -> Along:
     for number in set(history.covered) if "dissipation" in fields else ():
         spans = history.cycles[number]
         used.extend(spans)
-        if ellipse is not None and history.is_loop(number):
+        if ellipse is not None and history.steady_from is not None and number >= history.steady_from:
             works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
@@ -650,13 +646,9 @@ def _along_spans(history: History, request: Request) -> Along:
     density_error, spans = 0.0, history.cycles[last]
     if "dissipation_density" in fields:
         used.extend(spans)
-        if ellipse is not None and history.is_loop(last) and not contact.bends_anywhere and not len(contact.break_loads):
-            members = ellipse.take(np.zeros(len(density), dtype=int))
-            density = unit * np.sum(density_of(members, contact, request.distance), axis=0)
-        else:
-            split = pointwise_dissipation(contact, modulus, spans, request.distance)
-            density, worst = split.total, float(np.max(split.error))
-            density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
+        split = pointwise_dissipation(contact, modulus, spans, request.distance)
+        density, worst = split.total, float(np.max(split.error))
+        density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
     steady = bool(works) and history.steady_from is not None and last >= history.steady_from
     loop = closed_integral(contact, modulus, spans) if steady and works[last][0] else (0.0, 0.0)
     slipping = sum(span.direction != 0 for span in used)
@@ -785,63 +777,64 @@ def _points_of(contact: Contact, largest: float) -> Array:
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself
-def field_errors(
-    asked: Request,
-    snapshot: Snapshot,
-    lines: dict[str, Array],
-    grids: dict[str, NDArray[np.float64]],
-    arc_errors: Mapping[str, float],
+def _errors(
+    request: Request,
+    found: Along,
+    series: dict[str, Array],
+    grids: dict[str, NDArray[Any]],
+    arcs: Mapping[str, float],
+    work: float,
+    loop: float,
 ) -> dict[str, float]:
-    """Largest errors of pressure, shear and slip over the largest value of p, f p and s, from a sample of instants and points.
+    """Estimated errors of what was asked for over the largest p, f p, s, U, W(x) or W, where closed forms promise less.
 
-    Tractions start like roots at the edges of contact and stick, so that a last digit of an edge counts for much more next to it:
-    "... at the edge" is for the points that are asked for, however near; without these words for points 1 % of a away.
-    `arc_errors` are those of the integrals over arcs. Profiles in closed form state what their arcs lose beyond 1e-12.
+    Those of pressure, shear and slip from a sample of instants and points. Tractions start like roots at the edges of contact and
+    stick, so that a last digit of an edge counts for much more next to it: "... at the edge" is for the points that are asked for,
+    however near; without these words for points 1 % of a away. `arcs` are the errors of integrals over arcs.
 
     Raises
     ------
     NotFoundError
         For an error that is not a number.
     """
-    contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
-    if asked.fields.isdisjoint(("pressure", *arcs)):
-        return {}
-    instants, points = (_INSTANTS, _PLACES) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
-    chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, instants).astype(int))
-    loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
-    x = asked.distance[np.unique(np.linspace(0, len(asked.distance) - 1, points).astype(int))]
-    p = contact.pressure(x, loads)
-    # It is infinite at the tip of a sharp wedge.
-    top = max(float(np.max(p, where=np.isfinite(p), initial=0.0)), _TINY)
-    if "shear" in asked.fields and friction > 0:
-        arcs["shear"] = _largest(arc_errors["shear"]) / (friction * top)
-    if "slip" in asked.fields:
-        size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
-        arcs["slip"] = _largest(arc_errors["slip"]) / size
-    if contact.closed_form or isinstance(contact, TiltedProfile):
-        return {name: value for name, value in arcs.items() if value > PROMISED}
-    knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
-    found: dict[str, float] = {}
-    if not asked.fields.isdisjoint(("pressure", "shear")) and top > _TINY:
-        found |= _of_tractions(contact, asked.distance, x, loads, top, lines, knots, arcs["shear"])
-    if "slip" in asked.fields:
-        found["slip"] = arcs["slip"] + knots * friction * _largest(contact.quadrature_error("slip_integral", x, loads)) / size
-    return {name: value for name, value in found.items() if name.removesuffix(" at the edge") in asked.fields}
-
-
-def _of_tractions(
-    contact: SymmetricContact, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
-) -> dict[str, float]:
-    """Errors of pressure and shear over `top` and f times it, away from the edges and at those next to `points`."""
-    away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
-    kernel = _largest(np.where(away, contact.quadrature_error("pressure", x, loads), 0.0)) / top
-    found: dict[str, float] = {}
-    for words, near in (("", _NEAR), (" at the edge", 0.0)):
-        halves = (lines["contact_half_width"], lines["stick_half_width"])
-        edges, fronts = (_at_edges(contact, points, half, near) / top for half in halves)
-        found[f"pressure{words}"] = kernel + edges
-        found[f"shear{words}"] = arcs + knots * kernel + edges + 2 * fronts
-    return found
+    contact, fields, snapshot, friction = request.contact, request.fields, found.snapshot, found.snapshot.friction
+    errors, unit = {"dissipation_density": found.density_error}, 2 / (math.pi * request.modulus)
+    if not fields.isdisjoint(("pressure", *arcs)):
+        chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+        loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
+        x = request.distance[np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))]
+        p, slip = contact.pressure(x, loads), np.abs(grids["slip"])
+        # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
+        top, size = (float(np.max(values, where=np.isfinite(values), initial=_TINY)) for values in (p, slip / unit))
+        along = {"shear": _largest(arcs["shear"]) / (friction * top) if friction else 0.0, "slip": _largest(arcs["slip"]) / size}
+        if contact.closed_form or isinstance(contact, TiltedProfile):
+            errors |= {name: value for name, value in along.items() if value > PROMISED}
+        elif top > _TINY:
+            knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
+            away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
+            kernel = _largest(np.where(away, contact.quadrature_error("pressure", x, loads), 0.0)) / top
+            for words, near in (("", _NEAR), (" at the edge", 0.0)):
+                halves = (series["contact_half_width"], series["stick_half_width"])
+                edges, fronts = (_at_edges(contact, request.distance, half, near) / top for half in halves)
+                errors[f"pressure{words}"] = kernel + edges
+                errors[f"shear{words}"] = along["shear"] + knots * kernel + edges + 2 * fronts
+            if "slip" in fields:
+                slips = _largest(contact.quadrature_error("slip_integral", x, loads))
+                errors["slip"] = along["slip"] + knots * friction * slips / size
+    errors["slip"] = errors.get("slip", 0.0) + 8 * rounding_of_slip(found.slipped_share)
+    if "tangential_displacement" in fields:
+        shifts = series["tangential_displacement"] / unit
+        errors["tangential_displacement"] = rounding_of_shift(friction, contact.log_distance(series["normal_load"]), shifts)
+    if "dissipation" in fields:
+        # Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of the other one.
+        apart = abs(loop / work - 1) if math.isfinite(loop) and work > 0 else 0.0
+        errors["loop_work"] = found.each_error + apart if found.each_error + apart > PROMISED else 0.0
+        errors["dissipation"] = found.each_error
+        if work > 0 and not contact.closed_form:
+            errors["dissipation"] += apart + unit * math.fsum(_left_of_work(contact, span) for span in found.spans) / work
+        errors["dissipation_density"] += errors["dissipation"]
+    names = (*fields, "loop_work", *(f"{name} at the edge" for name in fields))
+    return {name: error for name, error in errors.items() if error and name in names}
 
 
 def _largest(values: ArrayLike) -> float:
@@ -854,8 +847,6 @@ def _largest(values: ArrayLike) -> float:
 def _at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) -> float:
     """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d of the nearest point."""
     inside = half[np.isfinite(half) & (half > 0)]
-    if not len(inside):
-        return 0.0
     after = np.clip(np.searchsorted(x, inside), 1, max(len(x) - 1, 1))
     near = np.minimum(np.abs(x[after - 1] - inside), np.abs(x[np.minimum(after, len(x) - 1)] - inside))
     near = np.maximum(near, least * inside)
@@ -864,48 +855,14 @@ def _at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) ->
     return _largest(rate / np.pi * np.sqrt(2 / inside) * (np.sqrt(near + doubt) - np.sqrt(near)))
 
 
-def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, first: float, second: float) -> float:
-    """Error of the dissipation `first` over itself, `second` being that of the closed integral; NaN where it has none."""
-    if contact.closed_form or not first > 0:
+def _left_of_work(contact: Contact, span: Span) -> float:
+    """What the quadratures of Lam leave out of f int w' Lam dt over a span."""
+    if not span.direction or span.active is None:
         return 0.0
-    left = 0.0
-    for span in spans:
-        if span.direction and span.active is not None:
-            times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
-            load, slipped = span.leg.loads(times)[0], span.slipped(times)
-            growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-            error = contact.quadrature_error("dissipation_kernel", load, slipped)
-            left += span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
-    apart = abs(second - first) / first if math.isfinite(second) else 0.0
-    return apart + 2 / (math.pi * modulus) * left / first
-
-
-def _errors(
-    request: Request,
-    found: Along,
-    series: dict[str, Array],
-    grids: dict[str, NDArray[Any]],
-    arcs: Mapping[str, float],
-    work: float,
-    loop: float,
-) -> dict[str, float]:
-    """Estimated errors of what was asked for, where they are more than what closed forms promise; see `errors`."""
-    fields, friction = request.fields, found.snapshot.friction
-    errors = field_errors(request, found.snapshot, series, grids, arcs)
-    if "slip" in fields and (digits := 8 * rounding_of_slip(found.slipped_share)):
-        errors["slip"] = errors.get("slip", 0.0) + digits
-    if "tangential_displacement" in fields:
-        shifts = math.pi * request.modulus / 2 * series["tangential_displacement"]
-        errors["tangential_displacement"] = rounding_of_shift(friction, request.contact.log_distance(series["normal_load"]), shifts)
-    errors["dissipation_density"] = found.density_error
-    if "dissipation" in fields:
-        apart = found.each_error + abs(loop / work - 1) if math.isfinite(loop) and work > 0 else 0.0
-        errors["dissipation"] = found.each_error + dissipation_error(request.contact, found.spans, request.modulus, work, loop)
-        errors["dissipation_density"] += errors["dissipation"]
-        # Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of the other one.
-        errors["loop_work"] = apart if apart > PROMISED else 0.0
-    names = (*fields, "loop_work", "pressure at the edge", "shear at the edge")
-    return {name: error for name, error in errors.items() if error and name in names}
+    times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
+    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
+    error = contact.quadrature_error("dissipation_kernel", span.leg.loads(times)[0], span.slipped(times))
+    return span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
 
 
 def neglected_coupling(material: Materials) -> Iterator[str]:

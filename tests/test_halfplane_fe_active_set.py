@@ -257,6 +257,21 @@ def test_every_set_is_solved_to_rounding_and_few_are_factorised(pair: str) -> No
     assert 0 < work["factorisations"] < 12
 
 
+def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some nodes stick, the next ones slide, the others are open: one Cholesky factor holds the inverses of all such sets."""
+    monkeypatch.setattr(systems, "_ROWS", 8)
+    work: Counter[str] = Counter()
+    one = random_systems("like", work=work)
+    for number in range(40):
+        touching, sticking = np.sort(RNG.integers(1, N + 1, 2))[::-1]
+        sliding = RNG.choice([FORWARD, REVERSE], touching - sticking)
+        states = np.concatenate([np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]).astype(np.int8)
+        rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
+        assert residual(one, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+    assert work["linear solves"] == 40
+    assert not work["factorisations"]
+
+
 def test_bodies_that_nothing_holds_are_no_answer():
     one, slides = random_systems(), np.full(N, FORWARD, dtype=np.int8)
     near = slides.copy()
@@ -287,7 +302,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     one, reached = random_systems(n=n), []
     for states in sets(300, n, every):
         assert residual(one, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.below, base.beyond, base.answers, *(factors[0] for _, factors in base.parts)) for base in one._bases]
+        bases = [(base.factors[0], base.beyond, base.answers) for base in one._bases]
         reached.append(sum(array.nbytes for arrays in bases for array in arrays))
     assert max(reached) <= bound
     assert one.work["factorisations"] > 6
@@ -343,3 +358,32 @@ def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
     whole = couple(*fe_run(load_scene("hertz-paper")).condensed)
     assert mirrored(whole, sheared=False)
     assert not mirrored(replace(whole, **spoil(whole)), sheared=False)
+
+
+def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_of_many():
+    """Three nodes on springs with cross terms, P and Q growing: one starts half-way; another slides all along, and faster then."""
+    springs = np.eye(3) + 0.3
+    faces = np.array([[0.0] * 3, [1.0] * 3])
+    flat = Interface(np.arange(3.0), np.ones(3), faces, np.zeros(3), springs, springs, None)
+    problem = ContactProblem(flat, np.array([0.0, 0.6, 1.2]), 0.5, Layer(np.zeros(3), np.zeros(3)))
+    history, _ = problem.equilibrium(problem.at_rest(), 1.0, (4.0, 0.0))
+    history, _ = problem.equilibrium(history, 2.0, (4.0, 1.5))
+
+    def work(steps):
+        states = [history]
+        for share in np.arange(1, steps + 1) / steps:
+            states.append(problem.equilibrium(states[-1], 2.0 + share, (4.0 + 0.4 * share, 1.5 + 0.5 * share))[0])
+        energies = increment_energies(problem, states, [state.state for state in states[1:]])
+        return energies.dissipation.sum(axis=0), states
+
+    (whole, states), (parts, _) = work(1), work(400)
+    before, after = (np.abs(slip_sign(state.state)) for state in states)
+    assert (before.sum(), after.sum()) == (1, 2)
+    np.testing.assert_allclose(whole, parts, rtol=1e-9)
+    slip, pressure, _, _ = nodal(np.stack([state.values for state in states]))
+    assert (
+        np.abs(0.5 * pressure.mean(axis=0) * np.abs(np.diff(slip, axis=0)[0]) / np.where(parts > 0, parts, 1.0) - 1)[
+            parts > 0
+        ].max()
+        > 1e-3
+    )

@@ -894,12 +894,28 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
+def _with_stick_edges(theirs: NDArray[np.int8], ours: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Instants of a cycle at which edges of stick are compared, from the `_stick_status` of both, (k,).
+
+    Both have edges, and it is not one step by which one of them comes to full stick, or leaves it, before the other: the edge jumps
+    there, and that step is an error of an event.
+
+    >>> _with_stick_edges(np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)).tolist()
+    [True, True, False, True, True, True]
+    """
+
+    def beside(one: NDArray[np.int8], other: NDArray[np.int8]) -> NDArray[np.bool_]:
+        return (one == np.roll(other, 1)) | (one == np.roll(other, -1))
+
+    return (theirs != 0) & (ours != 0) & ~((theirs != ours) & beside(theirs, ours) & beside(ours, theirs))
+
+
 def _stick_edge(pair: Pair) -> _Measured:
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden.
     length = pair.scales.half_width
     theirs, ours = (_stick_status(cycle, length) for cycle in (pair.expected, pair.found))
     series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
-    found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
+    found = _at_worst(pair, series, pair.judged & _with_stick_edges(theirs, ours))
     differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
     note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
     if found.value is None and differing:
@@ -911,7 +927,7 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> _Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
     length, column, applies = pair.scales.half_width, _SIDES.index(side), pair.judged
     if kind == "stick":
-        applies = applies & np.all([_stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
+        applies = applies & _with_stick_edges(*(_stick_status(cycle, length) for cycle in (pair.expected, pair.found)))
         if not applies.any():
             return _none("no instant has a stick edge in both")
     expected, found = (getattr(cycle, f"{kind}_edges")[:, column] for cycle in (pair.expected, pair.found))
@@ -1193,6 +1209,7 @@ def _row(key: str, words: str, unit: str, where: tuple[str, str], needs: str, me
 
 _POINTS = "every point, edges included; judged instants"
 _INSTANTS = "judged instants"
+_STICK = f"{_INSTANTS} at which both have one, but for a single step by which full stick comes or goes apart"
 _WORST_INSTANT = "value at the worst instant"
 _L2 = "L2 over x; worst instant"
 _WORK = "A f² P_ref²"
@@ -1251,7 +1268,7 @@ METRICS = {row.key: row for row in (
         lambda pair: _traction(pair, "shear", pair.scales.friction), signed=False),
     _row("contact_edge", "Contact edge: outward shift of the worse edge", "of a_ref", _AT_INSTANTS, "", _contact_edge),
     _row("stick_edge", "Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)",
-        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges", _stick_edge),
+        "of a_ref", (_WORST_INSTANT, _STICK), "stick_edges", _stick_edge),
     _row("state", "Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs",
         "of the contact", ("mean over the cycle", "points in contact in either; instants in contact"), "state",
         _state, signed=False),
@@ -1305,7 +1322,7 @@ METRICS = {row.key: row for row in (
     *(_row(f"contact_edge_{side}", f"Contact edge, {side}: outward shift of the {side} {_OF_SIDE}",
         "of a_ref", _AT_INSTANTS, "", partial(_edge_of_side, kind="contact", side=side)) for side in _SIDES),
     *(_row(f"stick_edge_{side}", f"Stick edge, {side}: outward shift of the {side} {_OF_SIDE}",
-        "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges friction",
+        "of a_ref", (_WORST_INSTANT, _STICK), "stick_edges friction",
         partial(_edge_of_side, kind="stick", side=side)) for side in _SIDES),
     _row("stick_set", "Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time",
         "of the union", ("Jaccard distance over x and time", "points that stick in either; last cycle"),

@@ -9,11 +9,11 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from scenes import InputError
 from scenes.files import keys_of
-from scenes.frozen import Frozen, refusal
+from scenes.frozen import Frozen, checked
 from scenes.text_tables import ALIASES, plain
 
 Array = NDArray[np.float64]
@@ -85,11 +85,7 @@ def load_mapping(source: str | Path | None) -> Mapping:
     if source is None:
         return Mapping()
     path = Path(source)
-    data = keys_of(path, "the mapping file")
-    try:
-        return Mapping.model_validate(data)
-    except ValidationError as faults:
-        raise InputError(f"{path}: {refusal(faults, data, Mapping)}") from faults
+    return checked(Mapping, keys_of(path, "the mapping file"), str(path))
 
 
 def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:

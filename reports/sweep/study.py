@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from reports.checking import require_admissible
 from reports.sweep.solving import Question, check_figures
@@ -21,7 +21,7 @@ from reports.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.errors import present_name
 from scenes.files import keys_of
-from scenes.frozen import Frozen, neglected, refusal
+from scenes.frozen import Frozen, checked, neglected
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -274,12 +274,7 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     if isinstance(named, str):
         scene = load_scene(folder / named if Path(named).suffix else named)
         data = data | {"scene": json.loads(scene.model_dump_json())}
-    try:
-        return Study.model_validate_json(json.dumps(data, default=str), strict=True)
-    except ValidationError as faults:
-        raise InputError(f"{where}: {refusal(faults, data, Study)}") from faults
-    except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{where}: its tables are nested too deeply") from reason
+    return checked(Study, data, where, of_file=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -348,10 +343,7 @@ def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordin
             settings[head][rest] = value
         else:
             _place(data, key, value)
-    try:
-        scene = Scene.model_validate_json(json.dumps(data), strict=True)
-    except ValidationError as faults:
-        raise InputError(refusal(faults, data, Scene)) from faults
+    scene = checked(Scene, data, of_file=True)
     cut = _settings(study.preset, settings)
     question = Question(scene, *cut, study.engines, study.figures, study.uncertainty, study.share_condensations)
     return Point(number, question.address, coordinates, question)
