@@ -48,6 +48,8 @@ _BYTES = 300_000_000
 _MOST_ROWS = 96
 # Rows next to one that is wanted whose answers are found along with it: edges of contact and stick travel from node to node.
 _NEIGHBOURS = 12
+# Rows of a triangle that are multiplied at once: read from memory once for both products, and not beyond the diagonal.
+_ROWS = 256
 
 
 class SingularSet(ArithmeticError):
@@ -127,9 +129,10 @@ class _Nested:
         moved[held:] = 0.0
         if known.any():
             reach = len(known) if known[touching:].any() else touching
-            inverse = self.inverse[:held, :held]
-            right = known[:held] - self.compliance[:held, held:reach] @ known[held:reach]
-            forces[:held] = inverse.T @ (inverse @ right)
+            right, forces[:held] = known[:held] - self.compliance[:held, held:reach] @ known[held:reach], 0.0
+            for end in range(_ROWS, held + _ROWS, _ROWS):
+                rows = self.inverse[end - _ROWS : min(end, held), : min(end, held)]
+                forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
             moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
             rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
         forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)

@@ -291,8 +291,8 @@ def dissipation(
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
     A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
     take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of
-    ln a(P): 10 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the parameters are
-    arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
+    ln a(P): 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the parameters
+    are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------

@@ -37,8 +37,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONVERGED = 1e-12
-# How often a range is halved at most: parts of 1/131,072 of it are left as they are.
-_HALVINGS = 17
+# How often a range is halved at most: parts of 1/131,072 of it are left as they are; and all parts where they are more than so
+# many an integral and a few hundred: what is left to halve then is the last digits of loads along which next to nothing slips.
+_HALVINGS, _MOST, _FEW = 17, 64, 256
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
 _DIGITS_OF_SHIFT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded, which
@@ -355,7 +356,7 @@ class Loop:
     def add(self, block: Block) -> None:
         """The records of the next block."""
         contact, records = self._contact, block.records
-        slope = np.array([line.slope if line is not None else 0.0 for line in block.lines])
+        slope = block.ends[3] / block.ends[2]
         limit, growth = records.direction * self._friction, records.load_after - records.load
 
         def moved(which: Indices, load: Array, slipped: Array) -> Array:
@@ -396,7 +397,7 @@ def by_halving(
     work : work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k] to high[k], (n,), by one rule
     begin, end : (m,)
     allowed : the change at which a part has converged, `CONVERGED` of their size where rounding leaves as much. A part of 2^-17 of
-        its range, or one that is not finite, is left as it is, and its error shows that.
+        its range, or one that is not finite, is left as it is, and so are too many at once; the error shows that.
     marks : (j,) ascending, where a part is cut rather than in its middle: the integrands are not smooth there
 
     >>> def midpoint(which, low, high):
@@ -417,7 +418,7 @@ def by_halving(
             middle, depth = np.where(inside, nearest, middle), np.where(inside, -1, depth)
         left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
         change = np.abs(left + right - rough)
-        done = (change <= allowed) | ~np.isfinite(change) | (depth == _HALVINGS)
+        done = (change <= allowed) | ~np.isfinite(change) | (depth == _HALVINGS) | (len(which) > _MOST * len(value) + _FEW)
         np.add.at(value, which[done], (left + right)[done])
         np.add.at(error, which[done], change[done])
         on = ~done

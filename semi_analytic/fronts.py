@@ -1057,6 +1057,18 @@ class Followed:
     errors: dict[str, float]
 
 
+def cycles_needed(path: LoadPath, time: Array | None) -> int:
+    """How many cycles reach the last of some instants, one at least."""
+    if path.period is None or time is None or not len(time):
+        return 1
+    return max(1, math.ceil((float(np.max(time)) - path.cycle_start) / path.period - 1e-9))
+
+
+def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
+    """Index of the first cycle whose work is that of the one before, to a share of it."""
+    return next((k for k in range(1, len(works)) if abs(works[k] - works[k - 1]) <= share * works[k]), None)
+
+
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
@@ -1130,8 +1142,7 @@ def follow(
     check([*path.initial_loading, *path.cycle], friction)
     loads = PathLoads(path, strain, contact.radius)
     first, period = path.initial_loading[0], path.period
-    latest = float(np.max(time)) if time is not None and len(time) else path.cycle_start
-    needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
+    needed = cycles_needed(path, time)
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
     follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
@@ -1150,8 +1161,7 @@ def follow(
     loop = math.fsum(_loop_of(step) for step in last)
     if period is not None:
         loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].stick.loads[0]))) ** 2)
-    changes = np.abs(np.diff(works)) <= STEADY * np.array(works[1:])
-    steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
+    steady = first_repeat(works, STEADY)
     # Where a loop closes, or a path just ends, all errors may be twice what the balance of energy leaves.
     stored = last[-1].stick.shear_energy(2 * order) if period is None else 0.0
     checked = works[-1] > 0 and (steady is not None or period is None)

@@ -32,7 +32,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError
-from semi_analytic.fronts import Followed, PathLoads, remainder_of
+from semi_analytic.fronts import Followed, PathLoads, cycles_needed, first_repeat, remainder_of
 from semi_analytic.history import check
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -497,7 +497,6 @@ def follow_on_grid(
     x: Array,
     time: Array | None = None,
     *,
-    cycles: int = 1,
     most: int = 12,
     cells: int = CELLS,
     increments: int = INCREMENTS,
@@ -514,7 +513,7 @@ def follow_on_grid(
     loads : P, Q, eps and alpha of the path
     contact : the profile under load and tilt; its path is within its `intervals.most`
     height : h(x)
-    friction, x, time, cycles, most : as `fronts.follow`; `time` None gives every second increment
+    friction, x, time, most : as `fronts.follow`; `time` None gives every second increment
     cells, increments : across the largest contact, a cycle
 
     Raises
@@ -527,9 +526,7 @@ def follow_on_grid(
     path = loads.path
     check([*path.initial_loading, *path.cycle], friction)
     period = path.period
-    needed = cycles
-    if period is not None and time is not None and len(time):
-        needed = max(cycles, math.ceil((float(np.max(time)) - path.cycle_start) / period - 1e-9))
+    needed = cycles_needed(path, time)
     coarse, fine = (_Path(loads, contact, count) for count in (increments // 2, increments))
     edges = edges_along(loads, contact)
     low, high = float(np.min(edges)), float(np.max(edges))
@@ -577,8 +574,6 @@ def follow_on_grid(
     touching = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
     share, works = np.where(touching, own["share"], 0.0), np.mean(own["works"], axis=0)
     state = np.where(touching, np.where(np.abs(share) < 1 - 1e-12, STICK, np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)), OPEN)
-    changes = np.abs(np.diff(works)) <= STEADY * works[1:]
-    steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
     return Followed(
         time=asked,
         loads=given,
@@ -594,7 +589,7 @@ def follow_on_grid(
         works=works,
         loop=float(np.mean(own["loop"])),
         remainder=remainder_of(works.tolist()),
-        steady_from=steady,
+        steady_from=first_repeat(works, STEADY),
         steady_to=STEADY,
         density=np.mean(own["density"], axis=0),
         permanent_stick_edges=own["permanent"],

@@ -366,10 +366,6 @@ class History:
         """The largest P at the ends of spans."""
         return max(max(span.begin.normal, span.end.normal) for span in self.spans)
 
-    def is_loop(self, cycle: int) -> bool:
-        """Whether a solved cycle is the steady state of an ellipse."""
-        return self.loop is not None and self.steady_from is not None and cycle >= self.steady_from
-
     @property
     def repeats(self) -> bool:
         """Whether cycles after the steady one are copies."""

@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import gc
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, pairwise
-from operator import itemgetter
+from itertools import pairwise
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -90,35 +90,41 @@ class Knot(NamedTuple):
 
 _knot = tuple.__new__  # half the time of the class, a million times
 _OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
-_ENDS = itemgetter(1, 2, 3, 4)  # top, force, length, rise
 Station = tuple[float, float, float]
 """P, Q and the share of the step that is over."""
-Rows = tuple[list["Knot | None"], Any]
-"""Records while steps are followed: the line of the memory that each goes through, and one after the other the columns of `Records`
-but for the row, in an array or a list."""
+Rows = tuple[Callable[["Knot | None"], None], Callable[[Iterable[float]], None]]
+"""Where records go while steps are followed: the line of the memory that each goes through; the columns of `Records` but for the
+row, then top, force, length and rise of that line."""
+_UNLOADS = 2
+
+
+def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
+    """How the memory takes the steps between rows (n + 1, 2), (n,): slip to a side, 1 or -1, full stick, 0, or `_UNLOADS`."""
+    growth, rise = np.diff(rows, axis=0).T
+    limit = friction * growth
+    noise = _NOISE * (np.abs(rise) + np.abs(limit))
+    forward, reverse = rise - limit > noise, -rise - limit > noise
+    return np.where((growth < 0) & (forward == reverse), _UNLOADS, np.where(forward, 1, np.where(reverse, -1, 0))).astype(np.int8)
 
 
 def _step(
-    curve: Knot | None, load: float, force: float, normal: float, tangential: float, friction: float, records: Rows
+    curve: Knot | None, side: int, load: float, force: float, normal: float, tangential: float, friction: float, records: Rows
 ) -> Knot | None:
-    """The curve after a straight step from P, Q = (load, force) to (normal, tangential)."""
-    growth, rise = normal - load, tangential - force
-    limit = friction * growth
-    noise = _NOISE * (abs(rise) + abs(limit))
-    forward, reverse = rise - limit > noise, -rise - limit > noise
-    if growth < 0 and forward == reverse:
+    """The curve after a straight step from P, Q = (load, force) to (normal, tangential), which it takes as `sides_of` says."""
+    if side == _UNLOADS:
         return _unload(curve, (load, force, 0.0), (normal, tangential, 1.0), friction, records)
-    if forward or reverse:
-        return _slip(curve, 1 if forward else -1, load, force, 0.0, normal, tangential, 1.0, friction, records)
-    if growth > 0:  # full stick
+    if side:
+        return _slip(curve, side, load, force, 0.0, normal, tangential, 1.0, friction, records)
+    growth, rise = normal - load, tangential - force
+    if growth > 0:
         below, length = curve, growth
         if curve is not None:
             one, other = curve.rise * length, rise * curve.length
             if abs(one - other) <= _STRAIGHT_ON * (abs(one) + abs(other)):
                 below, length, rise = curve.below, length + curve.length, rise + curve.rise
         curve = _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1))
-    records[0].append(curve)
-    records[1].extend((0, load, normal, 0.0, 0.0, 0.0, 1.0))
+    records[0](curve)
+    records[1]((0, load, normal, 0.0, 0.0, 0.0, 1.0, *(curve or _OPEN)[1:5]))
     return curve
 
 
@@ -135,7 +141,7 @@ def _slip(
     records: Rows,
 ) -> Knot | None:
     """Slip in direction s from (load, force) at the share `begin` of the step: the front goes down through the lines."""
-    start, growth, until = load, normal - load, begin
+    start, growth, until, (line, numbers) = load, normal - load, begin, records
     total = rest = s * (tangential - force) - friction * growth
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)
     slid = passed = part = length = 0.0
@@ -158,15 +164,16 @@ def _slip(
             rest -= needed
             share = 1 - rest / total
             after, slipped, until = start + share * growth, passed + share * growth, begin + share * (end - begin)
-            records[0].append(curve)
-            records[1].extend((s, load, after, slid, slipped, needed, until))
+            line(curve)
+            numbers((s, load, after, slid, slipped, needed, until, top, held, length, rise))
             load, slid = after, slipped
         else:
             slid += length
         curve = below
     slipped = passed + part * length + growth
-    records[0].append(curve)
-    records[1].extend((s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end))
+    line(curve)
+    last = (s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end)
+    numbers((*last, *(curve or _OPEN)[1:5]))
     if part > 0:
         left = 1 - part
         if left > 0:
@@ -217,13 +224,13 @@ def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> 
         part, rest = rest / length, rest - length
         after = 1 - max(rest, 0.0) / drop
         end = last if below is None or rest <= 0 else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
-        records[0].append(curve)
-        records[1].extend((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2]))
+        records[0](curve)
+        records[1]((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2], top, force, length, rise))
         begin, left = end, 1 - part
         curve = Knot(below, top - part * length, force - part * rise, left * length, left * rise, depth) if left > 0 else below
     if begin is not last:
-        records[0].append(curve)
-        records[1].extend((0, begin[0], last[0], 0.0, 0.0, 0.0, last[2]))
+        records[0](curve)
+        records[1]((0, begin[0], last[0], 0.0, 0.0, 0.0, last[2], *(curve or _OPEN)[1:5]))
     return curve
 
 
@@ -251,11 +258,14 @@ class Records(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What steps from row to row (n + 1, 2) leave: records, the line of each, the curve at the end, most lines alive."""
+    """What steps from row to row (n + 1, 2) leave: records, the line of each, its top, force, length and rise, (4, m), the curve at
+    the end, most lines alive.
+    """
 
     rows: Array
     records: Records
-    lines: tuple[Knot | None, ...]
+    lines: list[Knot | None]
+    ends: Array
     curve: Knot | None
     alive: int
 
@@ -270,32 +280,33 @@ def depth_of(curve: Knot | None) -> int:
     return curve.depth if curve is not None else 0
 
 
-def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
+def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> Block:
     """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`, to each of the others.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
-    records: Rows = [], array("d")
-    lines, numbers = records
-    counts, alive = [0], 0
+    lines: list[Knot | None] = []
+    numbers, counts, alive = array("d"), [0], 0
+    records = lines.append if curves else deque[Any](maxlen=0).append, numbers.extend
     p, q = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
     collects = gc.isenabled()
     gc.disable()
     try:
-        for normal, tangential in rows[1:].tolist():
-            curve = _step(curve, p, q, normal, tangential, friction, records)
+        for (normal, tangential), side in zip(rows[1:].tolist(), sides_of(rows, friction).tolist(), strict=True):
+            curve = _step(curve, side, p, q, normal, tangential, friction, records)
             p, q = normal, tangential
-            counts.append(len(lines))
+            counts.append(len(numbers))
             if curve is not None and curve.depth > alive:
                 alive = curve.depth
     finally:
         if collects:
             gc.enable()
-    table = [*np.frombuffer(numbers).reshape(-1, 7).T, np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
-    return Block(rows, Records._make(table), tuple(lines), curve, alive)
+    table = np.frombuffer(numbers).reshape(-1, 11).T
+    steps = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // 11)
+    return Block(rows, Records._make([*table[:7], steps]), lines, table[7:], curve, alive)
 
 
 def knots_of(curve: Knot | None) -> Array:
@@ -505,11 +516,11 @@ def _followed(
     return LoadSeries(friction, (loading, *cycles), 1, steady, period, covered, repeats)
 
 
-def blocks(part: Part, friction: float) -> Iterator[tuple[int, Block]]:
+def blocks(part: Part, friction: float, curves: bool = False) -> Iterator[tuple[int, Block]]:
     """The steps of a part, a block at a time, and the number of the first."""
     curve = part.curve
     for first in range(0, len(part.rows) - 1, _BLOCK):
-        block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction)
+        block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction, curves)
         yield first, block
         curve = block.curve
 
@@ -526,19 +537,14 @@ class States:
         """Instants (n,) at shares of steps of a block; `near` is how far a share may miss the end of a record."""
         if not len(step):
             return
-        records, last = block.records, len(block.lines) - 1
+        records, last = block.records, len(block.records.row) - 1
         number = np.minimum(np.searchsorted(records.row + records.until, step + share - near, side="left"), last)
         number += records.row[number] < step
         share = np.minimum(share, records.until[number])  # an instant that counts as the end of a record has the loads of that end
         begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
         part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
-        used, which = np.unique(number, return_inverse=True)
-        lines = [block.lines[k] for k in used.tolist()]
-        known = [line or _OPEN for line in lines]
-        ends = np.fromiter(chain.from_iterable(map(_ENDS, known)), float, 4 * len(known)).reshape(-1, 4)
-        bottom = np.fromiter(((line[0] or _OPEN)[1] for line in known), float, len(known))[which]
-        top, held, length, rise = ends[which].T
-        slope = rise / length
+        top, held, length, rise = block.ends[:, number]
+        bottom, slope = top - length, rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
         load, force = np.where(share[:, None] > 0.5, before + way - (1 - share)[:, None] * way, before + share[:, None] * way).T
         load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
@@ -546,13 +552,12 @@ class States:
         slipped = records.slipped[number] + part * (records.slipped_after - records.slipped)[number]
         slipped = np.where(s != 0, np.clip(slipped, np.maximum(load - top, 0.0), np.maximum(load - bottom, 0.0)), 0.0)
         balance = held - slope * (top - (load - slipped)) + s * self.friction * slipped - force
+        used, which = np.unique(number, return_inverse=True) if self.curves else (number[:0], np.zeros(len(step), dtype=np.intp))
         self._columns.append((load, force, slipped, s, which + len(self._lines), balance))
-        if self.curves:
-            self._lines += lines
+        self._lines += [block.lines[k] for k in used.tolist()]
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
         load, force, slipped, s, which, balance = (np.concatenate(column)[back] for column in zip(*self._columns, strict=True))
-        which = which if self.curves else np.zeros(len(time), dtype=np.intp)
         lines = cast(tuple[Curve, ...], tuple(self._lines) or (None,))
         return Snapshot(time, load, force, slipped, s.astype(np.int64), which, lines, self.friction), balance

@@ -569,7 +569,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
     for k in needed:
         part, last, worked = series.parts[k], k == covered[-1], whole and (at_rows or k in covered)
         alive = depth_of(part.curve)
-        for begin, block in blocks(part, friction):
+        for begin, block in blocks(part, friction, states.curves):
             records, slips, steps = block.records, block.records.slipping(), len(block.rows) - 1
             here = slice(*np.searchsorted(step, [starts[k] + begin, starts[k] + begin + steps]).tolist())
             states.add(block, step[here] - starts[k] - begin, share[here], near[here])
@@ -636,7 +636,7 @@ def _along_spans(history: History, request: Request) -> Along:
     for number in set(history.covered) if "dissipation" in fields else ():
         spans = history.cycles[number]
         used.extend(spans)
-        if ellipse is not None and history.is_loop(number):
+        if ellipse is not None and history.steady_from is not None and number >= history.steady_from:
             works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)

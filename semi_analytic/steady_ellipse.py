@@ -52,8 +52,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")
-# Nodes of pieces and members, in arrays that fit into the cache, and points at once.
-_ELEMENTS, _AT_ONCE, _POINTS = 32768, 4096, 500
+# Nodes of pieces at once: arrays of 128 kB and more get fresh memory at every call, which costs half as much again. Points at once.
+_ELEMENTS, _POINTS = 16000, 500
 # A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or less (10 times as much where
 # P hardly grows), or after a few halvings this share of P0^2; it is halved so often at most.
 _CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
@@ -334,9 +334,8 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
         (share > _DEEP, lambda some: _over_loads(some, edges, log)),
     )
     for some, work in ways:
-        members = np.flatnonzero(some)
-        for here in (members[k : k + _AT_ONCE] for k in range(0, len(members), _AT_ONCE)):
-            works[:, here] = work(e.take(here))
+        if np.any(some):
+            works[:, some] = work(e.take(some))
     return works
 
 

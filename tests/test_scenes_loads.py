@@ -87,8 +87,10 @@ def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part
         before, after = (exact_loads(segment, t) for t in (since, moment))
         wanted = [float(value) for value in before]
         np.testing.assert_allclose(segment.loads(since), wanted, rtol=0, atol=2e-14 if many else 5e-15)
-        # 4e-15 of the sines' arguments, which are rounded: counted where a sine is near its zero.
-        slack = (40 if many else 1) * 4e-15 * abs(moment - since)
+        # Arguments of sines are rounded, k t - b to a digit of its size: counted where a sine is near its zero.
+        waves = [wave for part in (segment.normal, segment.tangential) for wave in enumerate(part, 1)] if many else []
+        rounded = 2.3e-16 * sum(k * abs(a) * (k * segment.end + abs(b)) for k, (a, b) in waves)
+        slack = max(rounded, 4e-15) * abs(moment - since)
         for value, one, other in zip(found, before, after, strict=True):
             assert abs(value - (other - one)) <= 1e-14 * abs(other - one) + slack
 

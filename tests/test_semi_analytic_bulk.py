@@ -733,7 +733,7 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
 
 @pytest.mark.slow
 def test_an_edge_that_jumps_where_a_loop_closes_keeps_the_digits_of_the_work():
-    """The edges leave a stretch without q* at one instant; held there instead, W and its loop are 1.1e-7 apart."""
+    """The edges leave a stretch without q* at one instant; held there too long, W and its loop were 1.1e-7 apart."""
     line = {"mean_normal_load": 3, "normal_amplitude": 0, "mean_tangential_load": 0.372, "tangential_amplitude": 0.308}
     more = {"bulk_stress_lower": {"mean": -0.156, "amplitude": 0.408}}
     more["tilt"] = {"mean": -0.075, "amplitude": 0.0418, "phase_degrees": 180}

@@ -271,14 +271,14 @@ def test_what_slips_is_that_of_sixty_digits(share, steady):
     """P - P_c at the ends of 120 steps, to four last digits of P, or 1e-14 of itself at constant P; 0.3 of a digit measured."""
     t = 0.37 * np.arange(120)
     normal = 2 + (0 if steady else 0.3) * np.cos(t)
-    rows = np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist()
+    rows = [(0.0, 0.0), (2.4, 0.24), *np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist()]
     ends = []
     with mp.workdps(60):
         for number in (float, mp.mpf):
-            curve, records, slipped, last = None, ([], []), [], (number(0), number(0))
-            for p, q in [(2.4, 0.24), *rows]:
-                curve = load_series._step(curve, *last, number(p), number(q), number(0.5), records)
-                slipped.append(float(records[1][-3]))
+            curve, numbers, slipped, last = None, [], [], (number(0), number(0))
+            for (p, q), side in zip(rows[1:], load_series.sides_of(np.array(rows), 0.5).tolist(), strict=True):
+                curve = load_series._step(curve, side, *last, number(p), number(q), number(0.5), (lambda _: None, numbers.extend))
+                slipped.append(float(numbers[-7]))
                 last = (number(p), number(q))
             ends.append(np.array(slipped))
     found, exact = ends
@@ -307,6 +307,9 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else():
     two = solve(scene, x=X, time=[600.5, 3.0], fields=("shear",))
     assert (two.work.counts["curves"], two.work.counts["slip_quadratures"]) == (2, 0)
     np.testing.assert_allclose(two.shear, by_spans(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13)
+    whole = solve(scene, x=X, time=bare.time, fields=("shear",))
+    for name in ("normal_load", "tangential_load", "stick_half_width"):  # the state needs no curve
+        np.testing.assert_allclose(getattr(bare, name), getattr(whole, name), rtol=1e-12, atol=0)
     t = np.arange(2200.0)
     scene = make_scene(TimeSeriesLoad(rows=np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)))
     thinned = solve(scene, x=X[:2], fields=("pressure",))

@@ -261,9 +261,9 @@ def test_a_corner_next_to_an_end_does_not_pass_for_halving():
     assert cut.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-13)
 
 
-@pytest.mark.parametrize(("value", "end", "rounds"), [(1.0, 1.0 + 1e-13, 19), (np.nan, 2.0, 2)])
+@pytest.mark.parametrize(("value", "end", "rounds"), [(1.0, 1.0 + 1e-13, 11), (np.nan, 2.0, 2)])
 def test_halving_ends(value, end, rounds):
-    """Between neighbouring numbers: a range of 450 last digits was halved for ever; and what is not finite is not halved."""
+    """A range of 450 last digits was halved for ever: at so many parts at once it ends; and what is not finite is not halved."""
     asked = []
 
     def rough(which, low, high):
@@ -276,25 +276,28 @@ def test_halving_ends(value, end, rounds):
     assert found.error[0] > 0 or np.isnan(found.value[0])
 
 
-def test_rounding_ends_the_halving(monkeypatch):
-    """A path that sticks slips by the last digits of its loads: halved to the end, that took 130,000 parts, and 8 GB."""
+@pytest.mark.parametrize(("lag", "work", "most"), [(3.1415926535897927, 1e-28, 1000), (1e-9, 1e-20, 20_000)])
+def test_rounding_ends_the_halving(monkeypatch, lag, work, most):
+    """A path that sticks slips by the last digits of its loads: halved to the end, that took 130,000 parts, and 8 GB. Of Q in phase
+    but for 1e-9 nothing came for minutes.
+    """
     parts = []
-    rule = friction_work._work_of_span
+    rule = friction_work.crowded
 
-    def counted(contact, span, begin, end, nodes):
+    def counted(begin, end):
         parts.append(np.size(begin))
-        assert sum(parts) < 1000
-        return rule(contact, span, begin, end, nodes)
+        assert sum(parts) < most
+        return rule(begin, end)
 
-    monkeypatch.setattr(friction_work, "_work_of_span", counted)
+    monkeypatch.setattr(friction_work, "crowded", counted)
     load = CallableLoad(
         normal_load=lambda t: 0.8 + 0.7 * math.cos(t),
-        tangential_load=lambda t: 0.03 * math.cos(t + 3.1415926535897927),
+        tangential_load=lambda t: 0.03 * math.cos(t + lag),
         duration=2 * math.pi,
         repeats=True,
     )
     answer = solve(make_scene(load, 0.4).vary(profile=EvenPolynomial(length=1.0, rises=(0.5, 0.4))), x=[0.0])
-    assert 0 <= answer.dissipation < 1e-28
+    assert 0 <= answer.dissipation < work
     assert parts
 
 
