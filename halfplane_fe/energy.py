@@ -113,8 +113,8 @@ def increment_energies(
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     starts = (sign != 0) & (sign != sign_before)
     # A node on the cone that has not moved is marked either way, by the last digit of its shear.
-    after = np.where(starts & (np.abs(slip) <= ROUNDING), before, after)
-    starts &= np.abs(slip) > ROUNDING
+    moved = np.abs(slip) > ROUNDING * min(problem.friction, 1.0)
+    after, starts = np.where(starts & ~moved, before, after), starts & moved
     kinked, share = np.flatnonzero(starts.any(axis=1)), np.ones(len(sign))
     if len(kinked):
         dissipation[kinked], share[kinked] = _kinked_work(problem, loads, (p, q), slip, (before, after), kinked)

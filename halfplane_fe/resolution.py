@@ -110,34 +110,33 @@ def resolution_notes(
 
 
 # Error of W on the coarse run over that of the answer falls as the square of the element; the difference of the two, divided so and
-# times this, is one share of the mesh in the uncertainty. With the scatter below it covers 86 random half-plane scenes; of the
-# 62 that slip, 4.4 times the true error in the median (benchmarks/covered.py). Without the scatter, 8 covered 97 %, 4.3 times.
+# times this, is one share of the mesh in the uncertainty. With the scatter below it covers random scenes (benchmarks/covered.py).
 # Linear elements and penalty layers have errors of their own: there the whole difference counts.
-_SAFETY = 4.0
-# Twice the scatter (root mean square) of W over where the edges stand in their elements, over A f^2 P^2 (h/a)^2: 0.005 to 0.015 at
-# any phase of P and Q, on elements of a/80 and a/160. Where W is small that is a large share of it, and the difference may miss it.
-_SCATTER = 0.02
+_SAFETY = 2.0
+# The scatter of W over where the edges stand in their elements, over (h/a)^2: a share of W, 1.4 times the root mean square of
+# Cattaneo and Mindlin's cycle (0.8 to 1.4 on elements of a/80 to a/320), and a share of A f^2 P^2, which counts where W is small.
+_SCATTER, _SCATTER_OF_UNIT = 1.5, 0.005
 # Refinement from the coarse run below which their difference says nothing.
 _LEAST_REFINEMENT = 1.4
 
 
-def uncertainty(difference: float, refinement: float, element: float, plain: bool) -> float:
+def uncertainty(dissipation: float, difference: float, refinement: float, element: float, plain: bool) -> float:
     """Share of the mesh in the uncertainty of W over A f^2 P^2; NaN on a mesh hardly finer than that of the coarse run.
 
     Parameters
     ----------
-    difference : of W to that of the coarse run, over A f^2 P^2
+    dissipation, difference : W, and by how much that of the coarse run is off it, over A f^2 P^2
     refinement : element of the coarse run over that of the answer
     element : of the answer, over the half-width
     plain : linear elements or a penalty layer
 
-    >>> round(uncertainty(0.01, 10.0, 0.01, plain=False), 12)  # 4 0.01/10^2 + 0.02 0.01^2
-    0.000402
+    >>> round(uncertainty(0.1, 0.01, 10.0, 0.01, plain=False), 12)  # 2 0.01/10^2 + (1.5 0.1 + 0.005) 0.01^2
+    0.0002155
     """
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
     share = _SAFETY / refinement**2
-    return difference * (max(share, 1.0) if plain else share) + _SCATTER * element**2
+    return difference * (max(share, 1.0) if plain else share) + (_SCATTER * dissipation + _SCATTER_OF_UNIT) * element**2
 
 
 def uncertainty_note(dissipation: float, uncertain: float, tolerance: float, coarse: float) -> Iterator[str]:

@@ -339,7 +339,8 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
     found = float((run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum())
     # Where no node slips, nothing scatters: a note says what may be unseen.
-    return steps + unit * uncertainty(abs(found - coarse) / unit, scales.element / element, element if found else 0.0, plain)
+    difference, element_that_counts = abs(found - coarse) / unit, element if found else 0.0
+    return steps + unit * uncertainty(found / unit, difference, scales.element / element, element_that_counts, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:

@@ -126,16 +126,16 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
 
 
 def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(tmp_path: Path) -> None:
-    """Four times the difference from the coarse run over the square of the refinement, the scatter of 0.02 A f^2 P^2 (h/a)^2 over
-    where edges stand in their elements, and the step error of the last cycle.
+    """Twice the difference from the coarse run over the square of the refinement, the scatter of W over where edges stand in their
+    elements, (1.5 W + 0.005 A f^2 P^2) (h/a)^2, and the step error of the last cycle.
     """
     solution = halfplane_fe.solve(load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), FEW)
     refinement, apart = solution.scales.element * 32, abs(solution.dissipation - solution.scales.dissipation)
     steps = solution.record.energy["step_error"][solution.last_cycle[1:]].sum()
     assert steps > 1e-5 * solution.dissipation
     load = solution.scales.load * solution.scene.friction.coefficient
-    scatter = 0.02 * 2 / solution.scales.modulus * load**2 / 32**2
-    assert solution.dissipation_uncertainty == pytest.approx(steps + 4 * apart / refinement**2 + scatter, rel=1e-9)
+    scatter = (1.5 * solution.dissipation + 0.005 * 2 / solution.scales.modulus * load**2) / 32**2
+    assert solution.dissipation_uncertainty == pytest.approx(steps + 2 * apart / refinement**2 + scatter, rel=1e-9)
     assert any(f" ± {solution.dissipation_uncertainty:.2g} (" in value for _, value in summary_rows(solution))
     solution.save(tmp_path / "one.nc")
     assert ContactSolution.load(tmp_path / "one.nc").dissipation_uncertainty == solution.dissipation_uncertainty
