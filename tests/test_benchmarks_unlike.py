@@ -105,7 +105,8 @@ def pressed(beta: float, friction: float) -> ContactSolution:
 
 
 # Dundurs' constant, friction, the closed solution and what is admitted on the coarse mesh. Share of stick under a normal load by
-# Goodman: 0.3, 5 and 7 % of a were measured, a node being 1.6 %, and one more or less hangs on 1e-9 of T; like bodies would stick all over. Load of a bonded contact over Hertz': 0.3 to 1.5 %.
+# Goodman: 0.3, 5 and 7 % of a were measured, a node being 1.6 %, which hangs on small changes of T; like bodies would stick all
+# over. Load of a bonded contact over Hertz': 0.3 to 1.5 %.
 STICK = ((0.5, 0.9851714310094, 5e-3), (1, math.sqrt(0.5), 0.05), (2, 3 - 2 * math.sqrt(2), 0.08))
 BONDED = ((0.1, 1.0074974191, 5e-3), (0.2, 1.0309017851, 5e-3), (0.3, 1.0732603237, 5e-3), (0.5, 1.2464188563, 0.02))
 CLOSED = [*((0.01, 0.01 / ratio, *one) for ratio, *one in STICK), *((beta, 100.0, *one) for beta, *one in BONDED)]
