@@ -29,7 +29,7 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_scene
+from scenes import ContactSolution, ConvergenceError, InputError, LoadPath, Scene, load_scene
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
@@ -37,6 +37,7 @@ from semi_analytic import fronts
 from semi_analytic import grid as dense_grid
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.solution import leaning_profile
+from semi_analytic.tilted_profile import TiltedProfile
 
 A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)  # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 CELLS, INCREMENTS, CYCLES = 240, 24, 4  # of the grid; increments a segment of the load path (an ellipse: four times as many)
@@ -187,6 +188,12 @@ def moderate(count: int = 10, seed: int = 23) -> Iterator[Row]:
         yield case("", f"loop {k} of seed {seed}", ellipse((3.0, normal), (mean, tangential), phase, **waves), {})
 
 
+def followed_by(row: Row) -> tuple[LoadPath, fronts.PathLoads, TiltedProfile, fronts.Parabola]:
+    """What fronts and grids take of a scene: its path, the loads along it, its profile under tilt, and the parabola."""
+    path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
+    return path, loads, leaning, fronts.Parabola(2 / composite_modulus(row.scene.material), leaning.shape.radius or 0.0)
+
+
 def loops() -> int:
     """Who takes loops out of phase, and how far the second cycle is from the same at twice the order."""
     print(
@@ -195,10 +202,9 @@ def loops() -> int:
     out_of_phase = load_scene("dovetail-out-of-phase")
     rows = [*(row for row in ROWS if row.number in "678"), case("", out_of_phase.name, {}, {}, scene=out_of_phase), *moderate()]
     for row in rows:
-        path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
-        friction, radius = row.scene.friction.coefficient, leaning.shape.radius or 0.0
+        (path, loads, leaning, contact), friction = followed_by(row), row.scene.friction.coefficient
         x, instants = np.linspace(-1.5, 1.5, 50), path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
-        contact, found = fronts.Parabola(2 / composite_modulus(row.scene.material), radius), []
+        found = []
         try:
             for order in (fronts.ORDER, 2 * fronts.ORDER):
                 begin = time.process_time()
@@ -241,9 +247,8 @@ def courses() -> int:
     named = ("case", "W", "1 - W/(W at twice the order)", "stated, by the energy", "grid/W - 1", "elements/W - 1", "CPU [s]")
     print("{:27} {:>12} {:>29} {:>26} {:>12} {:>15} {:>8}".format(*named))
     for row in changing():
-        path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
-        contact = fronts.Parabola(2 / composite_modulus(row.scene.material), leaning.shape.radius or 0.0)
-        friction, instants = row.scene.friction.coefficient, np.linspace(path.start, path.cycle_start, 400)
+        (path, loads, leaning, contact), friction = followed_by(row), row.scene.friction.coefficient
+        instants = np.linspace(path.start, path.cycle_start, 400)
         given, begin = (path, contact, friction, loads.strain, np.linspace(-1.5, 1.5, 50)), time.process_time()
         try:
             one = fronts.follow(*given, instants)

@@ -1,6 +1,6 @@
 """Does the stated uncertainty cover the known error, what does it cost, and which term does a planted fault fall on?
 
-    python benchmarks/covered.py models [COUNT] [SEED]      finite elements on random scenes (60 scenes: ten minutes)
+    python benchmarks/covered.py models [COUNT] [SEED]      finite elements on random scenes (60 scenes: three minutes)
     python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases); exit code 1 below 95 %
 
 Budgets: of half-planes the true error is known, the whole discrepancy; what the measured terms leave unexplained must be covered by

@@ -76,14 +76,18 @@ def elastic_energies(problem: ContactProblem, states: Sequence[InterfaceState]) 
     return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer)
 
 
+def _starting(before: States, after: States) -> NDArray[np.bool_]:
+    """Which nodes start to slide, or turn round: they slide after an increment and did not slide that way before."""
+    sign = slip_sign(after)
+    return (sign != 0) & (sign != slip_sign(before))
+
+
 def step_errors(friction: float, pressure: Array, slip: Array, before: States, after: States) -> Array:
     """Bound (...) of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide in the increment.
 
     `pressure` and `slip` are the changes of the increment, `before` and `after` the states, each (..., n).
     """
-    sign = slip_sign(after)
-    starting = (sign != 0) & (sign != slip_sign(before))
-    return np.asarray(friction * np.where(starting, np.abs(pressure * slip), 0.0).sum(axis=-1) / 2)
+    return np.asarray(friction * np.where(_starting(before, after), np.abs(pressure * slip), 0.0).sum(axis=-1) / 2)
 
 
 def increment_energies(
@@ -111,7 +115,7 @@ def increment_energies(
 
     sign, sign_before = slip_sign(after), slip_sign(before)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
-    starts = (sign != 0) & (sign != sign_before)
+    starts = _starting(before, after)
     # A node on the cone that has not moved is marked either way, by the last digit of its shear.
     moved = np.abs(slip) > ROUNDING * min(problem.friction, 1.0)
     after, starts = np.where(starts & ~moved, before, after), starts & moved
@@ -126,9 +130,10 @@ def increment_energies(
         # The states before hold for a share of the increment, those after for the rest.
         for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), share), (after, slip_sign(after), 1 - share)):
             rows = np.flatnonzero(factor.any(axis=1) & (weight > 0))
-            for i, j in np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist():
+            pairs = np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist()
+            rates = [problem.rates(sets[row], len(enclosed)) for row in rows.tolist()] if pairs else []
+            for i, j in pairs:
                 area = enclosed[i, j, rows] * weight[rows]
-                rates = [problem.rates(sets[row], len(enclosed)) for row in rows.tolist()]
                 one, other = (np.stack([found[load] for found in rates]) for load in (i, j))
                 (s_i, p_i, *_), (s_j, p_j, *_) = nodal(one), nodal(other)
                 curve[rows] += problem.friction * factor[rows] * (p_i * s_j - p_j * s_i) * area[:, None]
@@ -172,7 +177,7 @@ def _kinked_work(
     rows : (k,) increments
     """
     sign, (p, q) = slip_sign(sets[1][rows]), forces
-    starts = (sign != 0) & (sign != slip_sign(sets[0][rows]))
+    starts = _starting(sets[0][rows], sets[1][rows])
     rates = np.stack([[problem.rates(one[row], loads.shape[1]) for one in sets] for row in rows.tolist()])
     early, late = np.moveaxis(np.einsum("kj,ksjv->ksv", np.diff(loads, axis=0)[rows], rates), 1, 0)
     (slip_early, p_early, q_early, _), (slip_late, p_late, *_) = nodal(early), nodal(late)
