@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.between_nodes import Excess, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.path import enclosed, scaled_loads, straight, stretches
@@ -128,6 +129,7 @@ class PathRun:
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
+    excess : per revolution, what edges between nodes would add to it
     steady_from : index of the first revolution that ended as it started, with what is left of the dissipation's way within its
         uncertainty
     cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end, over the largest p
@@ -141,6 +143,7 @@ class PathRun:
     density: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
     cycle_density: list[Array] = field(default_factory=list)
+    excess: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | Interrupted | None = None
@@ -196,6 +199,18 @@ class PathRun:
         )
         if self.bounded:
             self._thin(len(self.states) - len(states))
+
+    def close_cycle(self, found: Excess) -> None:
+        """End a revolution, with what edges between nodes add to its dissipation taken off: each increment and node in proportion."""
+        share = 1 - found.value / work if (work := float(self.density.sum())) > 0 else 1.0
+        first, end = self.cycle_starts[-1], len(self.iterations)
+        for number in reversed(range(len(self.blocks))):
+            block, end = self.blocks[number], end - len(self.blocks[number]["loop"])
+            if end < first:
+                break
+            self.blocks[number] = block | {name: block[name] * share for name in ("dissipation", "loop")}
+        self.cycle_density.append(self.density * share)
+        self.excess.append(found)
 
     def _thin(self, before: int) -> None:
         """Drop states since that one, or others, where too many are whole; the last is the history of the next increment."""
@@ -281,7 +296,7 @@ def run_path(
             before = run.states[-1]
             run.cycle_starts.append(len(run.iterations))
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
-            run.cycle_density.append(run.density)
+            run.close_cycle(excess(problem, run.states[run.cycle_starts[-1] :]))
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
             if run.cycle_change[-1] <= REPEATS:
                 least = REPEATS * float(run.density.sum())
