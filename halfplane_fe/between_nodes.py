@@ -73,7 +73,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     do edges under bulk stress or tilt.
     """
     nothing = Excess(0.0, 0.0, 0)
-    if len(states[0].loads) > 2 or not problem.tangential or not all(one.whole for one in states):
+    if len(states[0].loads) > 2 or not problem.tangential:
         return nothing
     slip, law = np.stack([one.slip for one in states]), np.stack([one.state for one in states])
     moved, closed = np.ptp(slip, axis=0), law != OPEN
@@ -84,7 +84,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     at_stick = [_at_stick_edge(problem, states, slip, law, sticks, side) for side in (1, -1)]
     at_contact: list[tuple[float, float] | None] = []
     loads = np.array([one.normal_load for one in states])
-    if np.ptp(loads) <= _STUCK * loads[-1] and (closed == closed[-1]).all():
+    if np.ptp(loads) <= _STUCK * loads[-1] and (closed == closed[-1]).all():  # the last state is always whole
         travel = np.abs(np.diff(slip, axis=0)).sum(axis=0)
         at_contact = [_at_contact_edge(problem, states[-1], travel, side) for side in (1, -1)]
     # The two edges of a zone mostly stand alike in their elements.
@@ -111,6 +111,8 @@ def _at_stick_edge(
         if not ends.any():
             return None
         turns[sign] = states[int(np.flatnonzero(ends)[-1])]
+        if not turns[sign].whole:
+            return None
     lacks = sum(problem.friction * turn.pressure[last] - sign * turn.shear[last] for sign, turn in turns.items())
     value = scatter = 0.0
     for sign, turn in turns.items():

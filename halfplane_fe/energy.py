@@ -127,8 +127,10 @@ def increment_energies(
     loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed)[:, :2].sum(axis=1)
     curve = np.zeros_like(slip)
     if enclosed is not None:
-        # The states before hold for a share of the increment, those after for the rest.
-        for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), share), (after, slip_sign(after), 1 - share)):
+        # The states before hold for a share of the increment, those after for the rest; of the area between a parabola and its chord
+        # they have this.
+        early = share**2 * (3 - 2 * share)
+        for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), early), (after, slip_sign(after), 1 - early)):
             rows = np.flatnonzero(factor.any(axis=1) & (weight > 0))
             pairs = np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist()
             rates = [problem.rates(sets[row], len(enclosed)) for row in rows.tolist()] if pairs else []
