@@ -29,6 +29,7 @@ two last is of order (h/a)^(5/2): edges that stand still for a moment where P, o
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -40,13 +41,14 @@ from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
 
 Array = NDArray[np.float64]
+States = NDArray[np.int8]
 
 # D and V: least squares on Hertz' compression pressed through 40 elements. rms of g over the edge's places.
 _WAY, _APART, _RMS = 0.566, 0.0335, 0.0155
 # Weight of a mid-side node over that of its neighbours, in elements of one size: 2, from one size to the next more or less.
 _SIMPSON = (1.8, 2.2)
 # Slip of a node over the largest of the revolution below which it sticks; share of its own within which it has turned round.
-_STUCK, _TURNED = 1e-9, 1e-6
+_STUCK, _TURNED = 1e-6, 1e-6
 # Nodes of a zone below which its edge is not far from another one.
 _ZONE = 3
 
@@ -82,11 +84,9 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     if len(stuck) < _ZONE or np.diff(stuck).max() > 1:
         return nothing
     at_stick = [_at_stick_edge(problem, states, slip, law, sticks, side) for side in (1, -1)]
-    at_contact: list[tuple[float, float] | None] = []
-    loads = np.array([one.normal_load for one in states])
-    if np.ptp(loads) <= _STUCK * loads[-1] and (closed == closed[-1]).all():  # the last state is always whole
-        travel = np.abs(np.diff(slip, axis=0)).sum(axis=0)
-        at_contact = [_at_contact_edge(problem, states[-1], travel, side) for side in (1, -1)]
+    if None in at_stick[:1]:
+        return nothing
+    at_contact = [_at_contact_edge(problem, states, slip, side) for side in (1, -1)]
     # The two edges of a zone mostly stand alike in their elements.
     known = [[one for one in edges if one is not None] for edges in (at_stick, at_contact)]
     scatter = np.hypot(*(sum(one[1] for one in edges) for edges in known))
@@ -94,7 +94,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
 
 
 def _at_stick_edge(
-    problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, law: NDArray[np.int8], sticks: NDArray[np.bool_], side: int
+    problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, law: States, sticks: NDArray[np.bool_], side: int
 ) -> tuple[float, float] | None:
     """Work in excess and its rms over places, at the edge of permanent stick on that side of x = 0.
 
@@ -125,26 +125,42 @@ def _at_stick_edge(
         held[node] = STICK
         after, before = (nodal(problem.rates(one, len(turn.loads))[1]) for one in (slides, held))
         way = moved / abs(after[0][node]), lacks / abs(problem.friction * after[1][last] - sign * after[2][last])
-        share, unit = _chord(problem, node, inwards=True, way=way)
+        share, unit = _chord(problem, node, True, way[0] / sum(way), sum(way))
         work = problem.friction * float(turn.pressure @ (after[0] - before[0])) * unit
-        value, scatter = value - work * share, scatter + abs(work) * _RMS
+        value, scatter = value - work * float(share), scatter + abs(work) * _RMS
     return value, scatter
 
 
-def _at_contact_edge(problem: ContactProblem, state: InterfaceState, travel: Array, side: int) -> tuple[float, float] | None:
-    """The same at the edge of a contact that stays; `travel` (n,) is the way that each node slides."""
-    closed = np.flatnonzero(state.closed)
-    node = int(closed[-1 if side > 0 else 0])
-    after = node + side
-    if not _regular(problem, node) or not 0 <= after < len(travel):
-        return None
-    less = state.state.copy()
-    less[node] = OPEN
-    with_node, without = (nodal(problem.rates(one, len(state.loads))[0]) for one in (state.state, less))
-    way = state.pressure[node] / abs(with_node[1][node]), state.gap[after] / abs(with_node[3][after])
-    share, unit = _chord(problem, node, inwards=False, way=way)
-    work = problem.friction * float(travel @ (with_node[1] - without[1])) * unit
-    return -work * share, abs(work) * _RMS
+def _at_contact_edge(problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int) -> tuple[float, float] | None:
+    """The same at the edge of contact, on its way: along each increment p is linear in P, and no node touches or lets go."""
+    rates: dict[bytes, Array] = {}
+
+    def by_load(state: States) -> Array:
+        """(4, n) rates by P: of like bodies they depend on what is closed alone."""
+        return rates.setdefault((state != OPEN).tobytes(), nodal(problem.rates(state, len(states[0].loads))[0]))
+
+    value, works = 0.0, Counter[int]()
+    for one in states:
+        by_load(one.state)
+    for one, other, moved in zip(states[:-1], states[1:], np.abs(np.diff(slip, axis=0)), strict=True):
+        closed = np.flatnonzero(one.closed)
+        node = int(closed[-1 if side > 0 else 0])
+        after = node + side
+        if not moved.any():
+            continue
+        if not one.whole or not _regular(problem, node) or not 0 <= after < len(moved):
+            return None
+        less = one.state.copy()
+        less[node] = OPEN
+        with_node, without = by_load(one.state), by_load(less)
+        way = one.pressure[node] / abs(with_node[1][node]), one.gap[after] / abs(with_node[3][after])
+        ends = np.array([way[0], way[0] + other.normal_load - one.normal_load]).clip(0.0, sum(way)) / sum(way)
+        share, unit = _chord(problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way))
+        work = problem.friction * float(moved @ (with_node[1] - without[1])) * unit
+        value -= work * float(share @ [1, 4, 1]) / 6
+        works[node] += abs(work)
+    # The way from node to node has no mean: what counts is the longest stay between two.
+    return value, max(works.values(), default=0.0) * _RMS
 
 
 def _regular(problem: ContactProblem, node: int) -> bool:
@@ -156,14 +172,13 @@ def _regular(problem: ContactProblem, node: int) -> bool:
     return _SIMPSON[0] * max(corners) <= min(middles) and max(middles) <= _SIMPSON[1] * min(corners)
 
 
-def _chord(problem: ContactProblem, node: int, *, inwards: bool, way: tuple[float, float]) -> tuple[float, float]:
-    """g at an edge that is the first of two distances beyond a node and the second before the next; A over the jump of the rates."""
-    weights = problem.interface.weights
-    corner = bool(weights[node] < weights[node - 1])
+def _chord(problem: ContactProblem, node: int, inwards: bool, share: Array | float, way: float) -> tuple[Array, float]:
+    """g at an edge that is shares t of the way between a node and the next, inwards or outwards; A over the jump of the rates."""
+    corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
     both = (_WAY**3 + (1 - _WAY) ** 3) / 6
     of_corner, of_middle = (both - _APART) / 2, (both + _APART) / 2
     jump = 0.5 + _APART * (1 / _WAY + 1 / (1 - _WAY))
     along = _WAY if corner == inwards else 1 - _WAY
     here, there, jump = (of_corner, of_middle, 1 - jump) if corner else (of_middle, of_corner, jump)
-    t = way[0] / sum(way)
-    return here + (there - here) * t - along**2 * t * (1 - t) / 2, sum(way) / (along * jump)
+    t = np.asarray(share)
+    return here + (there - here) * t - along**2 * t * (1 - t) / 2, way / (along * jump)
