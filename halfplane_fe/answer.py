@@ -254,7 +254,11 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
         return freeze(np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype)
 
     energies = {name: run.column(name) for name in _ENERGIES if note is not None or name != "layer"}
-    checks = {name: run.column(name) for name in (run.blocks[0] if run.blocks else ()) if name not in (*_ENERGIES, "layer", "loop")}
+    checks = {
+        name: run.column(name)
+        for name in (run.blocks[0] if run.blocks else ())
+        if name not in (*_ENERGIES, "layer", "loop", "bent")
+    }
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     checks["energy_balance"] = balance / np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     return Record(

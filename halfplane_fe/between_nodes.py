@@ -29,7 +29,7 @@ two last is of order (h/a)^(5/2): edges that stand still for a moment where P, o
 
 from __future__ import annotations
 
-from collections import Counter
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -75,7 +75,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     do edges under bulk stress or tilt.
     """
     nothing = Excess(0.0, 0.0, 0)
-    if len(states[0].loads) > 2 or not problem.tangential:
+    if len(states[0].loads) > 2 or not problem.tangential or problem.layer.normal.any() or problem.layer.tangential.any():
         return nothing
     slip, law = np.stack([one.slip for one in states]), np.stack([one.state for one in states])
     moved, closed = np.ptp(slip, axis=0), law != OPEN
@@ -83,14 +83,15 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     stuck = np.flatnonzero(sticks)
     if len(stuck) < _ZONE or np.diff(stuck).max() > 1:
         return nothing
-    at_stick = [_at_stick_edge(problem, states, slip, law, sticks, side) for side in (1, -1)]
-    if None in at_stick[:1]:
-        return nothing
-    at_contact = [_at_contact_edge(problem, states, slip, side) for side in (1, -1)]
-    # The two edges of a zone mostly stand alike in their elements.
-    known = [[one for one in edges if one is not None] for edges in (at_stick, at_contact)]
-    scatter = np.hypot(*(sum(one[1] for one in edges) for edges in known))
-    return Excess(sum(one[0] for edges in known for one in edges), float(scatter), sum(map(len, known)))
+    value, scatter, edges = 0.0, [0.0, 0.0], 0
+    for side in (1, -1):
+        found = [_at_stick_edge(problem, states, slip, law, sticks, side)]
+        if found[0] is not None:
+            found.append(_at_contact_edge(problem, states, slip, side))
+        for number, one in enumerate(found):
+            if one is not None:  # the two edges of a zone mostly stand alike in their elements
+                value, scatter[number], edges = value + one[0], scatter[number] + one[1], edges + 1
+    return Excess(value, math.hypot(*scatter), edges)
 
 
 def _at_stick_edge(
@@ -131,7 +132,9 @@ def _at_stick_edge(
     return value, scatter
 
 
-def _at_contact_edge(problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int) -> tuple[float, float] | None:
+def _at_contact_edge(
+    problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
+) -> tuple[float, float] | None:
     """The same at the edge of contact, on its way: along each increment p is linear in P, and no node touches or lets go."""
     rates: dict[bytes, Array] = {}
 
@@ -139,7 +142,7 @@ def _at_contact_edge(problem: ContactProblem, states: Sequence[InterfaceState], 
         """(4, n) rates by P: of like bodies they depend on what is closed alone."""
         return rates.setdefault((state != OPEN).tobytes(), nodal(problem.rates(state, len(states[0].loads))[0]))
 
-    value, works = 0.0, Counter[int]()
+    value, works = 0.0, dict[int, float]()
     for one in states:
         by_load(one.state)
     for one, other, moved in zip(states[:-1], states[1:], np.abs(np.diff(slip, axis=0)), strict=True):
@@ -158,7 +161,7 @@ def _at_contact_edge(problem: ContactProblem, states: Sequence[InterfaceState], 
         share, unit = _chord(problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way))
         work = problem.friction * float(moved @ (with_node[1] - without[1])) * unit
         value -= work * float(share @ [1, 4, 1]) / 6
-        works[node] += abs(work)
+        works[node] = works.get(node, 0.0) + abs(work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return value, max(works.values(), default=0.0) * _RMS
 

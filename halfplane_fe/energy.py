@@ -50,6 +50,7 @@ class Energies:
     interface : trapezoidal work of shear less that of pressure
     end_of_step : the same with the forces at the end of the increment
     step_error : bound of the error of the dissipation, see `step_errors`
+    bent : part of the dissipation of three nodes and more that start to slide, see `_kinked_work`: its error is less
     """
 
     dissipation: Array
@@ -62,6 +63,7 @@ class Energies:
     interface: Array
     end_of_step: Array
     step_error: Array
+    bent: Array
 
 
 def elastic_energies(problem: ContactProblem, states: Sequence[InterfaceState]) -> tuple[Array, Array]:
@@ -119,15 +121,15 @@ def increment_energies(
     # A node on the cone that has not moved is marked either way, by the last digit of its shear.
     moved = np.abs(slip) > ROUNDING * min(problem.friction, 1.0)
     after, starts = np.where(starts & ~moved, before, after), starts & moved
-    kinked, share = np.flatnonzero(starts.any(axis=1)), np.ones(len(sign))
+    kinked, bent, share = np.flatnonzero(starts.any(axis=1)), np.zeros(len(sign)), np.ones(len(sign))
     if len(kinked):
-        dissipation[kinked], share[kinked] = _kinked_work(problem, loads, (p, q), slip, (before, after), kinked)
+        dissipation[kinked], bent[kinked], share[kinked] = _kinked_work(problem, loads, (p, q), slip, (before, after), kinked)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
     loop = mean_load[:, 1] * shift + (dissipation - np.where(sign != 0, mean_q * slip, 0.0)).sum(axis=1)
     loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed)[:, :2].sum(axis=1)
     curve = np.zeros_like(slip)
     if enclosed is not None:
-        # The states before hold for a share of the increment, those after for the rest; of the area between a parabola and its chord
+        # The states before hold for a share of the increment, those after for the rest: of the area of a parabola over its chord
         # they have this.
         early = share**2 * (3 - 2 * share)
         for sets, factor, weight in ((before, np.where(sign == sign_before, sign, 0), early), (after, slip_sign(after), 1 - early)):
@@ -154,6 +156,7 @@ def increment_energies(
         interface=(mean_q * slip - mean_p * gap).sum(axis=1),
         end_of_step=(q[1:] * slip - p[1:] * gap).sum(axis=1),
         step_error=step_errors(problem.friction, pressure, slip, before, after),
+        bent=bent,
     )
 
 
@@ -164,12 +167,17 @@ def _kinked_work(
     slip: Array,
     sets: tuple[States, States],
     rows: NDArray[np.int64],
-) -> tuple[Array, Array]:
-    """Friction work (k, n) of increments in which nodes start to slide, and the share (k,) for which the states before hold.
+) -> tuple[Array, Array, Array]:
+    """Friction work of increments in which nodes start to slide, its part by kinks in between, the share of the states before.
 
     Where a node starts, p and s have a kink, and all that slides already goes faster from there on: with the mean p of the whole
     increment W is too large, by 1e-4 of a cycle. Up to the first start the states before hold, from the last one on those after,
-    and both have known rates; in between p and s are taken as linear. Of one node that starts that is exact.
+    and both have known rates. That is all where one node starts, or two.
+
+    In between, a share z of the increment, n nodes start one after the other in much the same distances: n - 2 kinks, each with an
+    area u (1 - u) z^2/2 over the chord, u the share of z up to it. With rates ' per increment, those of slip growing alike,
+
+        int p ds - (mean p) ds = [(n - 2)/(n - 1)] (z^2/12) (p'_before s'_after - p'_after s'_before).
 
     Parameters
     ----------
@@ -177,10 +185,16 @@ def _kinked_work(
     slip : (m, n) changes
     sets : states (m, n) before and after
     rows : (k,) increments
+
+    Returns
+    -------
+    work (k, n); the part (k,) of the last formula, without sign; share (k,)
     """
-    sign, (p, q) = slip_sign(sets[1][rows]), forces
-    starts = _starting(sets[0][rows], sets[1][rows])
-    rates = np.stack([[problem.rates(one[row], loads.shape[1]) for one in sets] for row in rows.tolist()])
+    (p, q), after = forces, sets[1][rows]
+    # A node that has just touched slides from there on.
+    before = np.where(_starting(sets[0][rows], after) & (p[rows] <= ROUNDING), after, sets[0][rows])
+    sign, starts = slip_sign(after), _starting(before, after)
+    rates = np.stack([[problem.rates(one, loads.shape[1]) for one in pair] for pair in zip(before, after, strict=True)])
     early, late = np.moveaxis(np.einsum("kj,ksjv->ksv", np.diff(loads, axis=0)[rows], rates), 1, 0)
     (slip_early, p_early, q_early, _), (slip_late, p_late, *_) = nodal(early), nodal(late)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -188,14 +202,19 @@ def _kinked_work(
         first = (problem.friction * p[rows] - sign * q[rows]) / (sign * q_early - problem.friction * p_early)
         last = 1 - slip[rows] / slip_late
     # What slid the other way turns round somewhere.
-    first = np.where(slip_sign(sets[0][rows]) != 0, 0.0, np.where(first >= 0, first, 1.0))
-    first = np.where(starts, first, 1.0).min(axis=1).clip(0.0, 1.0)
+    first = np.where(slip_sign(before) != 0, 0.0, np.where(first >= 0, first, 1.0))
+    first = np.where(starts.any(axis=1), np.where(starts, first, 1.0).min(axis=1).clip(0.0, 1.0), 0.0)
     last = np.where(starts & np.isfinite(last), last, 0.0).max(axis=1).clip(first, 1.0)
     t, rest = first[:, None], 1 - last[:, None]
+    count = np.cumsum(starts, axis=1)
+    number = np.max(count - np.maximum.accumulate(np.where(starts, 0, count), axis=1), axis=1)  # of the longest row of neighbours
+    within = (last - first) ** 2 * np.maximum(number - 2, 0) / np.maximum(number - 1, 1) / 12
+    bent = within[:, None] * (p_early * slip_late - p_late * slip_early)
     p_first, p_last = p[rows] + t * p_early, p[rows + 1] - rest * p_late
     doubled = (p[rows] + p_first) * t * slip_early + (p_first + p_last) * (slip[rows] - t * slip_early - rest * slip_late)
     doubled += (p_last + p[rows + 1]) * rest * slip_late
-    return problem.friction * np.maximum(sign * doubled / 2, 0.0), (first + last) / 2
+    work, bent = (problem.friction * sign * part for part in (doubled / 2 + bent, bent))
+    return np.maximum(work, 0.0), np.abs(bent.sum(axis=1)), (first + last) / 2
 
 
 def _normal_work(problem: ContactProblem, i: int, j: int, one: Array, other: Array) -> Array:

@@ -201,8 +201,9 @@ class PathRun:
             self._thin(len(self.states) - len(states))
 
     def close_cycle(self, found: Excess) -> None:
-        """End a revolution, with what edges between nodes add to its dissipation taken off: each increment and node in proportion."""
-        share = 1 - found.value / work if (work := float(self.density.sum())) > 0 else 1.0
+        """End a revolution and take off what edges between nodes add to its dissipation, of increments and nodes in proportion."""
+        work = float(self.density.sum())
+        share = 1 - found.value / work if work > 0 else 1.0
         first, end = self.cycle_starts[-1], len(self.iterations)
         for number in reversed(range(len(self.blocks))):
             block, end = self.blocks[number], end - len(self.blocks[number]["loop"])
