@@ -29,6 +29,7 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
+    shapes_alike,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, whole
@@ -51,6 +52,8 @@ _NOTE_KEPT = (
     "faces as they are; where edges move its dissipation errs by the first power of the element"
 )
 
+# Share of what kinks between the first and the last start of sliding add to W that counts as uncertain.
+_BENT = 0.2
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x = 0.
 _BEYOND = 1.5
 
@@ -330,17 +333,23 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
     """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can arise."""
     if not needs_shear(scene):
         return 0.0
-    first = run.cycle_starts[-1] if run.cycle_starts else 0
-    steps = float(run.column("step_error")[first:].sum())
-    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
+    first, excess = (run.cycle_starts[-1], run.excess[-1]) if run.cycle_starts else (0, None)
     plain = mesh.order == 1 or settings.method == "penalty"
+    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     coarse = scales.dissipation * scales.modulus / scales.load**2
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
     found = float((run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum())
-    # Where no node slips, nothing scatters: a note says what may be unseen.
-    difference, element_that_counts = abs(found - coarse) / unit, element if found else 0.0
-    return steps + unit * uncertainty(found / unit, difference, scales.element / element, element_that_counts, plain)
+    scatter = None if excess is None or plain or scene.unsymmetric else excess.scatter / unit
+    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and their bound counts whole.
+    steps = (
+        _BENT * run.column("bent")[first:].sum()
+        if scatter is not None and shapes_alike(scene)
+        else run.column("step_error")[first:].sum()
+    )
+    return float(steps) + unit * uncertainty(
+        found / unit, abs(found - coarse) / unit, scales.element / element, mesh, scatter, plain
+    )
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
