@@ -72,10 +72,10 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     """What edges between nodes add to the dissipation of a revolution with these states, the one before it the first.
 
     None of the edges counts that ends a zone of two nodes or less, or lies in elements that are not quadratic and of one size; nor
-    do edges under bulk stress or tilt.
+    do edges under bulk stress or tilt. Of two edges the right one goes first: rates depend on both.
     """
     nothing = Excess(0.0, 0.0, 0)
-    if len(states[0].loads) > 2 or not problem.tangential or problem.layer.normal.any() or problem.layer.tangential.any():
+    if len(states[0].loads) > 2 or not problem.tangential:
         return nothing
     slip, law = np.stack([one.slip for one in states]), np.stack([one.state for one in states])
     moved, closed = np.ptp(slip, axis=0), law != OPEN
@@ -102,8 +102,8 @@ def _at_stick_edge(
     Both turns have their share: what a node beside the edge lacks of the cone at one of them it may have at the other, by what is
     locked in, so that the distances to it count together.
     """
-    last = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
-    node = last + side
+    first, last = (int(np.flatnonzero(sticks)[number]) for number in ((0, -1) if side > 0 else (-1, 0)))
+    node, opposite = last + side, first - side
     if not _regular(problem, node):
         return None
     moved, turns = float(np.ptp(slip[:, node])), {}
@@ -122,12 +122,16 @@ def _at_stick_edge(
         beyond = slip_sign(slides) == sign
         if np.count_nonzero(beyond[node:] if side > 0 else beyond[: node + 1]) < _ZONE - 1:
             return None
-        held = slides.copy()
-        held[node] = STICK
-        after, before = (nodal(problem.rates(one, len(turn.loads))[1]) for one in (slides, held))
-        way = moved / abs(after[0][node]), lacks / abs(problem.friction * after[1][last] - sign * after[2][last])
+        by_load = nodal(problem.rates(slides, len(turn.loads))[1])
+        way = moved / abs(by_load[0][node]), lacks / abs(problem.friction * by_load[1][last] - sign * by_load[2][last])
         share, unit = _chord(problem, node, True, way[0] / sum(way), sum(way))
-        work = problem.friction * float(turn.pressure @ (after[0] - before[0])) * unit
+        after = slides.copy()
+        if side > 0 and opposite >= 0 and beyond[opposite]:
+            after[opposite] = STICK
+        before = after.copy()
+        before[node] = STICK
+        sooner, later = (nodal(problem.rates(one, len(turn.loads))[1])[0] for one in (before, after))
+        work = problem.friction * float(turn.pressure @ (later - sooner)) * unit
         value, scatter = value - work * float(share), scatter + abs(work) * _RMS
     return value, scatter
 
@@ -153,13 +157,16 @@ def _at_contact_edge(
             continue
         if not one.whole or not _regular(problem, node) or not 0 <= after < len(moved):
             return None
-        less = one.state.copy()
-        less[node] = OPEN
-        with_node, without = by_load(one.state), by_load(less)
-        way = one.pressure[node] / abs(with_node[1][node]), one.gap[after] / abs(with_node[3][after])
+        _, pressed, _, opened = by_load(one.state)
+        way = one.pressure[node] / abs(pressed[node]), one.gap[after] / abs(opened[after])
         ends = np.array([way[0], way[0] + other.normal_load - one.normal_load]).clip(0.0, sum(way)) / sum(way)
         share, unit = _chord(problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way))
-        work = problem.friction * float(moved @ (with_node[1] - without[1])) * unit
+        with_node = one.state.copy()
+        if side < 0:
+            with_node[closed[-1]] = OPEN
+        without = with_node.copy()
+        without[node] = OPEN
+        work = problem.friction * float(moved @ (by_load(with_node)[1] - by_load(without)[1])) * unit
         value -= work * float(share @ [1, 4, 1]) / 6
         works[node] = works.get(node, 0.0) + abs(work)
     # The way from node to node has no mean: what counts is the longest stay between two.

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign, violations
+from scenes import STICK
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -191,8 +192,9 @@ def _kinked_work(
     work (k, n); the part (k,) of the last formula, without sign; share (k,)
     """
     (p, q), after = forces, sets[1][rows]
-    # A node that has just touched slides from there on.
+    # A node that has just touched slides from there on; where it is the last to stick, it has no rates so.
     before = np.where(_starting(sets[0][rows], after) & (p[rows] <= ROUNDING), after, sets[0][rows])
+    before = np.where((before == STICK).any(axis=1, keepdims=True), before, sets[0][rows])
     sign, starts = slip_sign(after), _starting(before, after)
     rates = np.stack([[problem.rates(one, loads.shape[1]) for one in pair] for pair in zip(before, after, strict=True)])
     early, late = np.moveaxis(np.einsum("kj,ksjv->ksv", np.diff(loads, axis=0)[rows], rates), 1, 0)

@@ -110,10 +110,10 @@ def resolution_notes(
         )
 
 
-# Shares of the mesh in the uncertainty of W: of its difference from the coarse run's over the square of the refinement; of the rms of
-# what edges between nodes add to W, which is taken off (`between_nodes`); of W (h/a)^2; of A f^2 P^2 (h/a)^2. By what is known of the
-# edges: that some stand between nodes, and were corrected for it; that none stands; nothing, on linear elements, with a penalty layer,
-# and under bulk stress or tilt. Fitted to 115 random scenes (benchmarks/covered.py, seeds 5 to 7), held to others.
+# Shares of the mesh in the uncertainty of W: of its difference from the coarse run's over the square of the refinement; of the rms
+# of what edges between nodes add to W, which is taken off (`between_nodes`); of W (h/a)^2; of A f^2 P^2 (h/a)^2. By what is known
+# of the edges: that some stand between nodes, and were corrected for it; that none stands; nothing, on linear elements, with a
+# penalty layer, and under bulk stress or tilt. Fitted to 115 random scenes (benchmarks/covered.py, seeds 5 to 7), held to others.
 _SHARES = {"corrected": (1.0, 0.15, 0.1, 0.0), "moving": (1.0, 0.0, 1.0, 1e-4), "unknown": (2.0, 0.0, 1.5, 5e-3)}
 # Share of W per growth of the elements away from the edges: 1e-5 to 2.5e-5 on three scenes at 0.2, a third of that at 0.12.
 _GROWN = 7.5e-5

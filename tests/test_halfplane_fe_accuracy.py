@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ import pytest
 import halfplane_fe
 import layer_truth
 import semi_analytic
-from halfplane_fe import SolverSettings
+from halfplane_fe import SolverSettings, between_nodes
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.edges import contact_edges, stick_edges
@@ -163,8 +164,8 @@ STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
 
 
 @functools.cache
-def varying(steps):
-    """Nodal dissipation of the paper's second revolution with few elements, no increment halved."""
+def varying(steps, placed=False):
+    """The paper's second revolution with few elements, no increment halved; with what edges between nodes add, or without."""
     scene = Scene(
         name="varying P",
         material=Materials(upper=STEEL, lower=STEEL),
@@ -174,14 +175,15 @@ def varying(steps):
         cycles=2,
     )
     mesh = replace(COARSE, element_size=1 / 8, edge_element_size=1 / 8)
-    return fe_run(scene, mesh, SolverSettings(steps_per_cycle=steps, step_tolerance=np.inf))
+    with mock.patch("halfplane_fe.run.excess", between_nodes.excess if placed else lambda *_: between_nodes.Excess(0.0, 0.0, 0)):
+        return halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=steps, step_tolerance=np.inf))
 
 
-def step_errors(steps, density):
+def step_errors(steps, density, placed=False):
     """Sum of the nodes' errors: with signs, single nodes that change between stick and slip at other instants hide each other."""
     weights = varying(8).condensed[0].weights
-    fine = varying(512).dissipation_density
-    return [float(weights @ np.abs(density(varying(n)) - fine) / (weights @ fine)) for n in steps]
+    fine = varying(512, placed).dissipation_density
+    return [float(weights @ np.abs(density(varying(n, placed)) - fine) / (weights @ fine)) for n in steps]
 
 
 def end_of_step_density(answer):
@@ -287,6 +289,7 @@ REFINEMENTS = {
     "end_of_step work": refinement(lambda n: excess(n, "end_of_step", "interface"), THREE),
     "external_end_of_step work": refinement(lambda n: excess(n, "external_end_of_step", "external"), THREE),
     "step": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density)),
+    "step, edges between nodes": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density, placed=True)),
     "stiff punch": lambda: ([1e-2, 1e-3], stiff_punch()),
     **{
         f"idealisation, {name}": lambda k=k: ([1 / 8, 1 / 16, 1 / 32], growing()[k])

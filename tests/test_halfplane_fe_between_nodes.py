@@ -109,5 +109,3 @@ def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone()
 
     assert counted(mesh=MeshSettings.coarse()) == [2] * 4  # two revolutions of the coarse run, two of the answer
     assert counted(mesh=MeshSettings(element_size=0.05, edge_element_size=0.05, order=1)) == [2, 2, 0, 0]
-    penalty = halfplane_fe.SolverSettings(method="penalty")
-    assert counted(mesh=MeshSettings.coarse(), settings=penalty) == [2, 2, 0, 0]
