@@ -16,6 +16,7 @@ In the order in which a scene passes through::
     stepping.py                            along a stretch of the path, to each touch and release
     run.py                                 over the whole path; shakedown and ratcheting: what revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
+    between_nodes.py                       what edges between nodes add to the dissipation, which is taken off
     edges.py                               edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; datum of approach and displacement; cost of a penalty layer
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are

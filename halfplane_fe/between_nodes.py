@@ -30,7 +30,7 @@ two last is of order (h/a)^(5/2): edges that stand still for a moment where P, o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -71,11 +71,10 @@ class Excess(NamedTuple):
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     """What edges between nodes add to the dissipation of a revolution with these states, the one before it the first.
 
-    None of the edges counts that ends a zone of two nodes or less, or lies in elements that are not quadratic and of one size; nor
-    do edges under bulk stress or tilt. Of two edges the right one goes first: rates depend on both.
+    None of the edges counts that ends a zone of two nodes or less, or lies in elements that are not quadratic and of one size.
     """
     nothing = Excess(0.0, 0.0, 0)
-    if len(states[0].loads) > 2 or not problem.tangential:
+    if not problem.tangential:
         return nothing
     slip, law = np.stack([one.slip for one in states]), np.stack([one.state for one in states])
     moved, closed = np.ptp(slip, axis=0), law != OPEN
@@ -115,23 +114,19 @@ def _at_stick_edge(
         if not turns[sign].whole:
             return None
     lacks = sum(problem.friction * turn.pressure[last] - sign * turn.shear[last] for sign, turn in turns.items())
-    value = scatter = 0.0
+    value, scatter, loads = 0.0, 0.0, states[0].loads
     for sign, turn in turns.items():
         # Nodes that have only reached the cone stick.
         slides = np.where(sticks & (turn.state != OPEN), STICK, turn.state).astype(np.int8)
         beyond = slip_sign(slides) == sign
         if np.count_nonzero(beyond[node:] if side > 0 else beyond[: node + 1]) < _ZONE - 1:
             return None
-        by_load = nodal(problem.rates(slides, len(turn.loads))[1])
+        by_load = nodal(problem.rates(slides, len(loads))[1])
         way = moved / abs(by_load[0][node]), lacks / abs(problem.friction * by_load[1][last] - sign * by_load[2][last])
         share, unit = _chord(problem, node, True, way[0] / sum(way), sum(way))
-        after = slides.copy()
-        if side > 0 and opposite >= 0 and beyond[opposite]:
-            after[opposite] = STICK
-        before = after.copy()
-        before[node] = STICK
-        sooner, later = (nodal(problem.rates(one, len(turn.loads))[1])[0] for one in (before, after))
-        work = problem.friction * float(turn.pressure @ (later - sooner)) * unit
+        both = (node, opposite) if 0 <= opposite < len(beyond) and beyond[opposite] else (node,)
+        jump = _jump(lambda one: nodal(problem.rates(one, len(loads))[1])[0], slides, both, STICK)
+        work = problem.friction * float(turn.pressure @ jump) * unit
         value, scatter = value - work * float(share), scatter + abs(work) * _RMS
     return value, scatter
 
@@ -161,16 +156,25 @@ def _at_contact_edge(
         way = one.pressure[node] / abs(pressed[node]), one.gap[after] / abs(opened[after])
         ends = np.array([way[0], way[0] + other.normal_load - one.normal_load]).clip(0.0, sum(way)) / sum(way)
         share, unit = _chord(problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way))
-        with_node = one.state.copy()
-        if side < 0:
-            with_node[closed[-1]] = OPEN
-        without = with_node.copy()
-        without[node] = OPEN
-        work = problem.friction * float(moved @ (by_load(with_node)[1] - by_load(without)[1])) * unit
+        opposite = int(closed[0 if side > 0 else -1])
+        both = (node, opposite) if _regular(problem, opposite) else (node,)
+        work = problem.friction * float(moved @ _jump(lambda state: by_load(state)[1], one.state, both, OPEN)) * unit
         value -= work * float(share @ [1, 4, 1]) / 6
         works[node] = works.get(node, 0.0) + abs(work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return value, max(works.values(), default=0.0) * _RMS
+
+
+def _jump(rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], back: int) -> Array:
+    """What the first of some nodes made of the rates when it left the state `back`, as a mean over both orders of two nodes."""
+    changes = []
+    for others in {(), nodes[1:]}:
+        after = state.copy()
+        after[list(others)] = back
+        before = after.copy()
+        before[nodes[0]] = back
+        changes.append(rates(after) - rates(before))
+    return np.asarray(sum(changes) / len(changes))
 
 
 def _regular(problem: ContactProblem, node: int) -> bool:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from reports.comparison import Comparison, Report, compare
-from reports.comparison.metrics import Metric, are_half_planes
+from reports.comparison.metrics import Metric, are_half_planes, on_straight_steps
 from scenes import ContactSolution, ConvergenceError, InputError
 
 if TYPE_CHECKING:
@@ -103,7 +103,9 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
     """Metric -> value against theory on the polygon of the result's own increments; on the smooth path where it has no other."""
     if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
         raise InputError("a budget needs the reference on the polygon of the result's steps: give compare polygon_reference")
-    return _values(compare(comparison.polygon_reference or comparison.reference, comparison.result))
+    if (polygon := comparison.polygon_reference) is None:
+        return _values(compare(comparison.reference, comparison.result))
+    return _values(compare(polygon, on_straight_steps(comparison.result)))
 
 
 def finer_steps(settings: SolverSettings) -> SolverSettings:
@@ -165,7 +167,7 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
             reference = theory_on_steps(result) if on_polygon else semi_analytic.solve(scene, x=result.x, time=result.time)
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
-        values = _values(compare(reference, result))
+        values = _values(compare(reference, on_straight_steps(result) if on_polygon else result))
         return Run(label, size, values, "", len(result.time), len(result.x))
 
     sizes = [ratio**power for power in range(1, coarsenings + 1)]

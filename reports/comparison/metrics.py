@@ -1110,11 +1110,23 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
+def on_straight_steps(solution: ContactSolution) -> ContactSolution:
+    """The solution with its dissipation on the straight lines between its instants: finite elements add what a curve makes."""
+    curve = solution.record.energy.get("curve")
+    if curve is None or not solution.dissipation > 0:
+        return solution
+    share = 1 - float(curve[solution.last_cycle[1:]].sum()) / solution.dissipation
+    density = freeze(solution.dissipation_density * share)
+    return replace(solution, dissipation=solution.dissipation * share, dissipation_density=density)
+
+
 def _steps(pair: Pair, *, out: bool) -> _Measured:
-    """W with the error of the steps taken `out`, or that error alone."""
-    polygon = pair.polygon_reference or pair.reference
-    expected, found = (polygon, pair.result) if out else (pair.reference, polygon)
-    return _of_amounts(expected.dissipation, found.dissipation, pair.scales.dissipation)
+    """W with the error of the steps taken `out`, or that error alone: of straight steps, with what the result adds for a curve."""
+    polygon, straight = pair.polygon_reference or pair.reference, on_straight_steps(pair.result).dissipation
+    if out:
+        return _of_amounts(polygon.dissipation, straight, pair.scales.dissipation)
+    curved = pair.result.dissipation / straight if straight else 1.0
+    return _of_amounts(pair.reference.dissipation, polygon.dissipation * curved, pair.scales.dissipation)
 
 
 def _loop(pair: Pair, *, bulk: bool) -> _Measured:
@@ -1274,11 +1286,12 @@ METRICS = {row.key: row for row in (
         _state, signed=False),
     _row("tangential_displacement", "Tangential displacement: U − U_ref over the range of U_ref in the cycle",
         "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", partial(_displacement, centred=False)),
-    _row("dissipation_polygon", "Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: "
+    _row("dissipation_polygon", "Dissipation, steps' error out: W − W_ref, both on the straight lines between the instants: "
         "all errors except that of the steps",
         "of W_ref", _ONE_VALUE, "dissipation whole_cycle", partial(_steps, out=True), absolute_unit=_WORK, exists=_has_polygon),
-    _row("dissipation_step", "Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on "
-        "the smooth path", "of W_ref", _ONE_VALUE, "", partial(_steps, out=False), absolute_unit=_WORK, exists=_has_polygon),
+    _row("dissipation_step", "Dissipation, steps' error only: W_ref on the straight lines between the instants, with what finite "
+        "elements add for a curve, − W_ref", "of W_ref", _ONE_VALUE, "", partial(_steps, out=False),
+        absolute_unit=_WORK, exists=_has_polygon),
     _row("hysteresis", "Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants",
         "of its area", _ONE_VALUE, "tangential_displacement whole_cycle", partial(_loop, bulk=False), absolute_unit=_WORK),
     _row("hysteresis_with_bulk", "Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; "
