@@ -85,9 +85,9 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
     """CPU seconds of a scene of the library and its errors, against theory or against the dissipation `truth`.
 
     The error of W is split by the exact W of the polygon that the increments are: FE on it is the mesh's part, it against the
-    path the increments' part, with what FE adds for the curve. `loop`: the closed integral of Q dU over the instants of the last cycle, against that of theory at
-    these instants; `corners`: that against the loop without corners. `shear`: rms over the last cycle of the L2 error of q over
-    f ||p||. With `truth` all of an error is the mesh's, and there is no `shear`.
+    path the increments' part, with what FE adds for the curve. `loop`: the closed integral of Q dU over the instants of the last
+    cycle, against that of theory at these instants; `corners`: that against the loop without corners. `shear`: rms over the last
+    cycle of the L2 error of q over f ||p||. With `truth` all of an error is the mesh's, and there is no `shear`.
     """
     scene, begun = load_scene(name), time.process_time()
     answer = halfplane_fe.solve(scene, setting.mesh, setting.solver)
