@@ -175,6 +175,8 @@ def precision_page(found: Found) -> list[str]:
         rivals = better(found[name], default, measures)
         errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
         words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
+        if rivals and default["shear"] is None:
+            words = f"as far as these count, better is {'; '.join(rivals)}; q, for which elements are that small, has no truth here"
         lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
         for key in measures:
             alone = [rival for rival in better(found[name], default, [key]) if rival not in rivals]
