@@ -138,7 +138,9 @@ def _at_contact_edge(
     rates: dict[bytes, Array] = {}
 
     def by_load(state: States) -> Array:
-        """(4, n) rates by P: of like bodies they depend on what is closed alone."""
+        """(4, n) rates by P: of like bodies they depend on what is closed alone, of others they are those of full stick."""
+        if problem.interface.coupling is not None:
+            state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
         return rates.setdefault((state != OPEN).tobytes(), nodal(problem.rates(state, len(states[0].loads))[0]))
 
     value, works = 0.0, dict[int, float]()

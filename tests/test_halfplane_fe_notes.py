@@ -109,20 +109,21 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, cap
 # --------------------------------------------------------------------------------------------- the uncertainty of the dissipation
 
 
-@pytest.mark.parametrize(("elements", "share"), [(48, 0.75), pytest.param(160, 0.0, marks=pytest.mark.slow)])
-def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(elements: int, share: float) -> None:
+@pytest.mark.parametrize("elements", [48, pytest.param(160, marks=pytest.mark.slow)])
+def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(elements: int) -> None:
     """phase-180 dissipates 1.8e-3 A f^2 P^2, a third of what it does at 90 degrees; the error in A f^2 P^2 is the same.
 
-    Shifting nodes by a share of an element moves W by up to 6e-3 at a/48 and 5e-4 at a/160.
+    Shifting nodes by a share of an element moves W by up to 3e-4 at a/48 and 3e-5 at a/160.
     """
-    scene = load_scene("phase-180")
+    scene, shares = load_scene("phase-180"), []
     known = halfplane_fe.solve(scene, ROUGH).scales
-    apart = share * known.half_width / elements
-    scales = replace(known, inner=known.inner + apart, reach=known.reach + apart)
-    solution = halfplane_fe.solve(scene, MeshSettings(edge_element_size=1 / elements), scales=scales)
     true = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
-    error = abs(solution.dissipation - true)
-    assert 0.3 < error / solution.dissipation_uncertainty <= 1
+    for share in (0.0, 0.375, 0.625, 0.75):
+        apart = share * known.half_width / elements
+        scales = replace(known, inner=known.inner + apart, reach=known.reach + apart)
+        solution = halfplane_fe.solve(scene, MeshSettings(edge_element_size=1 / elements), scales=scales)
+        shares.append(abs(solution.dissipation - true) / solution.dissipation_uncertainty)
+    assert 0.2 < max(shares) <= 1
 
 
 def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
