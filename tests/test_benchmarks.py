@@ -433,6 +433,6 @@ def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(tool: Tool) -> 
         found = {"series": {"named settings": [default], "else": [other]}}
         assert len(performance.better(found, default, ["work", "shear"])) == rivals
         assert performance.better(found, default, ["work", "shear", "loop"]) == []
-    exact = {"text": "exact", "seconds": 1.0, "work": 6e-5, "shear": None, "loop": 6e-5}
+    exact = {"text": "exact", "seconds": 1.0, "work": 2e-5, "shear": None, "loop": 2e-5}
     found = {"series": {"named settings": [exact], "else": [exact | {"text": "by chance", "work": 1e-6, "loop": 1e-6}]}}
     assert performance.better(found, exact, ["work", "loop"]) == []  # both are within the scatter of W

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from reports.charts.plate import Axis, Cell, Curve, Dot, Key, Mark, Note, Panel, Plate, colour_scale, labels
 from reports.charts.templating import markdown_table
+from reports.comparison.words import with_uncertainty
 from reports.folder import MANIFEST, claim, filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
@@ -227,9 +228,9 @@ def _worst_loops(table: pd.DataFrame) -> str:
     """Where the same blocks hurt most and least."""
     error, doubt = errors(table, "error.dissipation")
     pressure, size = errors(table, "error.p0")[0], np.where(np.abs(error) > doubt, np.abs(error), np.nan)
-    ends = {"worst": (int(np.nanargmax(size)), 1), "least": (int(np.nanargmin(size)), 2)}
-    said = {name: f"{100 * error[k]:+.{digits}f} ± {100 * doubt[k]:.{digits}f}" for name, (k, digits) in ends.items()}
-    for name, (k, _) in ends.items():
+    ends = {"worst": int(np.nanargmax(size)), "least": int(np.nanargmin(size))}
+    said = {name: with_uncertainty(100 * error[k], 100 * doubt[k]) for name, k in ends.items()}
+    for name, k in ends.items():
         row = table.iloc[k]
         said[f"{name} loop"] = f"P1/P0 = {row['amplitude']}, phase {row['phase']}°, {row['margin']} from sliding"
     counts = {"points": len(table), "stuck": int(np.isnan(error).sum()), "unresolved": int(np.sum(np.abs(error) <= doubt))}
@@ -447,7 +448,7 @@ def _odd_part(folder: Path) -> list[str]:
         both = added_curvatures("fixed", aspect, 1 / height)
         p, q, cycle = ellipse_path(_PAPER[0], _PAPER[1] * f, _PAPER[2] * f, _PAPER[3])
         even = dissipation_error(p, q, f, Curvatures(both.normal / 2, both.tangential / 2), cycle)
-        cells = [row["f"], row["aspect"], f"{height:.3g}", f"{100 * error:+.2f} ± {100 * doubt:.2f}", *_percent(even)]
+        cells = [row["f"], row["aspect"], f"{height:.3g}", with_uncertainty(100 * error, 100 * doubt), *_percent(even)]
         rows.append([*cells, f"{(error - even) * height**2:+.2f}"])
     return _section("odd_part", rows)
 
@@ -462,7 +463,7 @@ def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
         if np.isnan(error):
             rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
-        cells += [*_percent(error), f"{100 * doubt:.2f}"]
+        cells += [*_percent(error), f"{100 * doubt:.1g}"]
         try:
             predicted = corrected_dissipation(scene, 1.0) - 1
         except InputError as refused:
@@ -499,7 +500,7 @@ def _other_sign(folder: Path) -> list[str]:
             columns = [law["sign"] * law["fixed"] for law in laws], [law["next_term"] for law in laws]
             constant, following = (float(np.interp(np.log(f), np.log(fs), column)) for column in columns)
             said = f"{100 * constant * square * math.exp(following * square):+.2f}"
-        rows.append([row["beta"], row["poisson"], row["f"], f"{100 * error:+.2f} ± {100 * doubt:.2f}", said])
+        rows.append([row["beta"], row["poisson"], row["f"], with_uncertainty(100 * error, 100 * doubt), said])
     return _section("other_sign", rows)
 
 
