@@ -367,7 +367,7 @@ def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
         wanted = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
         ticks = tuple(zip(wanted, labels(wanted), strict=True))
         across = Axis(0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks)
-        up = Axis(max(50 * float(known.min()), 1e-4), 150 * float(known.max()), "|error|, %", log=True)
+        up = Axis(max(50 * float(known.min()), 1e-6), 150 * float(known.max()), "|error|, %", log=True)
         panels.append(Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure]))
     return Plate("law", "", "", "Errors over the small parameter", tuple(panels), {}, tuple(keys.values()), min(2, len(shown)))
 
