@@ -241,7 +241,7 @@ def test_derived_constants_are_those_of_finite_elements() -> None:
 
 
 def test_corrections_on_points_that_nothing_was_fitted_to() -> None:
-    """Blocks: measured 0.46 % left of 17, 5 % of the errors in the median. Loops: at most twice the uncertainty."""
+    """Blocks: measured 0.46 % left of 17, 5 % of the errors in the median. Loops: 0.24 % left of 8.1, 0.03 in the median."""
     held_out = tabled("block", "Correction on points that nothing was fitted to")
     rows = [row for row in held_out if row["left after correction, %"] != "refused"]
     error, rest = (np.abs([float(row[name]) for row in rows]) for name in ("error of theory, %", "left after correction, %"))
@@ -251,8 +251,12 @@ def test_corrections_on_points_that_nothing_was_fitted_to() -> None:
     rows = tabled("loop", "The correction under loops that nothing was fitted to")
     seen = [row for row in rows if row["error of theory, %"] != "sticks throughout"]
     assert len(seen) > 30
+    left = []
     for row in seen:
-        assert abs(float(row["left after correction, %"])) < max(3 * float(row["uncertainty, %"]), 0.05) + 0.02  # 0.02: digits
+        left.append(abs(float(row["left after correction, %"])))
+        allowed = max(3 * float(row["uncertainty, %"]), 0.035 * abs(float(row["error of theory, %"])), 0.05)
+        assert left[-1] < allowed + 0.02  # 0.02: digits
+    assert np.median(left) < 0.05
 
 
 # ----------------------------------------------------------------------------------------------------------------- advice

@@ -192,8 +192,9 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
 
     `expected` is the exponent that theory predicts, `step` that by which its series goes on.
     A point takes part where |error| > uncertainty and where it has the sign of the point with the smallest s among these.
-    Intervals have two parts, in quadrature: independent errors of standard deviation u, widened by the root of the misfit where
-    that is above 1; and an error that all points share, as points cut alike do: what the fit moves by when all errors move by +-u.
+    Intervals have three parts, in quadrature: independent errors of standard deviation u, widened by the root of the misfit where
+    that is above 1; an error that all points share, as points cut alike do: what the fit moves by when all errors move by +-u; and
+    terms that are left out: what it moves by without the point at the largest s.
 
     >>> law = fit_law([0.1, 0.2, 0.3, 0.4, 0.5], [0.02, 0.08, 0.18, 0.32, 0.5], [1e-4] * 5, expected=2)
     >>> round(law.order, 6), round(law.constant, 6)
@@ -223,7 +224,14 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
         found, covariance, _ = free(x, e, u, np.log(x) ** 2)
         return bool(abs(found[3]) > _BEND * math.sqrt(covariance[3, 3]))
 
-    count = next((k for k in range(len(x), _FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k])), _FEWEST)
+    def is_moved(x: Array, e: Array, u: Array) -> bool:
+        """Whether the point at the largest s moves the exponent out of its interval."""
+        found, covariance, misfit = free(x, e, u)
+        interval = _widened(len(x) - len(found), misfit) * math.sqrt(covariance[1, 1])
+        return bool(abs(free(x[:-1], e[:-1], u[:-1])[0][1] - found[1]) > interval)
+
+    inside = (k for k in range(len(x), _FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k]) and not is_moved(x[:k], e[:k], u[:k]))
+    count = next(inside, _FEWEST)
     total, (x, e, u) = len(x), (column[:count] for column in (x, e, u))
     (log, order, _), (log_doubt, order_doubt, _), misfit = _with_doubt(x, e, u, free)
     (log_held, following), (held_doubt, _), _ = _with_doubt(x, e, u, held)
@@ -275,16 +283,23 @@ def _solve(target: Array, columns: Sequence[Array], weight: Array) -> tuple[Arra
     return found, covariance, float(rest @ rest) / max(len(target) - len(columns), 1)
 
 
+def _widened(freedom: int, misfit: float) -> float:
+    """Half of a 95 % interval over the standard deviation that the uncertainties give."""
+    return float(student.ppf(0.975, freedom)) * math.sqrt(max(1.0, misfit))
+
+
 def _with_doubt(
     x: Array, e: Array, u: Array, fit: Callable[[Array, Array, Array], tuple[Array, Array, float]]
 ) -> tuple[Array, Array, float]:
     """Coefficients of a fit, half their 95 % intervals, and its misfit; see `fit_law`."""
     found, covariance, misfit = fit(x, e, u)
-    widen = float(student.ppf(0.975, len(x) - len(found))) * math.sqrt(max(1.0, misfit))
+    widen = _widened(len(x) - len(found), misfit)
     # Weights e/u stay those of the errors as measured; a shift through 0 leaves a twentieth.
     moved = [np.maximum(e + way * u, 0.05 * e) for way in (-1.0, 1.0)]
     shared = np.max([np.abs(fit(x, there, u * there / e)[0] - found) for there in moved], axis=0)
-    return found, np.hypot(widen * np.sqrt(np.diag(covariance)), shared), misfit
+    inner = np.argsort(x)[:-1]
+    further = np.abs(fit(x[inner], e[inner], u[inner])[0] - found) if len(inner) >= len(found) else 0.0
+    return found, np.sqrt(widen**2 * np.diag(covariance) + shared**2 + further**2), misfit
 
 
 # ---------------------------------------------------------------------------------------------------------- lines of a chart
