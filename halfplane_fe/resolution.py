@@ -134,7 +134,7 @@ def uncertainty(
     plain : linear elements or a penalty layer, whose errors are not of order 2: the whole difference counts
 
     >>> round(uncertainty(0.1, 0.01, 10.0, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12)
-    0.000107
+    0.0001055
     """
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
