@@ -115,8 +115,9 @@ def resolution_notes(
 # of the edges: that some stand between nodes, and were corrected for it; that none stands; nothing, on linear elements, with a
 # penalty layer, and under bulk stress or tilt. Fitted to 115 random scenes (benchmarks/covered.py, seeds 5 to 7), held to others.
 _SHARES = {"corrected": (1.0, 0.15, 0.1, 0.0), "moving": (1.0, 0.0, 1.0, 1e-4), "unknown": (2.0, 0.0, 1.5, 5e-3)}
-# Share of W per growth of the elements away from the edges: 1e-5 to 2.5e-5 on three scenes at 0.2, a third of that at 0.12.
-_GROWN = 1.5e-4
+# Share of W over the fourth power of the growth of elements away from the edges, the order of quadratic elements: on four scenes
+# 1e-6 to 3e-6 at 0.12, 1e-5 to 2.5e-5 at 0.2, 1e-4 to 3.3e-4 at 0.4.
+_GROWN = 0.01875
 # Refinement from the coarse run below which their difference says nothing.
 _LEAST_REFINEMENT = 1.4
 
@@ -134,20 +135,20 @@ def uncertainty(
     plain : linear elements or a penalty layer, whose errors are not of order 2: the whole difference counts
 
     >>> round(uncertainty(0.1, 0.01, 10.0, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12)
-    0.0001055
+    0.000106510101
     """
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
     element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     of_difference, of_scatter, of_work, of_unit = _SHARES["unknown" if scatter is None else "corrected" if scatter else "moving"]
-    share = of_difference / refinement**2
+    share = of_difference / (refinement**2 - 1)  # what an error of order 2 leaves of itself
     # Where no node slips, nothing scatters: a note says what may be unseen.
     placed = (of_work * dissipation + of_unit) * element**2 if dissipation else 0.0
     return (
         difference * (max(share, 1.0) if plain else share)
         + of_scatter * (scatter or 0.0)
         + placed
-        + _GROWN * mesh.growth * dissipation
+        + _GROWN * mesh.growth**4 * dissipation
     )
 
 

@@ -141,7 +141,7 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(tmp_path: Path, monkeyp
     assert steps > 1e-5 * work
     scatter = runs[-1].excess[-1].scatter * unit
     assert scatter > 1e-4 * work
-    of_mesh = apart / refinement**2 + 0.15 * scatter + 0.1 * work / 32**2 + 1.5e-4 * ROUGH.growth * work
+    of_mesh = apart / (refinement**2 - 1) + 0.15 * scatter + 0.1 * work / 32**2 + 0.01875 * ROUGH.growth**4 * work
     assert solution.dissipation_uncertainty == pytest.approx(steps + of_mesh, rel=1e-9)
     assert any(f" ± {solution.dissipation_uncertainty:.2g} (" in value for _, value in summary_rows(solution))
     solution.save(tmp_path / "one.nc")
