@@ -1,9 +1,9 @@
-r"""Edges between nodes: by how much W of a revolution is off because edges of contact and stick go from node to node.
+r"""Edges between nodes: what W of a revolution has in excess because edges of contact and stick go from node to node.
 
-While a set of nodes is in contact the forces are linear in P, and while a set sticks they are linear in Q: along the loads the
-discrete answer is a chain of chords with a corner wherever a node touches or starts to slide, and the true one is the smooth curve
-that it follows. Near the edge, where each is a root in the distance from it, there is one such chain for all contacts: over the way
-e of the edge, in elements, the chords are off the curve by A g(e),
+While a set of nodes is in contact the forces are linear in P. While a set sticks they are linear in Q. Along the loads the discrete
+answer is a chain of chords, with a corner wherever a node touches or starts to slide. The true answer is the smooth curve that the
+chain follows. Near an edge all tractions are roots of the distance from it, so that all chains have one form. Let e be the place of
+the edge, in elements. The chords exceed the curve by A g(e),
 
     g = v_k + (v_l - v_k) t - d^2 t (1 - t)/2,    t = (e - e_k)/d,
 
@@ -13,9 +13,9 @@ mid-side node. The mean of g is zero. Then D and the difference V of the two val
 
     v_mid + v_corner = [D^3 + (1 - D)^3]/6,    j_mid = 1/2 + V [1/D + 1/(1 - D)] = 1 - j_corner.
 
-How far the edge is from its last node towards the next follows from the answer: of two distances, in the load that moves the edge,
-one is slip (or pressure) of the last node over its rate, the other what the next one lacks of the cone (or its gap) over its rate.
-The corner itself is the jump of the rates, so that A is known too.
+The place of the edge follows from the answer, as two distances in the load that moves it. The way from the last node is its slip
+(or pressure) over the rate. The way to the next node is what that lacks of the cone (or its gap) over the rate. The corner is the
+jump of the rates, which gives A.
 
 While an edge moves on, g has no mean. What counts is where edges stand:
 
@@ -71,7 +71,7 @@ class Excess(NamedTuple):
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     """What edges between nodes add to the dissipation of a revolution with these states, the one before it the first.
 
-    None of the edges counts that ends a zone of two nodes or less, or lies in elements that are not quadratic and of one size.
+    An edge counts if its zones have three nodes or more, and if the elements around it are quadratic and of one size.
     """
     nothing = Excess(0.0, 0.0, 0)
     if not problem.tangential:
@@ -90,6 +90,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         for number, one in enumerate(found):
             if one is not None:  # the two edges of a zone mostly stand alike in their elements
                 value, scatter[number], edges = value + one[0], scatter[number] + one[1], edges + 1
+    problem.work["edges between nodes, taken off the dissipation"] += edges
     return Excess(value, math.hypot(*scatter), edges)
 
 
@@ -98,8 +99,8 @@ def _at_stick_edge(
 ) -> tuple[float, float] | None:
     """Work in excess and its rms over places, at the edge of permanent stick on that side of x = 0.
 
-    Both turns have their share: what a node beside the edge lacks of the cone at one of them it may have at the other, by what is
-    locked in, so that the distances to it count together.
+    Locked-in shear brings a node beside the edge nearer to the cone at one turn, and further from it at the other. So its distances
+    at both turns are added.
     """
     first, last = (int(np.flatnonzero(sticks)[number]) for number in ((0, -1) if side > 0 else (-1, 0)))
     node, opposite = last + side, first - side
@@ -122,7 +123,9 @@ def _at_stick_edge(
         if np.count_nonzero(beyond[node:] if side > 0 else beyond[: node + 1]) < _ZONE - 1:
             return None
         by_load = nodal(problem.rates(slides, len(loads))[1])
-        way = moved / abs(by_load[0][node]), lacks / abs(problem.friction * by_load[1][last] - sign * by_load[2][last])
+        way = _way(moved, by_load[0][node]), _way(lacks, problem.friction * by_load[1][last] - sign * by_load[2][last])
+        if not 0 < sum(way) < math.inf:
+            return None
         share, unit = _chord(problem, node, True, way[0] / sum(way), sum(way))
         both = (node, opposite) if 0 <= opposite < len(beyond) and beyond[opposite] else (node,)
         jump = _jump(lambda one: nodal(problem.rates(one, len(loads))[1])[0], slides, both, STICK)
@@ -155,7 +158,9 @@ def _at_contact_edge(
         if not one.whole or not _regular(problem, node) or not 0 <= after < len(moved):
             return None
         _, pressed, _, opened = by_load(one.state)
-        way = one.pressure[node] / abs(pressed[node]), one.gap[after] / abs(opened[after])
+        way = _way(one.pressure[node], pressed[node]), _way(one.gap[after], opened[after])
+        if not 0 < sum(way) < math.inf:
+            return None
         ends = np.array([way[0], way[0] + other.normal_load - one.normal_load]).clip(0.0, sum(way)) / sum(way)
         share, unit = _chord(problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way))
         opposite = int(closed[0 if side > 0 else -1])
@@ -165,6 +170,11 @@ def _at_contact_edge(
         works[node] = works.get(node, 0.0) + abs(work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return value, max(works.values(), default=0.0) * _RMS
+
+
+def _way(distance: float, rate: float) -> float:
+    """How much load takes a node that far; infinite where load does not move it."""
+    return float(distance) / abs(float(rate)) if rate else math.inf
 
 
 def _jump(rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], back: int) -> Array:

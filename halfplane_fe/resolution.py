@@ -123,23 +123,24 @@ _LEAST_REFINEMENT = 1.4
 
 
 def uncertainty(
-    dissipation: float, difference: float, refinement: float, mesh: MeshSettings, scatter: float | None, plain: bool
+    dissipation: float, difference: float, coarse: float, mesh: MeshSettings, scatter: float | None, plain: bool
 ) -> float:
     """Share of the mesh in the uncertainty of W over A f^2 P^2; NaN on a mesh hardly finer than that of the coarse run.
 
     Parameters
     ----------
     dissipation, difference : W, and by how much that of the coarse run is off it, over A f^2 P^2
-    refinement : element of the coarse run over that of the answer
+    coarse : element of the coarse run, over the half-width
     scatter : rms of what edges between nodes add to W, over A f^2 P^2; 0 where none stands, None where that is not known
     plain : linear elements or a penalty layer, whose errors are not of order 2: the whole difference counts
 
-    >>> round(uncertainty(0.1, 0.01, 10.0, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12)
+    >>> round(uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12)
     0.000106510101
     """
+    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
+    refinement = coarse / element
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
-    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     of_difference, of_scatter, of_work, of_unit = _SHARES["unknown" if scatter is None else "corrected" if scatter else "moving"]
     share = of_difference / (refinement**2 - 1)  # what an error of order 2 leaves of itself
     # Where no node slips, nothing scatters: a note says what may be unseen.

@@ -335,7 +335,6 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
         return 0.0
     first, excess = (run.cycle_starts[-1], run.excess[-1]) if run.cycle_starts else (0, None)
     plain = mesh.order == 1 or settings.method == "penalty"
-    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     coarse = scales.dissipation * scales.modulus / scales.load**2
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
@@ -347,9 +346,7 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
         if scatter is not None and shapes_alike(scene)
         else run.column("step_error")[first:].sum()
     )
-    return float(steps) + unit * uncertainty(
-        found / unit, abs(found - coarse) / unit, scales.element / element, mesh, scatter, plain
-    )
+    return float(steps) + unit * uncertainty(found / unit, abs(found - coarse) / unit, scales.element, mesh, scatter, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:

@@ -192,6 +192,7 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
 
     `expected` is the exponent that theory predicts, `step` that by which its series goes on.
     A point takes part where |error| > uncertainty and where it has the sign of the point with the smallest s among these.
+    The point at the largest s is left out, and the next, while logarithms are bent or it moves the exponent out of its interval.
     Intervals have three parts, in quadrature: independent errors of standard deviation u, widened by the root of the misfit where
     that is above 1; an error that all points share, as points cut alike do: what the fit moves by when all errors move by +-u; and
     terms that are left out: what it moves by without the point at the largest s.
