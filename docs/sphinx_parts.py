@@ -16,8 +16,6 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
-from scenes.errors import RENAMED
-
 _TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
 _LISTS = ("Attributes", "Parameters", "Raises")
@@ -120,11 +118,6 @@ def _field(one: Field[Any]) -> str:
     return f"{one.name}={shown if isinstance(one.default, str | int | float | None) else '...'}"
 
 
-def old_names(_app: Sphinx, _what: str, name: str, _obj: Any, skip: bool, _options: Any) -> bool | None:
-    """Leave out names that are read for older scripts only."""
-    return True if name in RENAMED else None
-
-
 def published_pages(app: Sphinx) -> None:
     """Give each page of reports/published a place among the pages, in docs/published, which is not kept."""
     folder = Path(app.srcdir) / "published"
@@ -154,7 +147,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("autodoc-process-signature", signature)
-    app.connect("autodoc-skip-member", old_names)
     app.connect("builder-inited", published_pages)
     app.connect("source-read", links)
     app.connect("autodoc-process-docstring", plain, priority=100)

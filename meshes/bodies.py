@@ -15,7 +15,6 @@ import skfem
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
-from scenes.errors import present_name
 
 Cells = Literal["triangles", "quadrilaterals"]
 
@@ -70,12 +69,6 @@ class MeshSettings:
     def coarse(cls) -> MeshSettings:
         """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/finite_elements.py)."""
         return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
-
-    @classmethod
-    def swift(cls) -> MeshSettings:
-        """The old name of `coarse`."""
-        present_name("swift")
-        return cls.coarse()
 
     @classmethod
     def fine(cls) -> MeshSettings:

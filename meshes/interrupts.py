@@ -12,25 +12,27 @@ _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is none of Windows
 
 @contextmanager
 def interrupts_wait() -> Iterator[Sequence[int]]:
-    """What a Ctrl-C inside raises comes at the end, once; the same of SIGTERM and SIGHUP, where the program hears them.
+    """Hold back Ctrl-C, SIGTERM and SIGHUP until the block ends, then act on the first of them once.
 
-    Yields the signals that came so far, for loops that look there and end early.
+    The signal is acted on whether the block ends well or raises. What the block raised is then the context of what the signal
+    raises. Yields the signals that have come so far, for loops that look there and end early.
 
     Needed where gmsh is at work, whose one global state has to be left in order, or where half of a change would be left (files
     that are moved).
     """
     numbers = [number for name in _NAMES if (number := getattr(signal, name, None)) is not None]
-    heard = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
+    handlers = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
     caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread() or not heard:  # only the main thread is interrupted
+    if threading.current_thread() is not threading.main_thread() or not handlers:  # only the main thread is interrupted
         yield caught
         return
-    for number in heard:
+    for number in handlers:
         signal.signal(number, lambda which, _frame: caught.append(which))
     try:
         yield caught
     finally:
-        for number, handler in heard.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler)
-    if caught:
-        heard[signal.Signals(caught[0])](caught[0], None)
+        if caught:
+            first = signal.Signals(caught[0])
+            handlers[first](first, None)

@@ -2,35 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 # Characters of a sentence, of a value in it.
 _LONGEST, _SHOWN = 2000, 120
-
-RENAMED = {
-    "way_in": "initial_loading",
-    "rigid_shift": "tangential_displacement",
-    "rigid_approach": "normal_approach",
-    "swift": "coarse",
-}
-"""Names of version 0.1 that have changed: read until 0.3, with a DeprecationWarning."""
-
-
-def present_name(name: str) -> str:
-    """The present name for one of `RENAMED`, with a DeprecationWarning; any other name as it is."""
-    if name not in RENAMED:
-        return name
-    warnings.warn(f"{name} is now called {RENAMED[name]}; the old name is read until version 0.3", DeprecationWarning, stacklevel=3)
-    return RENAMED[name]
-
-
-def present_names(data: Any) -> Any:
-    """Keys of nested tables with their present names."""
-    if isinstance(data, dict):
-        return {present_name(key) if isinstance(key, str) else key: present_names(value) for key, value in data.items()}
-    return [present_names(value) for value in data] if isinstance(data, list) else data
 
 
 class InputError(ValueError):

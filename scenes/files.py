@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from scenes.errors import RENAMED, InputError, first_line, in_words, present_names, shown
+from scenes.errors import InputError, first_line, in_words, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -151,7 +151,7 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
         raise InputError(f"{path}: {why}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{path}: {what} is a table of keys, not a {type(data).__name__}")
-    return cast(dict[str, Any], present_names(data))
+    return cast(dict[str, Any], data)
 
 
 def _whole_number(digits: str) -> int:
@@ -212,6 +212,28 @@ def netcdf_of(data: xr.Dataset) -> memoryview:
     return content.getbuffer()
 
 
+def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
+    """InputError where a stored solution is of another format than `newest`; what states no format and no engine is not judged.
+
+    Asked before the variables are looked for: those of another format may have other names.
+    """
+    kind, _, known = newest.rpartition(" ")
+    if "format" not in attributes:
+        if "engine" in attributes:
+            raise InputError(
+                f"{path}: this solution was written by version 0.1, which is read no more; load and save it with halfplane 0.3, "
+                "or solve the scene again"
+            )
+        return
+    stated = str(attributes["format"])
+    stated_kind, _, number = stated.rpartition(" ")
+    if stated_kind == kind and number.isdecimal() and int(number) > int(known):
+        raise InputError(
+            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}'; update halfplane, or solve the "
+            "scene again"
+        )
+
+
 def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> xr.Dataset:
     """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions) there and made of numbers.
 
@@ -232,24 +254,12 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str)
             if unpacked > SOLUTION:
                 most = in_words(SOLUTION)
                 raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most} are read")
-            # Asked first: the variables of a later format may be others. The first format has no such word.
-            (kind, _, known), (same, _, stated) = (
-                words.rpartition(" ") for words in (newest, str(data.attrs.get("format", newest)))
-            )
-            if same == kind and stated.isdecimal() and int(stated) > int(known):
-                raise InputError(
-                    f"{path}: format is '{same} {stated}', of a later version, and this one reads numbers 1 to {known}; update "
-                    "halfplane, or solve the scene again"
-                )
-            old = {new: name for name, new in RENAMED.items()}
-            for present, dimensions in form.items():
-                name = present if present in data.variables else old.get(present, present)
+            _require_format(path, data.attrs, newest)
+            for name, dimensions in form.items():
                 if name not in data.variables:
                     raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
                 variable = data.variables[name]
-                # The names of the first format beside those of the second.
-                found = tuple({"step": "time", "point": "x"}.get(str(name), name) for name in variable.dims)
-                if found != dimensions or variable.dtype.kind not in "fiu":
+                if variable.dims != dimensions or variable.dtype.kind not in "fiu":
                     raise InputError(
                         f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
                         f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Self, TypeVar
+from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -23,12 +23,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, ErrorDetails
 
-from scenes.errors import InputError, present_names, shown
-
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
+from scenes.errors import InputError, shown
 
 _NAMED = 4  # keys at fault beside the first that a refusal names
 
@@ -149,14 +144,7 @@ def _key(fault: ErrorDetails, data: Any) -> str:
     return ".".join(found)
 
 
-class _ReadsOldNames(ModelMetaclass):
-    """The constructor takes old names of keys too; with an `__init__` of our own pydantic would forget that it reads JSON."""
-
-    def __call__(cls, *_nothing: Any, **data: Any) -> Any:
-        return super().__call__(*_nothing, **present_names(data))
-
-
-class Frozen(BaseModel, metaclass=_ReadsOldNames):
+class Frozen(BaseModel):
     """A frozen table of keys. Whatever is put into another table is checked again there, however it was made."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always")
@@ -188,7 +176,7 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
         Traceback (most recent call last):
         scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction? `halfplane schema` lists the keys
         """
-        return checked(type(self), self.merged(present_names(changes)), "vary")
+        return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The keys that were given, those of `changes` in their place; raw, for the check that follows."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes.errors import RENAMED, InputError, first_line, present_name, present_names
+from scenes.errors import InputError, first_line
 from scenes.files import netcdf_of, replace_file, stored_dataset
 from scenes.scene import Scene
 
@@ -218,7 +218,6 @@ class ContactSolution:
     @classmethod
     def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
         """The solution that `to_dataset` wrote."""
-        data = data.rename({str(name): present_name(str(name)) for name in data.variables if name in RENAMED})
         stored = data.attrs
         work = json.loads(stored["work"])
         record = json.loads(stored["record"])
@@ -232,7 +231,7 @@ class ContactSolution:
             values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
         return cls(
             engine=stored["engine"],
-            scene=Scene.model_validate_json(json.dumps(present_names(json.loads(stored["scene"])))),
+            scene=Scene.model_validate_json(stored["scene"]),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(
                 iterations=freeze(data["iterations"].values, np.int64),
@@ -275,11 +274,8 @@ class ContactSolution:
         return import_module("reports.page.notebook").loop_figure(self)
 
     def __dir__(self) -> list[str]:
-        """What tab completion shows: neither old names nor private ones."""
-        return sorted(name for name in super().__dir__() if name not in RENAMED and not name.startswith("_"))
-
-    rigid_shift = property(lambda self: getattr(self, present_name("rigid_shift")), doc="Old name of `tangential_displacement`.")
-    rigid_approach = property(lambda self: getattr(self, present_name("rigid_approach")), doc="Old name of `normal_approach`.")
+        """What tab completion shows: no private names."""
+        return sorted(name for name in super().__dir__() if not name.startswith("_"))
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
@@ -297,7 +293,7 @@ class ContactSolution:
 
 
 FORMAT = "halfplane solution 2"
-"""Of a stored answer. The first had no such word, and `step` and `point` for dimensions; it is read too."""
+"""Of a stored solution. Files of version 0.1 have no such word, and are refused."""
 _ARRAYS = {one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata}
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
 _FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}

@@ -45,7 +45,6 @@ from scenes import (
     freeze,
     scene_of,
 )
-from scenes.errors import present_name
 from semi_analytic.bulk_and_tilt import OneCurve, one_curve, steady_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.fields import Integrals
@@ -121,7 +120,7 @@ def checked(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:
     """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other `cycles` than there are."""
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    wanted = frozenset(present_name(name) for name in ([fields] if isinstance(fields, str) else fields))
+    wanted = frozenset([fields] if isinstance(fields, str) else fields)
     unknown = sorted(wanted - set(FIELDS))
     if unknown:
         raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")

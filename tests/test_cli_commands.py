@@ -45,7 +45,6 @@ COMMANDS = {
     "Machine": ["doctor", "completion", "--help", "--version"],
 }
 NAMES = [name for name in app if not name.startswith("-")]
-KEPT = ROOT / "tests" / "fixtures" / "format1"
 ABAQUS = ROOT / "docs" / "examples" / "score" / "abaqus"
 GOOD = """
 [material]
@@ -219,16 +218,6 @@ def test_what_is_refused_is_one_sentence_with_2_and_no_file(words: str, spoilt: 
     line = refused(spoilt, *shlex.split(words))
     assert REFUSED[words] in line
     assert not REFUSED[words].endswith(("lists them", "takes")) or line == f"halfplane: {REFUSED[words]}"
-
-
-def test_an_old_name_of_a_key_gets_one_note(tmp_path: Path) -> None:
-    """Python shows no DeprecationWarning of a library. Each name once, and only on stderr."""
-    assert halfplane(tmp_path, "init", "old.toml", "--quiet") == Done(0, "", "")
-    text = (tmp_path / "old.toml").read_text(encoding="utf-8")
-    (tmp_path / "old.toml").write_text(text.replace("initial_loading =", "way_in ="), encoding="utf-8")
-    done = halfplane(tmp_path, "check", "old.toml", "--json")
-    assert done.returncode == json.loads(done.stdout)["exit_code"] == 0
-    assert done.stderr == "Note: way_in is now called initial_loading; the old name is read until version 0.3.\n"
 
 
 # ------------------------------------------------------------------------------------------------------------------ help
@@ -579,7 +568,8 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (found["statements"][0]["verdict"], found["misprints"][0]["proven"]) == ("refined", None)
 
     assert said("scenes", "flight")[1]["scenes"][0]["files"] == ["flight.csv", "flight.py"]
-    assert said("diff", str(KEPT / "result.nc"), str(KEPT / "baseline.json"))[1]["same"] is True
+    semi_analytic.solve("cattaneo-mindlin").save(tmp_path / "result.nc")
+    assert said("diff", "result.nc", "result.nc")[1]["same"] is True
 
 
 def test_the_schema_has_every_command_the_manual_every_key_and_another_envelope_is_refused() -> None:
@@ -725,7 +715,8 @@ def test_not_converged_at_once_and_a_reference_that_does_not(said: Any, tmp_path
     assert done.returncode == 3
     assert "no step was solved, so nothing was written" in done.stderr
     assert everything(tmp_path) == set()
-    code, found = said("score", str(KEPT / "result.nc"), "--scene", "cattaneo-mindlin", "--against", "fe", "--quiet")
+    semi_analytic.solve("cattaneo-mindlin").save(tmp_path / "result.nc")
+    code, found = said("score", "result.nc", "--scene", "cattaneo-mindlin", "--against", "fe", "--quiet")
     assert (code, found["passed"], found["file"]) == (3, False, None)
     assert found["error"] == "the reference is not converged: step 3 does not converge"
 

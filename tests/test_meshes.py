@@ -268,6 +268,20 @@ def test_an_interrupt_waits_until_the_end():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_an_interrupt_before_an_error_is_not_lost():
+    """The interrupt ends the program; the error is its context, not the other way round."""
+
+    def interrupted_and_failed():
+        with interrupts_wait():
+            os.kill(os.getpid(), signal.SIGINT)
+            raise OSError("no room")
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        interrupted_and_failed()
+    assert isinstance(caught.value.__context__, OSError)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(monkeypatch):
     given = gmsh.model.mesh.generate
 

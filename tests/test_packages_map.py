@@ -45,7 +45,7 @@ def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() 
     assert set(dir(scene.friction)) == {"coefficient", "vary"}
     assert {*type(scene).model_fields, "save", "vary"} <= set(dir(scene))
     assert {"pressure", "dissipation", "to_dataset", "plot"} <= set(dir(solution))
-    hidden = {"model_dump", "copy", "merged", "rigid_shift", "rigid_approach"}
+    hidden = {"model_dump", "copy", "merged"}
     assert not [name for name in (*dir(scene), *dir(scene.load), *dir(solution)) if name.startswith("_") or name in hidden]
 
 

@@ -18,13 +18,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import semi_analytic
-from meshes import MeshSettings
 from reports.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
     Bodies,
-    ContactSolution,
     Cylinder,
     HalfPlane,
     InputError,
@@ -550,7 +547,6 @@ TREES = st.recursive(SIMPLE, lambda inner: st.lists(inner, max_size=3) | st.dict
 KEYS = st.sampled_from(["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"])
 
 
-@pytest.mark.filterwarnings("ignore:.* is now called:DeprecationWarning")  # a key may be an old name by chance
 @settings(max_examples=50)
 @given(place=st.lists(KEYS, max_size=2), value=TREES)
 def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
@@ -568,21 +564,3 @@ def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
     except InputError as sentence:
         answer = str(sentence)
     assert isinstance(answer, Scene) or str(answer).startswith(f"{file}: ")
-
-
-def test_names_of_the_version_before_are_read_with_a_warning(tmp_path: Path) -> None:
-    """A scene key, a preset, fields and a saved answer of 0.1: read, with one DeprecationWarning that gives the new name."""
-    scene = load_scene("hertz-paper")
-    with pytest.warns(DeprecationWarning, match="way_in is now called initial_loading"):
-        assert scene.vary(load={"way_in": [[50.0, 0.0]]}).load.initial_loading == ((50.0, 0.0),)
-    with pytest.warns(DeprecationWarning, match="swift is now called coarse"):
-        assert MeshSettings.swift() == MeshSettings.coarse()
-    with pytest.warns(DeprecationWarning, match="rigid_shift is now called tangential_displacement"):
-        answer = semi_analytic.solve(scene, x=[0.0], time=[4.0], fields=("rigid_shift",))
-    with pytest.warns(DeprecationWarning, match="rigid_shift is now called"):
-        assert answer.rigid_shift == answer.tangential_displacement != 0
-    names = {"tangential_displacement": "rigid_shift", "normal_approach": "rigid_approach"}
-    answer.to_dataset().rename(names).to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
-    with pytest.warns(DeprecationWarning, match="is now called"):
-        again = ContactSolution.load(tmp_path / "old.nc")
-    assert again.tangential_displacement == answer.tangential_displacement

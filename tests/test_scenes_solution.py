@@ -76,6 +76,18 @@ def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
     assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("time",)
 
 
+def test_a_file_of_another_format_is_refused_before_its_variables_are_looked_for(tmp_path):
+    """Variables of another format may have other names, so a missing one must not be what is reported."""
+    data = small_solution().to_dataset().drop_vars("slip")
+    later = data.assign_attrs(format="halfplane solution 3")
+    first = data.copy()
+    del first.attrs["format"]
+    for name, stored, rule in (("later.nc", later, "of a later version"), ("first.nc", first, "was written by version 0.1")):
+        stored.to_netcdf(tmp_path / name, engine="h5netcdf")
+        with pytest.raises(InputError, match=rf"{name}: .*{rule}"):
+            ContactSolution.load(tmp_path / name)
+
+
 def test_dataset_has_units_long_names_and_coordinates(tmp_path):
     """Of every variable, in the scene's own units; they and the selection by place survive a file."""
     solution = replace(small_solution(), scene=load_scene("hertz-paper").vary(units="kN, mm, GPa"))

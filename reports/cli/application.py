@@ -17,7 +17,6 @@ import tempfile
 import textwrap
 import time
 import traceback
-import warnings
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
@@ -644,31 +643,11 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
         if strange := next((token for token in tokens if any("\ud800" <= sign <= "\udfff" for sign in token)), ""):
             encoding = sys.getfilesystemencoding()
             return _refused(f"{strange}: this is no text in {encoding}; name it otherwise, or set PYTHONUTF8=1 if it is UTF-8")
-        with _old_names_shown():
-            return int(app(tokens) or WITHIN)
+        return int(app(tokens) or WITHIN)
     except KeyboardInterrupt as stop:
         return _interrupted(str(stop))
     except Exception as fault:  # noqa: BLE001 (the outermost door: nothing may leave it but an exit code)
         return _said(fault, tokens, received)
-
-
-@contextmanager
-def _old_names_shown() -> Generator[None, None, None]:
-    """Each old name of a key that is read, in one line on stderr: Python itself shows no DeprecationWarning of a library."""
-    shown: set[str] = set()
-    with warnings.catch_warnings():
-        others = warnings.showwarning
-
-        def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-            if not (issubclass(category, DeprecationWarning) and " is now called " in str(message)):
-                others(message, category, *place, **more)
-            elif str(message) not in shown:
-                shown.add(str(message))
-                complain(f"Note: {message}.")
-
-        warnings.filterwarnings("always", ".* is now called ", DeprecationWarning)
-        warnings.showwarning = show
-        yield
 
 
 def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:

@@ -19,7 +19,7 @@ from reports.comparison.laws import OF_UNSYMMETRIC
 from reports.comparison.metrics import Verdict, energy_scale, verdict_on
 from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
-from scenes.errors import first_line, present_names
+from scenes.errors import first_line
 from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
@@ -105,6 +105,8 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
         raise InputError(f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {kinds}")
     if int(found[2]) > _NEWEST:
         raise InputError(f"{source}: format is {stated!r}, of a later version; update halfplane, or run the scene again")
+    if int(found[2]) < _NEWEST:
+        raise InputError(f"{source}: format is {stated!r}, of version 0.1; convert it with halfplane 0.3, or run the scene again")
     try:
         return _read(found[1], content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
@@ -115,7 +117,7 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
     """Of content of that kind; whatever is missing or no number raises."""
-    scene, figures = Scene.model_validate(present_names(content["scene"])), dict[str, float | None]()
+    scene, figures = Scene.model_validate(content["scene"]), dict[str, float | None]()
     answers, tolerances, engines, unfinished = dict[str, Mapping[str, Any]](), {}, {}, []
     if kind == "baseline":
         figures = {str(key): _number(value) for key, value in content["figures"].items()}

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from reports.checking import require_admissible
 from reports.sweep.solving import Question, check_figures
 from reports.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
-from scenes.errors import present_name
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked, neglected
 
@@ -231,11 +230,6 @@ class Study(Frozen):
     samples: int = Field(0, ge=0, le=1_000_000)
     seed: int = Field(0, ge=0)
     preset: Literal["default", "coarse", "fine"] = "default"
-
-    @field_validator("preset", mode="before")
-    @classmethod
-    def _present_preset(cls, preset: Any) -> Any:
-        return present_name(preset) if isinstance(preset, str) else preset
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
