@@ -58,7 +58,7 @@ _BENT = 0.2
 _BEYOND = 1.5
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class FiniteElementSolution(ContactSolution):
     """A ContactSolution that also carries its bodies and interface states.
 

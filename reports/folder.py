@@ -131,7 +131,12 @@ MANIFEST = "manifest.json"
 _PAGE = "report.html"
 # Files are moved in milliseconds: who has not done so after so many seconds is stopped.
 _PATIENCE = 60.0
-_RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+
+
+def files_of_a_solution(name: str) -> tuple[str, ...]:
+    """The files that hold one solution, `name` being that of its engine, or "partial"."""
+    return (MANIFEST, "run.log", "scene.json", *(f"{name}.{kind}" for kind in ("nc", "json", "csv")))
 
 
 # The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
@@ -151,7 +156,7 @@ def default_folder(name: str) -> Path:
     return Path("out") / (re.sub(r"[^\w.-]+", "-", name).strip("-.") or "scene")
 
 
-def claim(out: str | Path, names: Iterable[str] = _RESULTS) -> Path:
+def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
     """`out` as a path that results can be written to; it is not made yet. What killed runs left in it and beside it is removed.
 
     `names` are files that will be written there.

@@ -49,7 +49,7 @@ def _stored(words: str, over: str, unit: str = "") -> dict[str, Any]:
     return {"words": words, "over": tuple(over.split()), "unit": unit}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Record:
     """How a solution came about.
 
@@ -77,6 +77,9 @@ class Record:
     energy: Mapping[str, Array] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     errors: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Record({self.termination!r}, {int(self.iterations.sum())} iterations, {len(self.notes)} notes)"
 
 
 @dataclass(frozen=True)
@@ -180,6 +183,25 @@ class ContactSolution:
         if self.steady_from is not None:
             return 0.0
         return float((found[1] - found[0]) / found[1]) if len(found) == 2 and found[1] > 0 else float("nan")
+
+    def __repr__(self) -> str:
+        """Five lines: whose answer to what, how it ended, its size, its contact, its dissipation."""
+        force, length, _ = self.scene.unit_words
+        name = self.scene.name or self.scene.title or "a scene"
+        half_width = np.nanmax(self.contact_half_width, initial=0.0)
+        span = "whole path" if self.scene.load.path().period is None else "last cycle"
+        uncertainty = self.dissipation_uncertainty
+        bounds = "" if np.isnan(uncertainty) else f" ± {uncertainty:.2g}"
+        return "\n".join(
+            (
+                f"{type(self).__name__} of {name!r} by {self.engine}",
+                f"  ended: {self.record.message}",
+                f"  {len(self.time)} instants, {len(self.x)} surface points",
+                f"  largest half-width {half_width:.6g} {length}, permanent stick half-width "
+                f"{self.permanent_stick_half_width:.6g} {length}",
+                f"  dissipation of the {span} {self.dissipation:.6g}{bounds} {force}·{length}/{length}",
+            )
+        )
 
     def to_dataset(self) -> xr.Dataset:
         """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse is `from_dataset`."""

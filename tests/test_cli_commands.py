@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,10 @@ SPOILT = {
     "file": "mine",
     "taken/report.html": "mine",
     "taken/README.md": "mine",
+    "solved/semi_analytic.csv": "mine",
+    "solved/halfplane_fe.nc": "mine",
+    "solved/partial.json": "mine",
+    "solved/hertz-paper_calculix.inp": "mine",
     "folder.toml/empty": "",
     "far.toml": (ABAQUS / "mapping.toml").read_text(encoding="utf-8").replace("1.4978", "14.978"),
     "tiny.toml": "factors.load = 1e-300",
@@ -142,6 +147,10 @@ REFUSED = {
     "run hertz-paper --out /proc/halfplane": "can't be written to",
     "run hertz-paper --out file/below": "can't be written to",
     "run hertz-paper --out taken": "report.html is there already",
+    # Without --quiet: stages would be announced on stderr, and the refusal is its only line.
+    "exact hertz-paper --out solved": "is there already and halfplane did not write it",
+    "fe hertz-paper --out solved": "is there already and halfplane did not write it",
+    "export hertz-paper --to calculix --out solved": "hertz-paper_calculix.inp is there already and halfplane did not write it",
     # As of --out "$FOLDER" where that is not set: results went to the current folder.
     **{f"exact hertz-paper --out{empty}": "one of the arguments is empty" for empty in ("=", " ''")},
     f"exact hertz-paper --out {300 * 'x'}": "File name too long",
@@ -719,6 +728,23 @@ def test_not_converged_at_once_and_a_reference_that_does_not(said: Any, tmp_path
     code, found = said("score", "result.nc", "--scene", "cattaneo-mindlin", "--against", "fe", "--quiet")
     assert (code, found["passed"], found["file"]) == (3, False, None)
     assert found["error"] == "the reference is not converged: step 3 does not converge"
+
+
+def test_a_warning_of_a_library_is_one_line_without_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However often it is given; the command goes on."""
+    solve = semi_analytic.solve
+
+    def warned(*given: Any, **named: Any) -> Any:
+        for _ in range(2):
+            warnings.warn("invalid value encountered\nin something", RuntimeWarning, stacklevel=1)
+        return solve(*given, **named)
+
+    monkeypatch.setattr("semi_analytic.solve", warned)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        done = halfplane(tmp_path, "exact", "full-stick", "--quiet")
+    assert done.returncode == 0
+    assert done.stderr == "halfplane: warning: invalid value encountered in something (RuntimeWarning)\n"
 
 
 # ----------------------------------------------------------------------------------------------------------- exit code 70

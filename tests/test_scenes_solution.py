@@ -133,6 +133,18 @@ def test_figures_of_a_solution():
             draw()
 
 
+@pytest.mark.parametrize("scene_name", ["hertz-paper", "hertz-normal", "dovetail-in-phase", "unload-reload"])
+def test_a_printed_solution_has_five_lines(scene_name):
+    """With the numbers that a reader asks for first, and none of the arrays."""
+    solution = semi_analytic.solve(scene_name)
+    lines = repr(solution).splitlines()
+    assert len(lines) == 5
+    assert max(map(len, lines)) <= 120
+    assert f"{solution.dissipation:.6g}" in lines[-1]
+    assert scene_name in lines[0]
+    assert len(repr(solution.record)) < 80
+
+
 def test_a_solution_is_frozen():
     solution, mine = small_solution(), np.ones(3)
     for name in ARRAYS:

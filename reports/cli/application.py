@@ -17,6 +17,7 @@ import tempfile
 import textwrap
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
@@ -643,11 +644,28 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
         if strange := next((token for token in tokens if any("\ud800" <= sign <= "\udfff" for sign in token)), ""):
             encoding = sys.getfilesystemencoding()
             return _refused(f"{strange}: this is no text in {encoding}; name it otherwise, or set PYTHONUTF8=1 if it is UTF-8")
-        return int(app(tokens) or WITHIN)
+        with _warnings_in_sentences():
+            return int(app(tokens) or WITHIN)
     except KeyboardInterrupt as stop:
         return _interrupted(str(stop))
     except Exception as fault:  # noqa: BLE001 (the outermost door: nothing may leave it but an exit code)
         return _said(fault, tokens, received)
+
+
+@contextmanager
+def _warnings_in_sentences() -> Generator[None, None, None]:
+    """Each warning of a library once, as one line on stderr, without the path and the line of its source."""
+    shown: set[str] = set()
+
+    def show(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
+        sentence = f"halfplane: warning: {_one_line(str(message))} ({category.__name__})"
+        if sentence not in shown:
+            shown.add(sentence)
+            complain(sentence)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:

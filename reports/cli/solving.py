@@ -53,7 +53,10 @@ class Job:
 
 
 def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
-    """A command that reads a scene, claims a folder and does its work; what was solved before a failure is kept there."""
+    """A command that reads a scene, claims a folder and does its work; what was solved before a failure is kept there.
+
+    A file of somebody else in the folder is refused before anything is solved: `_written_by` knows what the command will write.
+    """
 
     @wraps(work)
     def command(scene: str, options: Options) -> Answer:
@@ -62,7 +65,8 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
         from scenes import ConvergenceError, InputError, Interrupted
 
         source, stages, found = scene, Stages(options.quiet), read(scene)
-        folder = claim(options.out or default_folder(found.name))
+        folder = options.out or default_folder(found.name)
+        folder = claim(folder, _written_by(work.__name__, found, options))
         try:
             return work(Job(source, found, options, folder, stages))
         except InputError as fault:
@@ -86,6 +90,29 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             return Answer(NOT_CONVERGED, shown, lambda: {"passed": False, "error": sentence, "file": file}, found.name)
 
     return command
+
+
+def _written_by(command: str, scene: Scene, options: Options) -> tuple[str, ...]:
+    """Files that a command writes to its folder, whatever comes of it; what failed or was interrupted leaves "partial"."""
+    from reports.folder import RESULTS, files_of_a_solution
+
+    partial = files_of_a_solution("partial")
+    if command == "exact":
+        return (*files_of_a_solution("semi_analytic"), *partial)
+    if command == "fe":
+        return (*files_of_a_solution("halfplane_fe"), *partial)
+    if command == "export":
+        return (deck_file(scene, options),)
+    if command == "run":  # of a scene that one engine alone takes, the answer of that one
+        return (*RESULTS, *files_of_a_solution("semi_analytic"), *files_of_a_solution("halfplane_fe"), *partial)
+    return (*RESULTS, *partial)
+
+
+def deck_file(scene: Scene, options: Options) -> str:
+    """Name of the deck that `export` writes."""
+    from reports.folder import default_folder
+
+    return f"{default_folder(scene.name).name}_{options.to}.inp"
 
 
 def load_engines(stages: Stages) -> None:
@@ -532,7 +559,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
 @at_work
 def export(job: Job) -> Answer:
     """The bodies and the load history as an input deck."""
-    from reports.folder import default_folder, filled
+    from reports.folder import filled
 
     scene, options, stages = job.scene, job.options, job.stages
     with stages.stage("loading"):
@@ -543,7 +570,7 @@ def export(job: Job) -> Answer:
         deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
     # The deck's first comment: where it lies is nobody's business.
     text = deck_text(deck, options.to, job.command("export").rpartition(" --out ")[0], versions())
-    file = f"{default_folder(scene.name).name}_{options.to}.inp"
+    file = deck_file(scene, options)
     with filled(job.folder, fresh=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
     found = {

@@ -108,6 +108,10 @@ class Comparison(Pair):
         """The metrics of the second table."""
         return tuple(metric for metric in self.metrics if not metric.definition.headline)
 
+    def __repr__(self) -> str:
+        """Who was compared, and the table of `summary`."""
+        return f"Comparison of {self.result.engine} with {self.reference.engine}\n{self.summary()}"
+
     def _repr_html_(self) -> str:
         """For a notebook."""
         return Report(self)._repr_html_()
@@ -141,6 +145,11 @@ class Report:
     diagnoses: tuple[Diagnosis, ...] = ()
     study: Study | None = None
     third: ThirdSolver | None = None
+
+    def __repr__(self) -> str:
+        """Who was compared, and the table of `summary`."""
+        comparison = self.comparison
+        return f"Report on {comparison.result.engine} against {comparison.reference.engine}\n{self.summary()}"
 
     @property
     def honest(self) -> str:
