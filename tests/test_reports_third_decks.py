@@ -502,7 +502,7 @@ class TestCalculix:
         ],
     )
     def test_tractions_and_work_are_those_of_theory(self, name: str, limits: dict[str, float]) -> None:
-        third = solve_with_calculix(load_scene(name), DeckSettings(cycles=1), 900.0, Stages(quiet=True))
+        third = solve_with_calculix(load_scene(name), DeckSettings(cycles=1), Stages(quiet=True))
         assert not third.failure
         comparison: Any = third.comparison
         for key, limit in limits.items():
@@ -510,7 +510,9 @@ class TestCalculix:
         result = comparison.result
         assert np.allclose(result.normal_load[1:], comparison.scene.load.path().at(result.time[1:])[0], rtol=2e-3)
 
-    def test_run_leaves_three_columns_and_a_time_limit_the_rest(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_run_leaves_three_columns_and_a_time_limit_the_rest(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         out = tmp_path / "out"
         words = ["run", "hertz-normal", "--third", "calculix", "--out", str(out), "--quiet"]
         assert cli.main(words) in (0, 1)
@@ -524,7 +526,8 @@ class TestCalculix:
         assert "A third solver" in (out / "report.html").read_text(encoding="utf-8")
         assert (out / "third.nc").exists()
         late = tmp_path / "late"
-        assert cli.main([*words[:-2], str(late), "--quiet", "--third-limit", "1"]) == 3
+        monkeypatch.setattr("reports.third.calculix.TIME_LIMIT", 1.0)
+        assert cli.main([*words[:-2], str(late), "--quiet"]) == 3
         assert "time limit of 1 s" in capsys.readouterr().err.replace("\n", " ")
         assert "time limit" in json.loads((late / "third.json").read_text(encoding="utf-8"))["failure"]
         assert not (late / "third.nc").exists()

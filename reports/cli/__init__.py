@@ -7,7 +7,7 @@
     results.py       score, diff, advise
     studies.py       sweep, sweep status, sweep report, map
     scene_files.py   init, check, scenes, schema
-    machine.py       doctor, completion
+    machine.py       doctor
 
 The modules of commands are imported when one of their commands is called: `halfplane --help` loads nothing heavy.
 """

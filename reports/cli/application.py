@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 FORMAT = "halfplane answer 2"
 _MESH = Group("Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2)
 _SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
-_SCENE = Group("Scene (what is left out stays as in the example; N, mm, MPa)", sort_key=2)
 
 
 def _whole(_: type, tokens: Sequence[Token]) -> int:
@@ -85,10 +84,6 @@ def _solver(words: str) -> Words:
     return Words(group=_SOLVER, help=words)
 
 
-def _key(words: str) -> Words:
-    return Words(group=_SCENE, help=words)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Every option; one that is left out, or that the command does not take, has its default, None being the engine's own."""
@@ -112,12 +107,6 @@ class Options:
     ] = None
     steps_per_cycle: Annotated[_Count | None, _solver("Steps of a revolution; turning points come on top.")] = None
     step_tolerance: Annotated[float | None, _solver("Error of a revolution's steps over W above which steps are halved.")] = None
-    normal_stiffness: Annotated[float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")] = (
-        None
-    )
-    tangential_stiffness: Annotated[
-        float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")
-    ] = None
     max_iterations: Annotated[_Count | None, _solver("Of one step, before it counts as not converged.")] = None
     # run, score, diff
     tolerance: Annotated[
@@ -126,13 +115,11 @@ class Options:
     budget: Annotated[bool | None, _says("Measure where the difference comes from: coarser meshes, other far fields.")] = None
     vtu: Annotated[tuple[str, ...], _several('Write both bodies for ParaView at these times, or at "events".')] = ()
     stress: Annotated[tuple[str, ...], _several('Show von Mises stress on the page at these times, or at "events".')] = ()
-    pdf: Annotated[bool, Words(negative="", show=False)] = False
     plots: Annotated[
         tuple[Literal["pdf", "svg", "png"], ...],
         _several("Every figure as a file of publication quality too, in plots/: pdf svg png."),
     ] = ()
     third: Annotated[Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")] = None
-    third_limit: Annotated[float | None, _says("Seconds until the third solver is stopped; 1800 if left out.")] = None
     scene: Annotated[str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")] = None
     as_: Annotated[
         Literal["tractions", "loop"],
@@ -178,20 +165,10 @@ class Options:
         str, _says("Copy this library scene, with the files it reads, instead of the commented example.", "--from")
     ] = ""
     bodies: Annotated[bool, _flag("The example with a block and a pad in place of half-planes.")] = False
-    title: Annotated[str | None, _key("A line about the scene.")] = None
-    profile: Annotated[Literal["hertz", "flat_rounded"] | None, _key("A parabola, or flat with rounded edges.")] = None
-    radius: Annotated[float | None, _key("Relative radius of the profile or its edges, mm.")] = None
-    flat_half_length: Annotated[float | None, _key("Half the flat of flat_rounded, mm.")] = None
-    young_modulus: Annotated[float | None, _key("Of both bodies, MPa.")] = None
-    poisson_ratio: Annotated[float | None, _key("Of both bodies.")] = None
-    friction: Annotated[float | None, _key("Coulomb's coefficient.")] = None
-    mean_normal_load: Annotated[float | None, _key("P0 of P0 + P1 cos t, N/mm.")] = None
-    normal_amplitude: Annotated[float | None, _key("P1, N/mm.")] = None
-    mean_tangential_load: Annotated[float | None, _key("Q0 of Q0 + Q1 cos(t - phase), N/mm.")] = None
-    tangential_amplitude: Annotated[float | None, _key("Q1, N/mm.")] = None
-    phase_degrees: Annotated[float | None, _key("Lag of Q behind P.")] = None
+    profile: Annotated[
+        Literal["hertz", "flat_rounded"], _says("Profile of the example: a parabola, or flat with rounded edges.")
+    ] = "hertz"
     tag: Annotated[tuple[str, ...], _says("Only scenes that have this tag; again for scenes that have all of them.")] = ()
-    answers: Annotated[bool, _flag("That of what --json prints, in place of a scene file's.")] = False
 
     def given(self, names: Iterable[str]) -> dict[str, Any]:
         """Name -> value, of those that are not None."""
@@ -232,7 +209,6 @@ _NAMES = [one.name for one in fields(Options)]
 _OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
 _FINITE_ELEMENTS = dict.fromkeys(_NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]).keys()
-KEYS = dict.fromkeys(_NAMES[_NAMES.index("title") : _NAMES.index("phase_degrees") + 1]).keys()
 WORKERS = ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")
 
 
@@ -270,7 +246,7 @@ _COMMANDS = (
     _Command(
         "Solve", "run", "Both engines on one scene: verdict, page and data.",
         "solving:run", (_SCENE_NAME,),
-        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "pdf", "plots", "third", "third_limit", *_FINITE_ELEMENTS),
+        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "plots", "third", *_FINITE_ELEMENTS),
     ),
     _Command(
         "Solve", "exact", "Half-plane theory alone: summary, NetCDF and CSV, no page.", "solving:exact", (_SCENE_NAME,), _OUTPUT
@@ -337,7 +313,7 @@ _COMMANDS = (
     ),
     _Command(
         "Scenes", "init", "Write a commented scene to start from, never over a file that exists.",
-        "scene_files:init", (_Operand("file", Path, "New file, ending in .toml."),), ("start", "bodies", "quiet", *KEYS),
+        "scene_files:init", (_Operand("file", Path, "New file, ending in .toml."),), ("start", "bodies", "profile", "quiet"),
         {"quiet": "Print nothing."}, silent=True,
     ),
     _Command(
@@ -351,17 +327,11 @@ _COMMANDS = (
         ("tag", "json"),
     ),
     _Command(
-        "Scenes", "schema", "The JSON schema of a scene file, for editors; or that of the answers of --json.",
-        "scene_files:schema", (), ("answers",),
+        "Scenes", "schema", "The JSON schema of a scene file, for editors.", "scene_files:schema", (), (),
     ),
     _Command(
         "Machine", "doctor", "Can this machine do the work?", "machine:doctor", (), _OUTPUT,
         {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT}, silent=True,
-    ),
-    _Command(
-        "Machine", "completion",
-        'A script that completes commands and options: eval "$(halfplane completion bash)" in ~/.bashrc.',
-        "machine:completion", (_Operand("shell", Literal["bash", "zsh", "fish"], "The shell that is to complete words."),), (),
     ),
 )  # fmt: skip
 

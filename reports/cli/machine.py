@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from platform import machine as processor
 from platform import python_version, system
-from typing import Literal
 
 from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
 from reports.console import Sheet
@@ -53,14 +52,6 @@ def doctor(options: Options) -> Answer:
     checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
     rows = [(one.name, "yes" if one.good else "no", one.found) for one in findings]
     return Answer(code, [Sheet("Doctor", ("check", "good", "found"), rows)], lambda: {"passed": code == WITHIN, "checks": checks})
-
-
-def completion(shell: Literal["bash", "zsh", "fish"], _: Options) -> Answer:
-    """The script on stdout, to the letter: a shell reads it."""
-    from reports.cli.application import app
-
-    sys.stdout.write(app.generate_completion(shell=shell))
-    return Answer(WITHIN)
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:

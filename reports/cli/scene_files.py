@@ -5,15 +5,14 @@ from __future__ import annotations
 import json
 import os
 import re
-import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from reports.cli.application import KEYS, WITHIN, Answer, Options, answer_schema
+from reports.cli.application import WITHIN, Answer, Options
 from reports.cli.solving import load_engines, read
 from reports.console import Stages, width
 
@@ -31,27 +30,17 @@ def init(file: Path, options: Options) -> Answer:
     """Write a scene file: a copy of a library scene, or the commented example with the values given as options."""
     from scenes import InputError, scene_companions, scene_text
 
-    start, given = options.start, options.given(KEYS)
-    if start and (options.bodies or given):
-        word = "--bodies" if options.bodies else "--" + next(iter(given)).replace("_", "-")
+    start = options.start
+    if start and (options.bodies or options.profile != "hertz"):
+        word = "--bodies" if options.bodies else "--profile"
         raise InputError(f"{word}: it goes with the commented example, not with --from; leave one of the two out")
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
-    if "flat_half_length" in given and given.get("profile") != "flat_rounded":
-        raise InputError("--flat-half-length: it goes with --profile flat_rounded; say that too, or leave this out")
     _refuse_taken(file)
-    text = scene_text(start) if start else example(options.bodies, given)
+    text = scene_text(start) if start else example(options.bodies, options.profile)
     beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
     if taken := next((path for path in beside if path.exists()), None):
         raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
-    if not start:
-        with tempfile.TemporaryDirectory() as folder:
-            trial = Path(folder) / file.name
-            trial.write_text(text, encoding="utf-8")
-            try:
-                read(str(trial))
-            except InputError as fault:
-                raise InputError(str(fault).replace(str(trial), str(file))) from None
     with ExitStack() as undo:
         for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
             try:
@@ -78,25 +67,16 @@ def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
         raise InputError(f"{path}: the file is there already and stays as it is; name another")
 
 
-def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
-    """The commented example with the `given` values in it; with `bodies`, its tables of bodies are no comments any more."""
+def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "hertz") -> str:
+    """The commented example; with `bodies`, its tables of bodies are no comments any more; with `profile` another than Hertz's."""
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
-    start, end = text.index("# [bodies.lower]"), text.index("# What you admit")
     if bodies:
+        start, end = text.index("# [bodies.lower]"), text.index("# What you admit")
         text = text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:]
-    values = dict(given or {})
-    if values.pop("profile", "hertz") == "flat_rounded":
-        for old, new in (('kind = "hertz"  ', '# kind = "hertz"'), ('# kind = "flat_rounded"', 'kind = "flat_rounded"  ')):
-            text = text.replace(old, new, 1)
-        values = {"flat_half_length": 0.5} | values
-    for name, value in values.items():
-        key = {"friction": "coefficient"}.get(name, name)
-        # JSON's texts are TOML's, but for one sign.
-        shown = json.dumps(value, ensure_ascii=False).replace("\x7f", " ") if isinstance(value, str) else repr(float(value))
-        line = f"{key} = {shown}"
-        found = re.search(rf'(?m)^(?:# )?{key} = (?:".*"|-?[\d.e+-]+)( *)(#.*)?$', text)
-        assert found, f"the example has no line for {key}"
-        text = text[: found.start()] + (f"{line:<{_COMMENTS - 1}} {found[2]}" if found[2] else line) + text[found.end() :]
+    if profile == "flat_rounded":
+        for line in ('kind = "hertz"', 'kind = "flat_rounded"', "flat_half_length = 0.5"):
+            old, new = (line, f"# {line}") if "hertz" in line else (f"# {line}", line)
+            text = re.sub(rf"(?m)^{old} *", f"{new:<{_COMMENTS}}", text, count=1)
     return text
 
 
@@ -217,8 +197,8 @@ def _record(scene: Scene) -> dict[str, Any]:
     return {**{key: content.pop(key) for key in first}, **more, "scene": content}
 
 
-def schema(options: Options) -> Answer:
+def schema(_: Options) -> Answer:
     """The JSON schema on stdout."""
     from scenes import scene_schema
 
-    return Answer(WITHIN, [json.dumps(answer_schema() if options.answers else scene_schema(), indent=2)])
+    return Answer(WITHIN, [json.dumps(scene_schema(), indent=2)])

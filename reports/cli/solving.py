@@ -280,10 +280,6 @@ def run(job: Job) -> Answer:
     from scenes import InputError
 
     options, scene, source = job.options, job.scene, job.source
-    if options.pdf:
-        raise InputError("--pdf: print report.html from a browser, it has a style of its own for paper; leave the option out")
-    if options.third is None and options.third_limit is not None:
-        raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
     tolerances = requested_tolerances(options.tolerance)
     require_times(options.vtu, "--vtu", scene)
     require_times(options.stress, "--stress", scene)
@@ -293,7 +289,7 @@ def run(job: Job) -> Answer:
     taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
     options.settings()
     if alone := taken.in_words(source):
-        for name in ("tolerance", "budget", "vtu", "stress", "plots", "third", "third_limit"):
+        for name in ("tolerance", "budget", "vtu", "stress", "plots", "third"):
             if getattr(options, name):
                 raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
         complain(f"halfplane: {scene.name}: no comparison. {alone}")
@@ -341,9 +337,8 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
             from reports.third.calculix import solve_with_calculix
             from reports.third.deck import DeckSettings
 
-            limit = 1800.0 if options.third_limit is None else options.third_limit
             deck, scales = DeckSettings(**options.given(("steps_per_cycle",))), getattr(result, "scales", None)
-            report = replace(report, third=solve_with_calculix(scene, deck, limit, stages, scales, command))
+            report = replace(report, third=solve_with_calculix(scene, deck, stages=stages, scales=scales, command=command))
         with stages.stage("report"):
             from reports.field_output.files import instants_of
             from reports.page.writing import write

@@ -87,8 +87,12 @@ def calculix_version(program: Path) -> str:
     return found[1] if found else "of unknown version"
 
 
+# Seconds after which CalculiX is stopped.
+TIME_LIMIT = 1800.0
+
+
 def solve_with_calculix(
-    scene: Scene, settings: DeckSettings, limit: float, stages: Stages, scales: Scales | None = None, command: str = ""
+    scene: Scene, settings: DeckSettings, stages: Stages, scales: Scales | None = None, command: str = ""
 ) -> ThirdSolver:
     """Write the deck into a temporary folder, run it, read and judge the result; a run that fails is reported in `failure`.
 
@@ -107,7 +111,7 @@ def solve_with_calculix(
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")
         try:
             with stages.stage(code, "per cent of the load path") as report:
-                done = run_calculix(program, folder, "third", float(deck.deck_time[-1]), limit, report)
+                done = run_calculix(program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, report)
         except ConvergenceError as failure:
             return replace(answer, failure=str(failure))
         with stages.stage("reading CalculiX"):
