@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress mutants publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -43,7 +43,7 @@ run: $(PROGRAM) ## the main job: the paper's Hertz cycle through both engines, a
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m reports run hertz-paper
 
-test: lint contracts sizes checks pytest ## everything that CI checks: lint, import contracts, types, the pages, tests
+test: lint contracts checks pytest ## everything that CI checks: lint, import contracts, types, the pages, tests
 
 checks: $(STAMP) # types and pages take one core each: side by side
 	@$(MAKE) --no-print-directory types & types=$$!; \
@@ -64,8 +64,7 @@ contracts: $(STAMP) ## import-linter: who may import whom
 	@echo "==> contracts: import-linter"
 	@.venv/bin/lint-imports --no-logo --cache-dir .cache/import-linter
 
-sizes: $(STAMP) ## files, lines and statements of each package beside the last release; growth that the changelog does not explain fails
-	@echo "==> sizes: beside the last release"
+sizes: $(STAMP) ## statements and public names of each package
 	@$(PY) benchmarks/sizes.py
 
 pytest: $(STAMP) ## tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
@@ -115,11 +114,6 @@ numbers: $(STAMP) ## measure every promised number, into docs/numbers.md (SECTIO
 regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
 	@echo "==> regress"
 	@$(ONE_THREAD) $(PY) benchmarks/regress.py $(if $(ACCEPT),--accept $(ACCEPT)) $(if $(REFERENCES),--references)
-
-mutants: $(STAMP) ## random mutants of both engines through the tests, survivors listed; resumes (DRAWN=60 SEED=19 STAGES="contract engine")
-	@echo "==> mutants"
-	@mkdir -p "$$TMPDIR" .cache/home
-	@$(PY) benchmarks/mutants.py $(if $(DRAWN),--drawn $(DRAWN)) $(if $(SEED),--seed $(SEED)) $(if $(STAGES),--stages $(STAGES)) --processes 2
 
 publish: $(STAMP) ## both engines on the whole library, into reports/published: pages, figures, frozen values (PAGES=1: pages alone)
 	@echo "==> publish"

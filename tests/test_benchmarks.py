@@ -1,4 +1,4 @@
-"""The benchmarks themselves: the regression table, blame for planted faults, random mutants, pages of numbers and performance."""
+"""The benchmarks themselves: the regression table, blame for planted faults, pages of numbers and performance."""
 
 from __future__ import annotations
 
@@ -251,102 +251,6 @@ def test_every_planted_fault_is_seen_and_blamed_on_the_right_term(blame: ModuleT
     rows = list(blame.blame())
     assert len(rows) == 1 + len(blame.FAULTS)
     assert [row.what for row in rows if row.met is not True] == []
-
-
-# ---------------------------------------------------- random mutants: other programs that compile, drawn again by the same seed
-SOURCE = '''"""A module of six lines that operators fit."""
-LIMIT: float = 2.0
-
-
-def half(a, load):
-    """3.0 in a text and in a message are left alone."""
-    if load[0] < LIMIT:
-        raise ValueError(f"{3.0 * LIMIT} is too small")
-    return -a[1] + 0.5 * load[-1]
-'''
-MUTANTS = {
-    ("constant x 1.01", "2.0", "(2.0 * 1.01)"),
-    ("neighbouring index", "0", "1"),
-    ("comparison", "load[0] < LIMIT", "(load[0] >= LIMIT)"),
-    ("sign", "-a[1]", "(a[1])"),
-    ("neighbouring index", "1", "2"),
-    ("sign", "-a[1] + 0.5 * load[-1]", "(-a[1] - 0.5 * load[-1])"),
-    ("dropped term", "-a[1] + 0.5 * load[-1]", "(-a[1])"),
-    ("constant x 1.01", "0.5", "(0.5 * 1.01)"),
-    ("dropped term", "0.5 * load[-1]", "(0.5)"),
-    ("neighbouring index", "-1", "-2"),
-}
-
-
-@pytest.fixture
-def mutants(tool: Tool) -> ModuleType:
-    return tool("mutants")
-
-
-@pytest.fixture
-def tree(tmp_path: Path) -> Path:
-    """Two engines of one module each."""
-    for engine in ("semi_analytic", "halfplane_fe"):
-        (tmp_path / engine).mkdir()
-        (tmp_path / engine / "part.py").write_text(SOURCE, encoding="utf-8")
-    return tmp_path
-
-
-def test_every_operator_fits_where_it_should_and_nowhere_else(mutants: ModuleType, tree: Path) -> None:
-    found, executable = mutants.places(tree)
-    rows = [row for rows in found.values() for row in rows if row["file"].startswith("semi_analytic")]
-    assert {(row["operator"], mutants.cut(SOURCE, row["span"])[1], row["after"]) for row in rows} == MUTANTS
-    assert len(found) == 2 * 3 < executable
-    for row in rows:
-        changed = mutants.mutated(SOURCE, row)
-        compile(changed, row["file"], "exec")
-        assert changed != SOURCE
-        assert row["after"] in changed
-    # The same seed draws the same, and more are added at the end.
-    assert mutants.draw(found, 3, 1, tree) == mutants.draw(found, 6, 1, tree)[:3]
-    assert mutants.draw(found, 6, 1, tree) != mutants.draw(found, 6, 2, tree)
-
-
-@pytest.mark.parametrize(("code", "verdict"), [(0, "survived"), (1, "killed"), (None, "timeout")])
-def test_a_verdict_is_what_the_tests_say_and_the_original_comes_back(
-    mutants: ModuleType, tree: Path, monkeypatch: pytest.MonkeyPatch, code: int | None, verdict: str
-) -> None:
-    seen = []
-
-    def run(paths: list[str], place: Path, processes: int) -> tuple[int | None, str]:
-        changed = (place / "semi_analytic" / "part.py").read_text(encoding="utf-8") != SOURCE
-        seen.append((paths[0], changed))
-        return (code, "tests/test_a.py::test_b") if changed else (0, "")
-
-    (tree / "tests").mkdir()
-    for name, text in (("a", "part"), ("b", "part of part"), ("c", "")):
-        (tree / "tests" / f"test_semi_analytic_{name}.py").write_text(text, encoding="utf-8")
-    monkeypatch.setattr(mutants, "run_tests", run)
-    row = next(row for row in mutants.draw(mutants.places(tree)[0], 6, 1, tree) if row["file"].startswith("semi"))
-    assert mutants.judge(row, ["likely", "contract", "engine"], [], tree, 1)["verdict"] == verdict
-    assert (tree / row["file"]).read_text(encoding="utf-8") == SOURCE
-    # What failed is run on the unchanged tree; the engine's own tests only if the contract lets it pass, the nearest first.
-    again = {0: [("tests/test_semi_analytic_b.py", True)], 1: [("tests/test_a.py::test_b", False)], None: []}
-    assert seen == [("tests/contract", True), *again[code]]
-    monkeypatch.setattr(mutants, "run_tests", lambda *_: (1, "tests/test_z.py::test_b"))
-    with pytest.raises(SystemExit, match="the unchanged tree fails tests/test_z"):
-        mutants.judge(row, ["contract"], [], tree, 1)
-    # Of runs before: the test that killed this very mutant, then those of other mutants of the file, while they stand.
-    (tree / "tests" / "test_z.py").write_text("def test_b(): ...\ndef test_c(): ...\n", encoding="utf-8")
-    before = [
-        row | {"by": f"tests/test_z.py::test_{name}", "operator": operator}
-        for name, operator in (("c", "other"), ("c", "other"), ("b", row["operator"]), ("gone", row["operator"]))
-    ]
-    assert mutants.likely(row, before, tree) == ["tests/test_z.py::test_b", "tests/test_z.py::test_c"]
-
-
-def test_equivalent_mutants_leave_the_count_only_with_a_reason(mutants: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    row = {"file": "a.py", "line": 1, "source": "c + a", "operator": "sign", "before": "a", "after": "(b)", "stages": ["contract"]}
-    rows = [row | {"verdict": "killed"}, row | {"verdict": "survived"}, row | {"verdict": "timeout", "before": "c"}]
-    assert "2 of 3 killed (67 %), 1 of them stopped" in mutants.report(rows)
-    monkeypatch.setattr(mutants, "equivalents", lambda: {("a.py", "c + a", "a", "(b)"): "rounds the same"})
-    assert "1 equivalent, 2 of 2 killed" in mutants.report(rows)
-    assert "0 equivalent, 2 of 3 killed" in mutants.report([one | {"source": "another line"} for one in rows])
 
 
 # ------------------------------------------------------------- the page of numbers says what docs/numbers.json holds, in few rows
