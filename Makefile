@@ -31,7 +31,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
 
 # What `make test` and the tools need beside the program.
-EXTRAS := test,lint,docs,parquet,cluster,browser,animation
+EXTRAS := test,lint,docs,parquet,cluster,browser
 # Debian packages of other people's codes; one that is added here is installed by `make peers`.
 PEERS := calculix-ccx python3-getfem
 

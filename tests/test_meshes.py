@@ -299,7 +299,7 @@ def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(mo
 
 @pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal here")
 def test_a_pipe_that_breaks_after_meshing_is_an_error_and_not_the_end():
-    """gmsh sets the signal back to what ends a process: a film would die with ffmpeg instead of saying so."""
+    """gmsh sets the signal back to what ends a process: a command whose reader has gone would die without a word."""
     half_disc("lower", EVEN, 0.25, 1)
     reader, writer = os.pipe()
     os.close(reader)

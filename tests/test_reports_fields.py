@@ -1,10 +1,6 @@
-"""Fields on disk, in pictures and as a film: ParaView's collection, the record, what is drawn, GIF and MP4, the command."""
+"""Fields on disk, and in pictures: ParaView's collection, the record, what is drawn, the command."""
 
 import json
-import subprocess
-import sys
-from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +9,6 @@ import numpy as np
 import pytest
 import pyvista
 from matplotlib import image
-from PIL import Image, ImageSequence
 
 import halfplane_fe
 import semi_analytic
@@ -25,7 +20,7 @@ from reports.charts.templating import style_of
 from reports.cli import main
 from reports.cli.application import Options
 from reports.cli.field_output import named as named_by
-from reports.field_output import fatigue, film
+from reports.field_output import fatigue
 from reports.field_output.files import (
     NO_PEAK,
     Instant,
@@ -34,7 +29,6 @@ from reports.field_output.files import (
     instants_of,
     peak,
     series_of,
-    snapshots_of,
     tension,
     write_fields,
 )
@@ -60,7 +54,6 @@ height = 8.0
 sides = "guided"
 """
 KINDS = ["triangles", "quadrilaterals", "blocks"]
-FRAMES = 3
 
 
 def blocks() -> Scene:
@@ -71,17 +64,6 @@ def answer_of(kind: str) -> FiniteElementSolution:
     if kind == "blocks":
         return fe_run(blocks(), COARSE, FEW_STEPS)
     return fe_run(load_scene("cattaneo-mindlin"), COARSE if kind == "triangles" else QUADRILATERALS, FEW_STEPS)
-
-
-@cache
-def views_of(kind: str) -> film.Views:
-    answer = answer_of(kind)
-    return film.views_of(answer, snapshots_of(answer, series_of(answer, None, FRAMES)[0]))
-
-
-@cache
-def frames() -> list[np.ndarray]:
-    return list(film.frames_of(answer_of("triangles"), views_of("triangles")))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -281,7 +263,6 @@ class TestInstants:
             ({}, ("events",)),
             ({"frames": 5}, ()),
             ({"at": ("2",), "frames": 5}, ("2",)),
-            ({"animate": True}, ("events",)),
         ]
         for known, named in cases:
             assert named_by(Options(**known)) == named
@@ -313,70 +294,6 @@ class TestPictures:
         assert not darker[40:50, 40:50].any()
 
 
-class TestFilm:
-    @pytest.mark.parametrize("kind", ["triangles", "blocks"])
-    def test_exaggerated_faces_touch_where_they_do_and_nowhere_else(self, kind: str) -> None:
-        """Gap and displacements share one factor: the drawn gap is that factor times the true one, so 0 under pressure."""
-        answer, views = answer_of(kind), views_of(kind)
-        assert views.factor > 1
-        for step, bodies in zip(views.steps, views.bodies, strict=True):
-            lower, upper = (np.interp(answer.x, body.points[body.face, 0], views.places(body)[body.face, 1]) for body in bodies)
-            gap, carries = upper - lower, answer.pressure[step] > 1e-3 * answer.pressure[step].max()
-            shape = bodies[1].shape[bodies[1].face]
-            size = np.ptp(np.interp(answer.x, bodies[1].points[bodies[1].face, 0], shape)) * views.factor
-            assert np.abs(gap[carries]).max() < 0.02 * size
-            assert gap[[0, -1]].min() > 0.1 * size
-
-        # Without exaggeration every node stands where it is; of flat faces the gap is added to the upper one.
-        for body in views.bodies[0]:
-            risen = replace(views, factor=1.0).places(body) - body.points - (body.displacement - views.origin)
-            rise = np.zeros(len(risen)) if kind == "blocks" else body.shape
-            np.testing.assert_allclose(risen, np.outer(rise, (0.0, 1.0)), atol=1e-12)
-
-    def test_colour_scales_hold_for_every_instant(self) -> None:
-        views = views_of("triangles")
-        for k in (0, 1):
-            assert views.largest[k] == max(np.abs(body.stresses[k]).max() for pair in views.bodies for body in pair)
-
-    def test_frames_differ_only_where_something_moves(self) -> None:
-        """And what does not, the legend and the axes' words, is the same to the pixel."""
-        first = frames()[0]
-        assert all(side % 2 == 0 for side in first.shape[:2])
-        for frame in frames()[1:]:
-            assert frame.shape == first.shape
-            assert (frame != first).any(axis=2).mean() > 0.02
-            np.testing.assert_array_equal(frame[:36], first[:36])
-            np.testing.assert_array_equal(frame[-40:], first[-40:])
-
-    def test_gif_is_read_back_with_all_frames_in_their_colours_even_without_ffmpeg(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-        found = film.write_film(frames(), tmp_path, "cycle")
-        assert found.files == ["cycle.gif"]
-        assert "pip install halfplane[animation]" in found.notes[0]
-        assert {path.name for path in tmp_path.iterdir()} == {"cycle.gif"}
-        with Image.open(tmp_path / "cycle.gif") as picture:
-            assert (picture.n_frames, picture.size, picture.info["loop"]) == (FRAMES, found.size, 0)
-            shown = [np.asarray(each.convert("RGB")).astype(int) for each in ImageSequence.Iterator(picture)]
-        for k, (seen, frame) in enumerate(zip(shown, frames(), strict=True)):
-            assert np.abs(seen - frame).mean() < 4
-            assert (seen[:5] == 255).all()
-            assert not k or (seen != shown[k - 1]).any()
-
-    def test_mp4_is_read_back(self, tmp_path: Path) -> None:
-        ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="the extra halfplane[animation] is not installed")
-        assert film.write_film(frames(), tmp_path, "cycle").files == ["cycle.gif", "cycle.mp4"]
-        command = [ffmpeg.get_ffmpeg_exe(), "-i", str(tmp_path / "cycle.mp4"), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
-        done = subprocess.run(command, capture_output=True, check=True)
-        stream = next(line for line in done.stderr.decode().splitlines() if "Video: h264" in line)
-        height, width = frames()[0].shape[:2]
-        for words in ("yuv420p", f"{width}x{height}", f" {film.RATE} fps"):
-            assert words in stream
-        shown = np.frombuffer(done.stdout, dtype=np.uint8).reshape(-1, height, width, 3).astype(int)
-        assert max(np.abs(seen - frame).mean() for seen, frame in zip(shown, frames(), strict=True)) < 3
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `halfplane fields` leaves of a block and a pad; whether it can draw is the doctor's own test."""
@@ -385,7 +302,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
         patch.setattr(fatigue, "_ACROSS", np.array([-1.25, -1.0, -0.5, 0.0, 0.5, 1.0, 1.25]))
-        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--animate", "--fatigue", "--quiet", *ROUGH]
+        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--fatigue", "--quiet", *ROUGH]
         assert main([*arguments, "--out", str(place / "out")]) == 0
     return place
 
@@ -409,8 +326,6 @@ class TestCommand:
         assert record["bodies"]["upper"]["supports"] == {"base": "fixed", "sides": "guided"}
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]
-        with Image.open(out / "animation" / "cycle.gif") as picture:
-            assert picture.n_frames == record["animation"]["frames"] == 2
 
     def test_pictures_show_both_bodies_and_every_boundary(self, folder: Path) -> None:
         """Colours of the boundaries that the two bodies have, and none of the far field that they have not."""
@@ -431,23 +346,17 @@ class TestCommand:
         assert {path.name for path in (out / "fields").iterdir()} == names
         assert (out / "mine.txt").is_file()
         assert not (out / "pictures").exists()
-        assert not (out / "animation").exists()
 
-    def test_interrupted_while_frames_are_drawn_it_leaves_nothing(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """At the second frame, with the MP4 open and the field files written."""
-        drawn: list[np.ndarray] = []
+    def test_interrupted_while_pictures_are_drawn_it_leaves_nothing(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """At the first still, with the field files written."""
 
-        def draw(*_: object) -> np.ndarray:
-            drawn.append(np.zeros((40, 60, 3), dtype=np.uint8))
-            if len(drawn) == 2:
-                raise KeyboardInterrupt
-            return drawn[0]
+        def draw(*_: object) -> None:
+            raise KeyboardInterrupt
 
-        monkeypatch.setattr("reports.field_output.film.pixels_of", draw)
+        monkeypatch.setattr("reports.field_output.pictures.stress", draw)
         monkeypatch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
         monkeypatch.chdir(tmp_path)
-        assert main(["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--quiet", *ROUGH]) == 130
-        assert len(drawn) == 2
+        assert main(["fields", "cattaneo-mindlin", "--at", "2", "--quiet", *ROUGH]) == 130
         assert everything(tmp_path) == set()
 
     def test_without_a_screen_nothing_is_solved(

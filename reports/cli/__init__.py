@@ -3,7 +3,7 @@
     application.py   the tables of options and of commands, and commands made of them; exit codes, what is said of a fault, the
                      one place that prints answers; streams and signals
     solving.py       run, exact, fe, export, paper
-    field_output.py  fields: files for ParaView, pictures, a film
+    field_output.py  fields: files for ParaView, pictures
     results.py       score, diff, advise
     studies.py       sweep, sweep status, sweep report, map
     scene_files.py   init, check, scenes, schema

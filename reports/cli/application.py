@@ -137,9 +137,6 @@ class Options:
     at: Annotated[tuple[str, ...], _several('Times of the path, or "events" of the last cycle, the default without a series.')] = ()
     every: Annotated[_Count | None, _says("A series over the last cycle: every Nth stored step.")] = None
     frames: Annotated[_Count | None, _says("A series over the last cycle: N instants evenly in time.")] = None
-    animate: Annotated[
-        bool, _flag("The cycle as GIF and MP4: the instants of the series, 60 without one. MP4: halfplane[animation].")
-    ] = False
     pictures: Annotated[bool, _says("Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True
     fatigue: Annotated[
         bool, _flag("Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland; fields/fatigue.csv.")
@@ -256,9 +253,9 @@ _COMMANDS = (
         "solving:fe", (_SCENE_NAME,), (*_OUTPUT, *_FINITE_ELEMENTS),
     ),
     _Command(
-        "Solve", "fields", "Displacement, stress and tractions in both bodies: files for ParaView, pictures, an animation.",
+        "Solve", "fields", "Displacement, stress and tractions in both bodies: files for ParaView, pictures.",
         "field_output:fields", (_SCENE_NAME,),
-        (*_OUTPUT, "at", "every", "frames", "animate", "pictures", "fatigue", "fatemi_socie", "findley", "critical_distance",
+        (*_OUTPUT, "at", "every", "frames", "pictures", "fatigue", "fatemi_socie", "findley", "critical_distance",
          *_FINITE_ELEMENTS),
     ),
     _Command(

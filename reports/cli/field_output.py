@@ -1,4 +1,4 @@
-"""`halfplane fields`: both bodies at chosen instants or over the last cycle, as files for ParaView, pictures and a film."""
+"""`halfplane fields`: both bodies at chosen instants or over the last cycle, as files for ParaView and pictures."""
 
 from __future__ import annotations
 
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from reports.field_output.files import Instant
     from scenes import Scene
 
-# Frames of a film without a series: five seconds at twelve a second.
-_FRAMES = 60
 # A series of more instants than this is shown by the one with the largest stress.
 _ROWS = 12
 
@@ -54,7 +52,7 @@ def fields(job: Job) -> Answer:
     files.require_series(options.every, options.frames)
     criteria, options = _criteria(options), replace(options, at=named(options))
     require_times(options.at, "--at", scene)
-    if (options.pictures and options.at) or options.animate:
+    if options.pictures and options.at:
         require_drawing(stages)
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
@@ -73,12 +71,11 @@ def fields(job: Job) -> Answer:
                 stills.append((instant, snapshot))
             yield snapshot
 
-    with filled(job.folder, fresh=("fields/", "pictures/", "animation/")) as staging:
+    with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
         with stages.stage("files for ParaView", "instants") as report:
             names = files.write_fields(solution, passing(), staging / "fields", report, len(instants))
         written = [f"fields/{name}" for name in names]
         drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
-        film = _animate(solution, series, staging / "animation", stages, notes) if options.animate else None
         measured = {}
         if criteria is not None:
             with stages.stage("measures of fatigue"):
@@ -93,14 +90,12 @@ def fields(job: Job) -> Answer:
             notes=notes,
             files=written,
             pictures=drawn,
-            animation=film,
             seconds=dict(stages.seconds),
             **measured,
         )
         text = json.dumps(strict(content), allow_nan=False, indent=1)
         (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
-    films = [f"animation/{name}" for name in film["files"]] if film else []
-    whole, file = ["fields/fields.json", *written, *drawn, *films], str(job.folder / "fields" / "fields.pvd")
+    whole, file = ["fields/fields.json", *written, *drawn], str(job.folder / "fields" / "fields.pvd")
     more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
     result = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)} | more
     return Answer(WITHIN, _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file), lambda: result, scene.name)
@@ -135,9 +130,7 @@ def _shown(
         yield f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json"
     yield from notes
     counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".png")}
-    films = [name for name in files if name.startswith("animation/")]
-    film = f", {' and '.join(films)}" if films else ""
-    yield f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json"
+    yield f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures, and what they are in fields/fields.json"
     if measures:
         # The largest value of each measure by both engines, in the body in which finite elements have it.
         found = []
@@ -180,29 +173,3 @@ def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snaps
             plate = stress(solution, [snapshot], [instant], scales, f"von_mises_{number:03d}", 1000)
             names += write_plots([plate], folder, ("png",))
     return [f"pictures/{name}" for name in names]
-
-
-def _animate(
-    solution: FiniteElementSolution, series: Sequence[Instant], folder: Path, stages: Stages, notes: list[str]
-) -> dict[str, Any]:
-    """The cycle as GIF, and as MP4 where ffmpeg is at hand; returns what fields.json holds of it."""
-    from reports.field_output import files, film
-
-    if not series:
-        series, few = files.series_of(solution, None, _FRAMES)
-        notes += few
-    with stages.stage("fields of the animation"):
-        views = film.views_of(solution, files.snapshots_of(solution, series))
-    with stages.stage("animation", "frames") as report:
-        folder.mkdir()
-        found = film.write_film(film.frames_of(solution, views, report), folder, "cycle")
-    notes += found.notes
-    return {
-        "files": found.files,
-        "frames": len(series),
-        "frames_per_second": film.RATE,
-        "size": found.size,
-        "exaggeration": views.factor,
-        "exaggerated": "displacements and the gap between the bodies; tractions and stresses are not",
-        "times": [instant.time for instant in series],
-    }

@@ -1,1 +1,1 @@
-"""Fields of a finite-element result: VTU files for ParaView, pictures of meshes and stress, the cycle as GIF and MP4."""
+"""Fields of a finite-element result: VTU files for ParaView, pictures of meshes and stress."""
