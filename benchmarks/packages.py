@@ -157,7 +157,7 @@ COMMANDS = {
     f"fe plain.toml --out fe {COARSE}": 0,
     f"run plain.toml --out run {COARSE}": 1,
     f"fields plain.toml --out fields --at 14 {COARSE}": 0,
-    "export plain.toml --out deck --to calculix --steps-per-cycle 8 --quiet": 0,
+    "export plain.toml --out deck --steps-per-cycle 8 --quiet": 0,
     "score exact/semi_analytic.nc --scene plain.toml --out score --quiet": 0,
     "diff run run": 0,
     "advise bodies.toml": 1,

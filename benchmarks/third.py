@@ -104,7 +104,7 @@ def on_roller(
         settings = replace(settings, element_size=element_size / half_width, edge_element_size=element_size / half_width)
     deck = change(build_deck(load_scene(scene), settings))
     middle = int(deck.lower.first_node + np.argmin(np.hypot(*deck.lower.nodes.T)))
-    text = deck_text(deck, "calculix").replace("*CONTACT FILE", "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE", 1)
+    text = deck_text(deck).replace("*CONTACT FILE", "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE", 1)
     if large:
         text = text.replace("NLGEOM=NO", "NLGEOM=YES")
     with tempfile.TemporaryDirectory(prefix="halfplane-roller-") as name:

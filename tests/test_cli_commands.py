@@ -117,7 +117,7 @@ REFUSED = {
     "sweep study.toml out": "sweep: unexpected argument 'out'; `halfplane sweep --help` shows what it takes",
     "sweep run study.toml": "sweep: unexpected argument 'study.toml'; write `halfplane sweep study.toml`; `halfplane sweep --help` "
     "shows what it takes",
-    "export blocks": "export: --to is missing; `halfplane export --help` shows what it takes",
+    "export": "export: SCENE is missing; `halfplane export --help` shows what it takes",
     "run misspelt.toml": "misspelt.toml: unknown key profile.radias = 1000.0",
     "run broken.toml": "broken.toml: not valid TOML",
     "run sliding.toml": "sliding.toml: load: gross sliding from time",
@@ -145,7 +145,7 @@ REFUSED = {
     # Without --quiet: stages would be announced on stderr, and the refusal is its only line.
     "exact hertz-paper --out solved": "is there already and halfplane did not write it",
     "fe hertz-paper --out solved": "is there already and halfplane did not write it",
-    "export hertz-paper --to calculix --out solved": "hertz-paper_calculix.inp is there already and halfplane did not write it",
+    "export hertz-paper --out solved": "hertz-paper_calculix.inp is there already and halfplane did not write it",
     # As of --out "$FOLDER" where that is not set: results went to the current folder.
     **{f"exact hertz-paper --out{empty}": "one of the arguments is empty" for empty in ("=", " ''")},
     f"exact hertz-paper --out {300 * 'x'}": "File name too long",

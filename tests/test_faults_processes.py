@@ -377,7 +377,7 @@ DISK_JOBS = {
     "fe": ("fe", "cattaneo-mindlin", *COARSE, "--out", "x", "--quiet"),
     "fields": ("fields", "blocks", *COARSE, "--at", "2.0", "--out", "x", "--quiet"),
     "score": ("score", "x/reference.nc", "--scene", "cattaneo-mindlin", "--out", "x", "--quiet"),
-    "export": ("export", "blocks", "--to", "calculix", "--out", "x", "--quiet"),
+    "export": ("export", "blocks", "--out", "x", "--quiet"),
     "diff": ("diff", "x", "new/baseline.json", "--accept", "--quiet"),
     "init": ("init", "scene.toml", "--from", "flight", "--quiet"),
     "paper": ("paper", "--out", "x", "--quiet"),

@@ -300,7 +300,7 @@ def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
     wrong = replace(deck, scene=deck.scene.vary(**evil))
 
     def cards(deck: Deck, command: str) -> list[str]:
-        lines = deck_text(deck, "calculix", command, {"halfplane": command}).splitlines()
+        lines = deck_text(deck, command, {"halfplane": command}).splitlines()
         return [line for line in lines if line.startswith("*") and not line.startswith("**")]
 
     assert cards(wrong, "a\n*STEP") == cards(deck, "")

@@ -5,13 +5,11 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
-import runpy
 import sys
 from collections.abc import Iterator
 from functools import cache
 from itertools import product
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -35,7 +33,6 @@ from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
 from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, Signs, load_mapping
-from reports.scoring.reading import read
 from reports.scoring.study import Level, element_size, results_in, score_folder, study
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
@@ -580,42 +577,6 @@ def test_report_and_table_of_the_path_score_alike_and_a_turned_shear_would_be_no
         assert table.metric(key).value == (value if value is None else pytest.approx(value, rel=1e-6)), key
     wrong = score_file(folder / "path.csv", mapping.vary(signs=Signs(shear="on upper")), scene)
     assert wrong.metric("shear").value > 5 * table.metric("shear").value
-
-
-def test_the_script_for_abaqus_writes_a_table_that_is_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a stand-in for Abaqus' own module, with two pairs, of which one is named, and slip that was not requested."""
-    scene, x, times = load_scene("cattaneo-mindlin"), np.linspace(-1.2, 1.2, 41), (1.0, 1.5, 2.0)
-    exact = semi_analytic.solve(scene, x=x, time=times, fields=("pressure", "shear"))
-    block = SimpleNamespace(name="BLOCK-1", nodes=[SimpleNamespace(label=k, coordinates=(v, 0.0, 0.0)) for k, v in enumerate(x, 1)])
-
-    def output(values: Any) -> Any:
-        return SimpleNamespace(values=[SimpleNamespace(instance=block, nodeLabel=k, data=v) for k, v in enumerate(values, 1)])
-
-    def frame(k: int) -> Any:
-        own = {
-            "CPRESS   ASSEMBLY_FACE/ASSEMBLY_PAD": output(exact.pressure[k]),
-            "CSHEAR1  ASSEMBLY_FACE/ASSEMBLY_PAD": output(exact.shear[k]),
-        }
-        other = {"CPRESS   ASSEMBLY_BASE/ASSEMBLY_TABLE": output(0 * x), "U": output(x)}
-        return SimpleNamespace(frameValue=times[k], fieldOutputs=own | other)
-
-    odb = SimpleNamespace(
-        rootAssembly=SimpleNamespace(instances={"BLOCK-1": block}),
-        steps={"Step-1": SimpleNamespace(totalTime=0.0, frames=[frame(k) for k in range(3)])},
-        close=lambda: None,
-    )
-    monkeypatch.setitem(sys.modules, "odbAccess", SimpleNamespace(openOdb=lambda path, readOnly: odb))
-    script = runpy.run_path(str(EXAMPLE_FOLDER / "abaqus" / "odb_table.py"))
-    with pytest.raises(
-        ValueError, match="several contact pairs have CPRESS: name one of them, such as 'ASSEMBLY_BASE/ASSEMBLY_TABLE'"
-    ):
-        script["main"]("job.odb", str(tmp_path / "table.csv"))
-    script["main"]("job.odb", str(tmp_path / "table.csv"), "face")
-    found = read(tmp_path / "table.csv", Mapping())
-    np.testing.assert_array_equal(found.pressure, exact.pressure)
-    np.testing.assert_array_equal(found.shear, exact.shear)
-    assert (found.time.tolist(), found.slip) == (list(times), None)
-    assert score_file(tmp_path / "table.csv", Mapping(), scene).comparison.passed
 
 
 # ------------------------------------------------------------------------------------------------ a measured loop as the reference

@@ -18,7 +18,7 @@ import pytest
 from reports import cli
 from reports.console import Stages
 from reports.third.calculix import Attempt, calculix_version, find_calculix, run_calculix, solve_with_calculix, status
-from reports.third.deck import Deck, DeckSettings, Dialect, build_deck, deck_text, elastic_slip
+from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import ConvergenceError, InputError, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
@@ -31,8 +31,8 @@ COARSE = DeckSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=2
 SCENES = ("hertz-paper", "cattaneo-mindlin", "pad-on-block", "layer", "cylinder-roller-frictionless")
 
 # Every keyword that a deck may have: parameters needed and allowed ("?"), and the kinds of the entries of a data line: i integer,
-# f number with a point, w word, "+" any count of the one before; none: no data line. Together with what only one dialect has.
-BOTH = {
+# f number with a point, w word, "+" any count of the one before; none: no data line.
+KEYWORDS: dict[str, tuple[str, str | None]] = {
     "HEADING": ("", None),
     "NODE": ("NSET", "ifff"),
     "ELEMENT": ("TYPE ELSET", "iiiii"),
@@ -51,25 +51,12 @@ BOTH = {
     "BOUNDARY": ("?OP ?AMPLITUDE", "ii|iiif"),
     "CLOAD": ("AMPLITUDE", "iif"),
     "END STEP": ("", ""),
-}
-KEYWORDS: dict[Dialect, dict[str, tuple[str, str | None]]] = {
-    "calculix": BOTH
-    | {
-        "SURFACE INTERACTION": ("NAME", ""),
-        "FRICTION": ("", "ff"),
-        "CONTROLS": ("PARAMETERS", "n+"),
-        "CONTACT FILE": ("FREQUENCY", "w+"),
-        "CONTACT PRINT": ("SLAVE MASTER FREQUENCY", "w+"),
-        "NODE PRINT": ("NSET FREQUENCY", "w+"),
-    },
-    "abaqus": BOTH
-    | {
-        "SURFACE INTERACTION": ("NAME", "f"),
-        "FRICTION": ("ELASTIC SLIP", "f"),
-        "OUTPUT": ("FREQUENCY ?FIELD ?HISTORY", ""),
-        "CONTACT OUTPUT": ("NSET", "w+"),
-        "NODE OUTPUT": ("?NSET", "w+"),
-    },
+    "SURFACE INTERACTION": ("NAME", ""),
+    "FRICTION": ("", "ff"),
+    "CONTROLS": ("PARAMETERS", "n+"),
+    "CONTACT FILE": ("FREQUENCY", "w+"),
+    "CONTACT PRINT": ("SLAVE MASTER FREQUENCY", "w+"),
+    "NODE PRINT": ("NSET FREQUENCY", "w+"),
 }
 IN_STEP = {"STATIC", "CLOAD", "DLOAD", "CONTROLS", "END STEP"}
 BEFORE_STEPS = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQUATION", "AMPLITUDE", "CONTACT PAIR"}
@@ -77,7 +64,7 @@ BEFORE_STEPS = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQ
 Card = tuple[str, dict[str, str], list[list[str]]]
 
 
-def parse(text: str, dialect: Dialect) -> list[Card]:
+def parse(text: str) -> list[Card]:
     """(keyword, parameters, data lines) of a deck; ValueError at the first line outside the closed set."""
     cards: list[Card] = []
     inside = False
@@ -90,11 +77,11 @@ def parse(text: str, dialect: Dialect) -> list[Card]:
         if not line.startswith("*"):
             cards[-1][2].append(words)
             continue
-        if words[0] not in KEYWORDS[dialect]:
+        if words[0] not in KEYWORDS:
             raise ValueError(f"unknown keyword {words[0]}")
         parameters = {key: value for key, _, value in (word.partition("=") for word in words[1:])}
         # Parameters are separated by blanks, but the one that has a blank in it.
-        known = KEYWORDS[dialect][words[0]][0].replace("ELASTIC SLIP", "ELASTIC_SLIP").split()
+        known = KEYWORDS[words[0]][0].split()
         needed = {name.replace("_", " ") for name in known if name[0] != "?"}
         if missing := needed - set(parameters):
             raise ValueError(f"*{words[0]} lacks {missing}")
@@ -109,7 +96,7 @@ def parse(text: str, dialect: Dialect) -> list[Card]:
     if inside:
         raise ValueError("the last step does not end")
     for keyword, _, data in cards:
-        kinds = KEYWORDS[dialect][keyword][1]
+        kinds = KEYWORDS[keyword][1]
         if kinds is not None and bool(data) != bool(kinds):
             raise ValueError(f"*{keyword} with {len(data)} data lines")
         for row in data if kinds is not None else []:
@@ -140,8 +127,8 @@ def deck_of(name: str) -> Deck:
 
 
 @cache
-def cards_of(name: str, dialect: Dialect) -> list[Card]:
-    return parse(deck_text(deck_of(name), dialect, "halfplane export", {"halfplane": "0"}), dialect)
+def cards_of(name: str) -> list[Card]:
+    return parse(deck_text(deck_of(name), "halfplane export", {"halfplane": "0"}))
 
 
 def data_of(cards: list[Card], keyword: str) -> list[list[str]]:
@@ -157,11 +144,10 @@ def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
     }
 
 
-@pytest.mark.parametrize("dialect", ["calculix", "abaqus"])
 @pytest.mark.parametrize("name", SCENES)
 class TestText:
-    def test_every_name_and_number_that_a_deck_refers_to_is_there(self, name: str, dialect: Dialect) -> None:
-        cards, reference = cards_of(name, dialect), deck_of(name).reference
+    def test_every_name_and_number_that_a_deck_refers_to_is_there(self, name: str) -> None:
+        cards, reference = cards_of(name), deck_of(name).reference
         nodes = {int(row[0]) for row in data_of(cards, "NODE")}
         elements = [[int(word) for word in row] for row in data_of(cards, "ELEMENT")]
         assert [row[0] for row in elements] == list(range(1, len(elements) + 1))
@@ -180,8 +166,8 @@ class TestText:
         assert {int(row[0]) for row in held} <= nodes
         assert any(row[1] == "2" for row in held)
 
-    def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(self, name: str, dialect: Dialect) -> None:
-        cards, deck, scene = cards_of(name, dialect), deck_of(name), load_scene(name)
+    def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(self, name: str) -> None:
+        cards, deck, scene = cards_of(name), deck_of(name), load_scene(name)
         tables = amplitudes(cards)
         path = scene.load.path()
         time = tables["NORMAL_LOAD"][:, 0] + path.start
@@ -194,13 +180,6 @@ class TestText:
         signs = {parameters["AMPLITUDE"]: data[0] for keyword, parameters, data in cards if keyword == "CLOAD"}
         assert signs["NORMAL_LOAD"] == [str(deck.reference), "2", "-1."]
         assert ("TANGENTIAL_LOAD" in signs) == (scene.friction.coefficient > 0)
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_both_dialects_say_the_same_but_for_friction_and_output(name: str) -> None:
-    """So what CalculiX runs holds of the Abaqus deck too."""
-    ours, theirs = ([card for card in cards_of(name, dialect) if card[0] in BOTH] for dialect in ("calculix", "abaqus"))
-    assert ours == theirs
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -224,7 +203,7 @@ class TestBodies:
 
     def test_upper_plane_carries_every_node_of_its_support(self, name: str) -> None:
         deck = deck_of(name)
-        tied = [tuple(map(float, row)) for row in data_of(cards_of(name, "calculix"), "EQUATION")[1::2]]
+        tied = [tuple(map(float, row)) for row in data_of(cards_of(name), "EQUATION")[1::2]]
         assert len(tied) == len({row[:2] for row in tied}) == sum(len(nodes) for nodes in deck.upper.held.values())
         assert all(row[3] == deck.reference and row[1] == row[4] and row[2] == -row[5] for row in tied)
         assert {row[1] for row in tied} == {1.0, 2.0}
@@ -259,7 +238,7 @@ def imposed(bodies: dict[str, Any] | None = None, **load: Any) -> Deck:
 def moved(deck: Deck, text: str, nodes: dict[tuple[int, int], float]) -> dict[tuple[int, int], float]:
     """What the equations make of (node, direction) by the movements of the nodes that drive them."""
     found = {}
-    for row in data_of(parse(text, "calculix"), "EQUATION")[1::2]:
+    for row in data_of(parse(text), "EQUATION")[1::2]:
         terms = [(int(a), int(b), float(c)) for a, b, c in zip(row[::3], row[1::3], row[2::3], strict=True)]
         first = terms[0]
         found[first[:2]] = -sum(factor * nodes[node, way] for node, way, factor in terms[1:]) / first[2]
@@ -270,9 +249,8 @@ def moved(deck: Deck, text: str, nodes: dict[tuple[int, int], float]) -> dict[tu
 def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turns(turn: dict[str, Any]) -> None:
     deck = imposed(bulk_stress_lower=WAVE, bulk_stress_upper=-7.0, **turn)
     path, size, last = deck.scene.load.path(), deck.scales.half_width, len(deck.time) - 1
-    text = deck_text(deck, "calculix")
-    cards = parse(text, "calculix")
-    assert parse(deck_text(deck, "abaqus"), "abaqus")
+    text = deck_text(deck)
+    cards = parse(text)
     tables = amplitudes(cards)
     # u = eps (x, -nu/(1 - nu) y) of a uniform stress along x in plane strain, and a turn that opens the gap at x > 0.
     nu, young = 0.3, 210e3
@@ -312,8 +290,7 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
 def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_load() -> None:
     bodies = {"lower": BLOCK | {"base": "rollers"}, "upper": BLOCK | {"base": "fixed"}}
     deck = imposed(bodies, bulk_stress_lower=WAVE, bulk_stress_upper=5.0)
-    cards = parse(deck_text(deck, "calculix"), "calculix")
-    assert parse(deck_text(deck, "abaqus"), "abaqus")
+    cards = parse(deck_text(deck))
     places = np.concatenate([deck.lower.nodes, deck.upper.nodes])
     corners = {int(row[0]): [int(word) for word in row[1:]] for row in data_of(cards, "ELEMENT")}
     forces = {}
@@ -376,17 +353,14 @@ def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
     assert np.isclose(deck_of("cattaneo-mindlin").tangential_load.max(), 27.186859502219357, rtol=1e-12), "vertices are instants"
 
 
-def test_stiffness_elastic_slip_and_header_are_what_the_settings_say() -> None:
+def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
     deck = deck_of("hertz-paper")
     unit = deck.scales.modulus / (deck.scales.half_width / 16)
     assert np.isclose(deck.stiffness, 50 * unit, rtol=1e-12)
-    [friction] = data_of(cards_of("hertz-paper", "calculix"), "FRICTION")
+    [friction] = data_of(cards_of("hertz-paper"), "FRICTION")
     assert np.allclose([float(word) for word in friction], [1.0, 10 * unit], rtol=1e-11)
-    theirs = next(parameters for keyword, parameters, _ in cards_of("hertz-paper", "abaqus") if keyword == "FRICTION")
-    assert np.isclose(float(theirs["ELASTIC SLIP"]), elastic_slip(deck), rtol=1e-11)
-    assert np.isclose(elastic_slip(deck) * deck.stick_slope, deck.scales.load / (2 * deck.scales.half_width), rtol=1e-12)
-    head = deck_text(deck, "abaqus")[:2000]
-    assert "NOT run in Abaqus" in head
+    head = deck_text(deck)[:2000]
+    assert "dialect: CalculiX" in head
     assert "(a/L)^2" in head
     for known in ({"steps_per_cycle": 2}, {"cycles": 0}, {"normal_stiffness": 0.0}):
         with pytest.raises(InputError, match="refused"):
@@ -405,10 +379,10 @@ def test_stiffness_elastic_slip_and_header_are_what_the_settings_say() -> None:
     ],
 )
 def test_the_parser_refuses(planted: str, instead: str, words: str) -> None:
-    text = deck_text(deck_of("hertz-paper"), "calculix")
+    text = deck_text(deck_of("hertz-paper"))
     assert planted in text
     with pytest.raises(ValueError, match=words):
-        parse(text.replace(planted, instead), "calculix")
+        parse(text.replace(planted, instead))
 
 
 STA = """ SUMMARY OF JOB INFORMATION
@@ -483,11 +457,10 @@ def test_the_program_is_found_with_its_version_or_named_with_make_peers(monkeypa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
-def test_every_scene_of_the_library_makes_a_deck_in_both_dialects(name: str) -> None:
+def test_every_scene_of_the_library_makes_a_deck(name: str) -> None:
     deck = build_deck(load_scene(name), COARSE)
     assert min(deck.lower.areas().min(), deck.upper.areas().min()) > 0
-    assert parse(deck_text(deck, "calculix"), "calculix")
-    assert parse(deck_text(deck, "abaqus"), "abaqus")
+    assert parse(deck_text(deck))
 
 
 @pytest.mark.slow

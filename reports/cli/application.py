@@ -144,7 +144,6 @@ class Options:
     fatemi_socie: Annotated[tuple[float, float] | None, _says("k and yield stress: Fatemi and Socie's measure too.")] = None
     findley: Annotated[float | None, _says("k: Findley too.")] = None
     critical_distance: Annotated[float | None, _says("Depth over which the stress is averaged for --fatigue.")] = None
-    to: Annotated[Literal["calculix", "abaqus"], _says("The dialect of the deck.")] = "calculix"
     cycles: Annotated[_Count | None, _says("Revolutions at most.")] = None
     # sweep, map
     executor: Annotated[Literal["processes", "dask"], _says("Processes of this machine, or a dask cluster.")] = "processes"
@@ -272,8 +271,8 @@ _COMMANDS = (
         "studies:report", (_FOLDER,), ("json",),
     ),
     _Command(
-        "Solve", "export", "The bodies and the load history as an input deck for another code.",
-        "solving:export", (_SCENE_NAME,), (*_OUTPUT, "to!", "steps_per_cycle", "cycles"),
+        "Solve", "export", "The bodies and the load history as an input deck for CalculiX.",
+        "solving:export", (_SCENE_NAME,), (*_OUTPUT, "steps_per_cycle", "cycles"),
         {"steps_per_cycle": "Instants of a revolution; turning points come on top."},
     ),
     _Command(

@@ -66,7 +66,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
 
         source, stages, found = scene, Stages(options.quiet), read(scene)
         folder = options.out or default_folder(found.name)
-        folder = claim(folder, _written_by(work.__name__, found, options))
+        folder = claim(folder, _written_by(work.__name__, found))
         try:
             return work(Job(source, found, options, folder, stages))
         except InputError as fault:
@@ -92,7 +92,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
     return command
 
 
-def _written_by(command: str, scene: Scene, options: Options) -> tuple[str, ...]:
+def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
     """Files that a command writes to its folder, whatever comes of it; what failed or was interrupted leaves "partial"."""
     from reports.folder import RESULTS, files_of_a_solution
 
@@ -102,17 +102,17 @@ def _written_by(command: str, scene: Scene, options: Options) -> tuple[str, ...]
     if command == "fe":
         return (*files_of_a_solution("halfplane_fe"), *partial)
     if command == "export":
-        return (deck_file(scene, options),)
+        return (deck_file(scene),)
     if command == "run":  # of a scene that one engine alone takes, the answer of that one
         return (*RESULTS, *files_of_a_solution("semi_analytic"), *files_of_a_solution("halfplane_fe"), *partial)
     return (*RESULTS, *partial)
 
 
-def deck_file(scene: Scene, options: Options) -> str:
+def deck_file(scene: Scene) -> str:
     """Name of the deck that `export` writes."""
     from reports.folder import default_folder
 
-    return f"{default_folder(scene.name).name}_{options.to}.inp"
+    return f"{default_folder(scene.name).name}_calculix.inp"
 
 
 def load_engines(stages: Stages) -> None:
@@ -564,8 +564,8 @@ def export(job: Job) -> Answer:
     with stages.stage("deck"):
         deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
     # The deck's first comment: where it lies is nobody's business.
-    text = deck_text(deck, options.to, job.command("export").rpartition(" --out ")[0], versions())
-    file = deck_file(scene, options)
+    text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
+    file = deck_file(scene)
     with filled(job.folder, fresh=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
     found = {
@@ -577,7 +577,6 @@ def export(job: Job) -> Answer:
         "shear_per_elastic_slip": deck.stick_slope,
     }
     _, length, stress = units(scene)
-    kind = "CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"
     layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
     rows = [
         ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
@@ -586,8 +585,8 @@ def export(job: Job) -> Answer:
         (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
     path = str(job.folder / file)
-    whole = {"passed": True, "to": options.to, **found, "file": path, "seconds": stages.seconds}
-    return Answer(WITHIN, [Sheet(f"Deck for {kind}", ("what", "value"), rows), path], lambda: whole, scene.name)
+    whole = {"passed": True, **found, "file": path, "seconds": stages.seconds}
+    return Answer(WITHIN, [Sheet("Deck for CalculiX", ("what", "value"), rows), path], lambda: whole, scene.name)
 
 
 # ------------------------------------------------------------------------------------------------------------- the paper again

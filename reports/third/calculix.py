@@ -105,7 +105,7 @@ def solve_with_calculix(
     code = f"CalculiX {calculix_version(program)}"
     with stages.stage("deck"):
         deck = build_deck(scene, settings, scales)
-        answer = ThirdSolver(code, deck, deck_text(deck, "calculix", command, versions()))
+        answer = ThirdSolver(code, deck, deck_text(deck, command, versions()))
     with tempfile.TemporaryDirectory(prefix="halfplane-third-") as name:
         folder = Path(name)
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")

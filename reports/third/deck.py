@@ -1,7 +1,6 @@
-"""A scene as an input deck: bodies, gap, supports, instants, loads and stiffnesses, and its text for CalculiX or Abaqus.
+"""A scene as an input deck: bodies, gap, supports, instants, loads and stiffnesses, and its text for CalculiX.
 
-`reports/templates/deck.inp` is the deck, and the routines at the end are what it calls for. The dialects differ in the form of
-friction (stick slope or elastic slip), the data of the interaction, and the output requests.
+`reports/templates/deck.inp` is the deck, and the routines at the end are what it calls for.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +27,6 @@ from scenes.frozen import validated
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Dialect = Literal["calculix", "abaqus"]
 
 # The longest line that CalculiX reads.
 _LINE = 132
@@ -342,12 +340,12 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
 
 
 # ---------------------------------------------------------------------------------------------------- the deck as text
-def deck_text(deck: Deck, dialect: Dialect, command: str = "", versions: Mapping[str, str] | None = None) -> str:
+def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
     """The text of the input file; `command` and `versions` go into its first comment."""
     told = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
-    tools = (amplitudes, elastic_slip, equations_of, held_of, number, one_line, rows)
+    tools = (amplitudes, equations_of, held_of, number, one_line, rows)
     known = {tool.__name__: tool for tool in tools}
-    text = template("deck.inp").render(deck=deck, dialect=dialect, command=command, versions=told, **known)
+    text = template("deck.inp").render(deck=deck, command=command, versions=told, **known)
     lines: list[str] = []
     for line in text.split("\n"):
         comment = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False) if line.startswith("**") else None
@@ -375,11 +373,6 @@ def rows(values: ArrayLike, per_line: int) -> str:
     flat = np.ravel(values)
     words = [str(v) if flat.dtype.kind == "i" else number(v) for v in flat.tolist()]
     return "\n".join(", ".join(words[k : k + per_line]) for k in range(0, len(words), per_line))
-
-
-def elastic_slip(deck: Deck) -> float:
-    """Slip [length] at which the friction of the mean pressure, f P/(2 a), is reached at the deck's stick slope."""
-    return deck.scene.friction.coefficient * deck.mean_pressure / deck.stick_slope
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:

@@ -2,17 +2,16 @@
 
     python make.py DECK.inp FOLDER
 
-Takes the deck that `halfplane export SCENE --to abaqus` writes, leaves out what only Abaqus knows (its output requests), turns its
-elastic slip into CalculiX' stick slope, runs CalculiX, and reports CPRESS and CSHEAR1 along the lower face at every
-instant of the last revolution: path.rpt, and the same as path.csv.
+Takes the deck that `halfplane export SCENE` writes, runs CalculiX, and reports CPRESS and CSHEAR1 along the lower face at
+every instant of the last revolution: path.rpt, and the same as path.csv.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import re
 import resource
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,39 +23,9 @@ from reports.scoring.reading import read
 from reports.third.calculix import calculix_version, find_calculix, status
 from scenes import load_scene
 
-SCENE, NAME = "cattaneo-mindlin", "common"
+SCENE, NAME = "cattaneo-mindlin", "path"
 REVOLUTION = 2.0  # of the scene's load path, in its time
 REACH = 1.5  # of the path to each side of the middle [mm]
-LEFT_OUT = ("OUTPUT", "CONTACT OUTPUT", "NODE OUTPUT")
-CONTACT_FILE = "*CONTACT FILE, FREQUENCY=1000000\nCDIS, CSTR"
-
-
-def stick_slope(deck: str) -> float:
-    """CalculiX' shear per elastic slip [MPa/mm]: what Abaqus' ELASTIC SLIP is at the mean pressure of the largest load."""
-    half_width, load = map(float, re.findall(r"a = (\S+) at the largest load ([\d.]+)", deck.replace("\n** ", " "))[0])
-    slip, friction = map(float, re.findall(r"\*FRICTION, ELASTIC SLIP=(\S+)\n(\S+)", deck)[0])
-    return friction * load / (2 * half_width) / slip
-
-
-def common(deck: str) -> str:
-    """What both programs read of the Abaqus deck; friction and output in CalculiX' words."""
-    slope = stick_slope(deck)
-    lines, keyword, asked = [], "", False
-    for line in deck.splitlines():
-        if line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            keyword = line[1:].split(",")[0]
-            if keyword == "OUTPUT" and not asked:
-                lines.append(CONTACT_FILE)
-                asked = True
-            if keyword not in LEFT_OUT:
-                lines.append("*FRICTION" if keyword == "FRICTION" else line)
-        elif keyword == "FRICTION":
-            lines.append(f"{line}, {slope:.8e}")
-        elif keyword not in (*LEFT_OUT, "SURFACE INTERACTION"):
-            lines.append(line)
-    return "\n".join(lines) + "\n"
 
 
 def figure(value: float) -> str:
@@ -77,8 +46,8 @@ def report(folder: Path, names: list[str], columns: np.ndarray) -> None:
 
 def main(deck: Path, folder: Path) -> None:
     """Deck, run, tables, mapping, and what made them."""
-    text, program = deck.read_text(encoding="utf-8"), find_calculix()
-    (folder / f"{NAME}.inp").write_text(common(text), encoding="utf-8")
+    program = find_calculix()
+    shutil.copyfile(deck, folder / f"{NAME}.inp")
     alone = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1"}
     with (folder / "ccx.log").open("w", encoding="utf-8") as log:
         subprocess.run([program, "-i", NAME], cwd=folder, env=alone, stdout=log, check=True)

@@ -8,6 +8,6 @@ work=$root/out/examples/abaqus
 
 rm -rf "$work" && mkdir -p "$work"
 cd "$work"
-"$root/.venv/bin/python" -m reports export cattaneo-mindlin --to abaqus --steps-per-cycle 24 --cycles 1 --out deck --quiet > /dev/null
-"$root/.venv/bin/python" "$here/make.py" deck/cattaneo-mindlin_abaqus.inp .
+"$root/.venv/bin/python" -m reports export cattaneo-mindlin --steps-per-cycle 24 --cycles 1 --out deck --quiet > /dev/null
+"$root/.venv/bin/python" "$here/make.py" deck/cattaneo-mindlin_calculix.inp .
 cp path.rpt path.csv mapping.toml made.json "$here/"

@@ -9,7 +9,7 @@ deck=cattaneo-mindlin_calculix
 
 rm -rf "$work" && mkdir -p "$work"
 cd "$work"
-"$root/.venv/bin/python" -m reports export cattaneo-mindlin --to calculix --steps-per-cycle 24 --cycles 1 --out deck --quiet > /dev/null
+"$root/.venv/bin/python" -m reports export cattaneo-mindlin --steps-per-cycle 24 --cycles 1 --out deck --quiet > /dev/null
 cp "deck/$deck.inp" .
 TIMEFORMAT='%U'
 seconds=$({ time OMP_NUM_THREADS=1 CCX_NPROC_RESULTS=1 ccx -i "$deck" > ccx.log; } 2>&1)

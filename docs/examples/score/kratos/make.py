@@ -2,7 +2,7 @@
 
     python make.py DECK.inp RESULT.csv
 
-Everything is taken from the deck that `halfplane export SCENE --to calculix` writes: nodes, elements, faces, materials, friction,
+Everything is taken from the deck that `halfplane export SCENE` writes: nodes, elements, faces, materials, friction,
 supports, the touch, and the loads at every instant. It needs numpy and the wheels of Kratos, and nothing of halfplane.
 """
 
