@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
 from rich.cells import cell_len
-from rich.console import Console
+from rich.console import Console as _RichConsole
 from rich.table import Table
 from rich.text import Text
 
@@ -19,6 +19,14 @@ _Report = Callable[[int, int | None, str], None]
 _LINE_EVERY = 2.0
 # Seconds after which the first twentieth of a part is enough to foretell the rest.
 _FORETOLD = 60.0
+
+
+class Console(_RichConsole):
+    """Rich's console; a reader that has gone away is an error for the outermost door, which knows the exit code."""
+
+    def on_broken_pipe(self) -> None:
+        """Raise what rich would end the program for."""
+        raise BrokenPipeError
 
 
 class TimeLeft:

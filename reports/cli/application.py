@@ -4,12 +4,10 @@ A command is a row of `_COMMANDS`, and a function in a module of its own that is
 """
 
 # Annotations are evaluated here: no `from __future__`.
-import codecs
 import io
 import json
 import math
 import os
-import select
 import shlex
 import signal
 import sys
@@ -39,7 +37,7 @@ from cyclopts import (
 )
 from cyclopts import Parameter as Words
 
-from reports.console import Part, complain, say, show
+from reports.console import Console, Part, complain, say, show
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -400,103 +398,28 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
 WITHIN, OUTSIDE, _BAD_INPUT, NOT_CONVERGED, _INTERNAL, INTERRUPTED, _UNREAD = 0, 1, 2, 3, 70, 130, 141
 
 
-def _escaped(fault: UnicodeError) -> tuple[str, int]:
-    """Signs that an encoding lacks as their JSON escapes: JSON stays JSON."""
-    if not isinstance(fault, UnicodeEncodeError):
-        raise fault
-    return json.dumps(fault.object[fault.start : fault.end])[1:-1], fault.end
+@contextmanager
+def ended_by_signals() -> Generator[list[int], None, None]:
+    """SIGTERM and SIGHUP end the program as Ctrl-C does; yields the signals received, in their order.
 
+    A signal that was to be ignored (nohup) stays ignored.
+    """
+    received: list[int] = []
 
-codecs.register_error("halfplane-escaped", _escaped)
-
-
-class _Outlet(io.FileIO):
-    """A stream that keeps the reason why nobody takes its words any more, and lets the work go on."""
-
-    def __init__(self, handle: int) -> None:
-        super().__init__(handle, "w", closefd=False)
-        self.fault: OSError | None = None
-
-    def write(self, words: object, /) -> int:
-        while self.fault is None:
-            try:
-                written = super().write(words)  # type: ignore[arg-type]
-                if written is not None:
-                    return written
-                select.select([], [self], [])  # a pipe that does not wait by itself, and is full
-            except OSError as reason:
-                self.fault = reason
-        return memoryview(words).nbytes  # type: ignore[arg-type]
-
-    def as_text(self, like: io.TextIOWrapper) -> io.TextIOWrapper:
-        """A stream of text on it, its encoding and breaking of lines those of another."""
-        buffer, lines = io.BufferedWriter(self), like.line_buffering
-        return io.TextIOWrapper(buffer, like.encoding, "halfplane-escaped", line_buffering=lines, write_through=like.write_through)
-
-
-class _Surroundings:
-    """The streams of this process, and the signals that it received, from `settled`."""
-
-    def __init__(self) -> None:
-        self.received: list[int] = []
-        self._out, self._errors = _Outlet(1), _Outlet(2)
-
-    def take_streams(self) -> None:
-        """stdout and stderr from now on; none of another kind, which somebody put there on purpose."""
-        if isinstance(sys.stdout, io.TextIOWrapper) and isinstance(sys.stderr, io.TextIOWrapper):
-            sys.stdout, sys.stderr = self._out.as_text(sys.stdout), self._errors.as_text(sys.stderr)
-
-    def unwritten(self) -> OSError | None:
-        """Why the answer did not get to stdout; None where it did, and where nobody read it to its end."""
-        sys.stdout.flush()
-        return None if isinstance(self._out.fault, BrokenPipeError) else self._out.fault
-
-    def exit_code(self, code: int) -> int:
-        """128 and the signal that ended the process, `_UNREAD` where nobody read the answer to its end, else `code`."""
-        if code == INTERRUPTED and self.received:
-            return 128 + self.received[0]
-        return _UNREAD if isinstance(self._out.fault, BrokenPipeError) else code
-
-    def end(self, number: int, _frame: object) -> None:
-        """The handler of a signal: what Ctrl-C does."""
-        self.received.append(number)
+    def end(number: int, _frame: object) -> None:
+        received.append(number)
         raise KeyboardInterrupt
 
-
-@contextmanager
-def settled() -> Generator[_Surroundings, None, None]:
-    """Streams that can always be written to, and signals that end the program as Ctrl-C does, until its end.
-
-    A signal that was to be ignored (nohup) stays ignored. Not on Windows, whose terminals and signals are others.
-    """
-    _open_standard_handles()
-    if not os.environ.get("COLUMNS", "80").strip("0"):
-        del os.environ["COLUMNS"]  # a terminal of no width is one that did not say
-    found = _Surroundings()
-    if sys.platform == "win32":
-        yield found
-        return
-    found.take_streams()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    numbers = [number for name in ("SIGINT", "SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
+    for number in numbers:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            signal.signal(number, found.end)
+            signal.signal(number, end)
     try:
-        yield found
+        yield received
     finally:
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            if callable(signal.getsignal(number)):
+        for number in numbers:
+            if signal.getsignal(number) is end:
                 signal.signal(number, signal.SIG_DFL)  # nothing is left to keep
-
-
-def _open_standard_handles() -> None:
-    """Closed ones lead nowhere: else the next file that is opened takes their number, and gets what libraries say."""
-    for handle, name in enumerate(("stdin", "stdout", "stderr")):
-        try:
-            os.fstat(handle)
-        except OSError:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(handle, "w" if handle else "r", encoding="utf-8", closefd=False))  # noqa: SIM115
 
 
 # -------------------------------------------------------------------------------------------------------- the application
@@ -522,6 +445,7 @@ app = App(
     print_error=False,
     result_action="return_value",
     group_commands=_GROUPS["Machine"],
+    console=Console(),
 )
 
 
@@ -569,7 +493,7 @@ def _told(row: _Command, found: Answer, options: Options) -> int:
             "scene": found.scene,
             "result": found.result(),
         }
-        say(json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False))
+        say(json.dumps(strict(content), allow_nan=False, indent=1))
     elif not (options.quiet and row.silent):
         show(found.shown)
     return found.code
@@ -591,14 +515,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; without `arguments` the process is ours, its streams and signals too."""
     if arguments is not None:
         return Context().run(_run, list(arguments))
-    with settled() as process:
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # of signs that the terminal's encoding lacks
+    with ended_by_signals() as received:
+        code = WITHIN
         try:
-            code = Context().run(_run, sys.argv[1:], process.received)
-            if (fault := process.unwritten()) is not None:
-                code = _refused(f"the answer could not be written to stdout: {fault.strerror}; see to that and ask again")
-        except KeyboardInterrupt:  # a second one, while the first was told
+            code = Context().run(_run, sys.argv[1:], received)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            _drop_unwritten()
+            return _UNREAD
+        except OSError as reason:
+            _drop_unwritten()
+            if code == WITHIN:  # nothing has been reported yet
+                code = _refused(f"the answer could not be written to stdout: {reason.strerror}; see to that and ask again")
+        except KeyboardInterrupt:  # a second one, while the first was reported
             code = INTERRUPTED
-        return process.exit_code(code)
+        return 128 + received[0] if code == INTERRUPTED and received else code
+
+
+def _drop_unwritten() -> None:
+    """What could not be written to stdout goes nowhere: the end of the process would try it again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
@@ -606,14 +545,12 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
             return _refused("one of the arguments is empty: is a variable of the shell not set? Give a value, or leave it out")
-        # A byte that could not be decoded stands as a lone surrogate, which no file of ours can hold.
-        if strange := next((token for token in tokens if any("\ud800" <= sign <= "\udfff" for sign in token)), ""):
-            encoding = sys.getfilesystemencoding()
-            return _refused(f"{strange}: this is no text in {encoding}; name it otherwise, or set PYTHONUTF8=1 if it is UTF-8")
         with _warnings_in_sentences():
             return int(app(tokens) or WITHIN)
     except KeyboardInterrupt as stop:
         return _interrupted(str(stop))
+    except BrokenPipeError:
+        raise
     except Exception as fault:  # noqa: BLE001 (the outermost door: nothing may leave it but an exit code)
         return _said(fault, tokens, received)
 
