@@ -306,7 +306,8 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
 
 def read_in_pairs(scene: Scene) -> dict[str, tuple[tuple[str, str], ...]]:
     """How each file beside the scene was read, by its key: what was found in it, what was stated, what was assumed."""
-    tables = (("load.file", scene.load), ("profile.file", scene.profile))
+    profile = getattr(scene.profile, "fitted", None) or scene.profile
+    tables = (("load.file", scene.load), ("profile.file", profile))
     found = {name: getattr(table, "read_as", None) for name, table in tables}
     return {name: pairs for name, pairs in found.items() if pairs}
 

@@ -14,7 +14,7 @@ import semi_analytic
 from reports.checking import largest_contact
 from reports.units import number, units
 from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, Scene, TimeSeriesLoad
-from scenes.fitting import fitted_again
+from scenes.fitting import fitted_again, fitted_by_spline
 from scenes.profiles import Fitted
 
 # Other measurements that the noise could have given. Twice their standard deviation is known to 7 %, and a normal spread lies
@@ -24,6 +24,10 @@ _RESAMPLES = 100
 _MARCHES, _MOST_ROWS = 30, 2_000
 # Of residuals over the noise: chance alone gives so much in one case of 1,000, as a share of the expected spread.
 _CHANCE = 3.3
+# Of the change by a spline: it follows other shapes, but for some per cent of them.
+_SPLINE = 1.25
+# Residuals over the range of h below which they are round-off error of the fit, which has a pattern of its own.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,9 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     In place of the mean, if it is more: the change by a tenth of the smoothing. The curve that gets the noise has lost already what
     smoothing takes from the rows.
 
+    Residuals with a pattern are no noise. Then each other measurement has them too, moved along x, and the change by a smoothing
+    spline through the same rows, with a tilt of its own, is added: it follows shapes that this kind of profile does not have.
+
     Raises
     ------
     InputError
@@ -77,7 +84,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
 
     first, random = _values(scene, marched, skipped), np.random.default_rng(seed)
     closer = others(fitted_again(scene.profile, smoothing=0.1)) if fitted.weight else None
-    noises = (random.standard_normal(len(fitted.rows) - fitted.left_out) for _ in range(count))
+    pattern = _pattern(scene)
+    noises = (_noise(random, fitted, pattern) for _ in range(count))
     rows = [found for noise in noises if (found := others(fitted_again(scene.profile, noise))) is not None]
     if len(rows) < max(2, count // 2):
         raise InputError(
@@ -88,8 +96,49 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is smoothed, has some.
     own = np.abs(np.mean(changes, axis=0))
     spread = 2 * np.std(changes, axis=0) + (own if closer is None else np.maximum(own, np.abs(closer - first)))
+    if pattern is not None and fitted.kind != "smoothing_spline":
+        spline = others(fitted_by_spline(scene.profile))
+        if spline is None:
+            raise InputError(
+                f"{scene.name}: the residuals have a pattern, and no smoothing spline through these rows carries the load: state "
+                "another kind of fit, or fewer rows by its key extent"
+            )
+        spread += _SPLINE * np.abs(spline - first)
     work, half, peak = (Spread(value, float(size)) for value, size in zip(first.tolist(), spread, strict=True))
     return FitUncertainty(None if skipped else work, half, peak, count, count - len(rows), seed)
+
+
+def _pattern(scene: Scene) -> NDArray[np.float64] | None:
+    """Residuals (n,) of the rows that count where they are no noise; None where they may be.
+
+    Of white noise neighbouring residuals are not correlated, and the mean of m of them has a variance m times less. Chance alone
+    misses either in one case of 1,000.
+    """
+    fitted = fit_of(scene)
+    assert fitted is not None
+    used = fitted.used_rows()
+    residuals = fitted.residuals(scene.profile.height)[used]
+    residuals = residuals - np.mean(residuals)
+    square = float(residuals @ residuals)
+    if np.sqrt(square / len(residuals)) <= _ROUND_OFF * float(np.ptp(fitted.rows.values[used, 1])):
+        return None
+    count = len(residuals)
+    correlation = float(residuals[1:] @ residuals[:-1]) / square
+    size = int(np.sqrt(count))
+    blocks = count // size
+    means = residuals[: blocks * size].reshape(blocks, size).mean(axis=1)
+    excess = size * float(np.mean(means**2)) / (square / count) - 1
+    alike = correlation * np.sqrt(count) > _CHANCE or excess > _CHANCE * np.sqrt(2 / blocks)
+    return residuals if alike else None
+
+
+def _noise(random: np.random.Generator, fitted: Fitted, pattern: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """Noise (n,) of another measurement over that of the fit, with the pattern of the residuals moved along x."""
+    noise = random.standard_normal(len(fitted.rows) - fitted.left_out)
+    if pattern is None:
+        return noise
+    moved = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
+    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved / fitted.noise)
 
 
 def _values(scene: Scene, marched: bool, skipped: bool) -> NDArray[np.float64]:
@@ -135,24 +184,52 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
             shape = "a smoothing spline"
     centre = f"Its middle, {'fitted' if fitted.centre_fitted else 'given'}, is x = {number(fitted.centre)} {length}"
     more = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
+    if fitted.tilt_fitted:
+        centre += f", and its tilt, fitted and taken out, is {number(fitted.tilt)} rad"
+    elif fitted.tilt:
+        centre += f", and a tilt of {number(fitted.tilt)} rad was taken out, as stated"
     stated = "stated" if fitted.noise_stated else "taken from these residuals"
-    said = [
+    return [
         f"The profile is {shape}, fitted to {len(fitted.rows) - fitted.left_out} rows of {fitted.source}{more}. {centre}. "
-        f"Residuals are {fitted.residual:.3g} {length} (root mean square), the noise is {fitted.noise:.3g} {length} ({stated})."
+        f"Residuals are {fitted.residual:.3g} {length} (root mean square), the noise is {fitted.noise:.3g} {length} ({stated}).",
+        *fit_warnings(scene, half_width),
     ]
+
+
+def fit_warnings(scene: Scene, half_width: float) -> list[str]:
+    """What is wrong with a fit: residuals that are no noise, or not that stated, a contact wider than the rows; none, if nothing.
+
+    Parameters
+    ----------
+    half_width : of the largest contact
+    """
+    fitted = fit_of(scene)
+    if fitted is None:
+        return []
+    length = units(scene)[1]
+    warnings = []
+    pattern = _pattern(scene)
+    if pattern is not None:
+        warnings.append(
+            f"The residuals are no noise: they have a pattern along x. Rows that are {fitted.kind.replace('_', ' ')} do not leave "
+            "one: take another kind of fit, or a smaller extent. The uncertainty is widened: by this pattern moved along x, and "
+            "by the change that a smoothing spline makes."
+        )
     excess = (fitted.residual / fitted.noise) ** 2 * (len(fitted.rows) - fitted.left_out) / fitted.freedom
     if fitted.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fitted.freedom):
-        more = "this kind of profile does not describe the rows, or the noise is larger. The uncertainty does not cover that"
+        more = "this kind of profile does not describe the rows, or the noise is larger"
+        if pattern is None:
+            more += ". The uncertainty does not cover that"
         less = "the noise is smaller than stated, or the rows were smoothed before"
-        said.append(
+        warnings.append(
             f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains: {more if excess > 1 else less}."
         )
     if half_width > fitted.extent:
-        said.append(
+        warnings.append(
             f"The largest contact, a = {half_width:.4g} {length}, is wider than the rows, which reach {fitted.extent:.4g} {length} "
             "from the middle: beyond them the fit is an extrapolation."
         )
-    return said
+    return warnings
 
 
 def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:

@@ -1,10 +1,11 @@
 """Curves through noisy measured rows: parabola, flat with rounded edges, even polynomial, smoothing spline; all convex.
 
-# notation: x0 centre, s = |x - x0|, L the largest s, kappa = h'' >= 0, b half-length of a flat, sigma noise of h
+# notation: x0 centre, s = |x - x0|, L the largest s, kappa = h'' >= 0, b half-length of a flat, sigma noise of h,
+#           alpha tilt: slope at which the trace lay in the instrument
 
 Each is a sum of kappa's with factors that are not negative, so that the contact can't split:
 
-    h(x) = h0 + sum over j of w_j B_j(s),   w_j >= 0,   B_j'' = kappa_j,   B_j(0) = B_j'(0) = 0
+    h(x) = h0 + alpha (x - x0) + sum over j of w_j B_j(s),   w_j >= 0,   B_j'' = kappa_j,   B_j(0) = B_j'(0) = 0
 
     parabola     kappa = 1
     flat         0 up to s = b, then 1
@@ -12,8 +13,12 @@ Each is a sum of kappa's with factors that are not negative, so that the contact
     spline       hat functions on evenly spaced knots; the squares of the steps of w are added with a weight, which is that of the
                  least expected error by Mallows (1973) from the noise, or by generalised cross-validation without it
 
-The w and h0 are found by least squares without negative values (Lawson and Hanson 1974) for given x0 and b; these two by steps of
-Gauss and Newton on what is left of the rows (variable projection, Golub and Pereyra 1973).
+The w, h0 and alpha are found by least squares without negative w (Lawson and Hanson 1974) for given x0 and b; these two by
+steps of Gauss and Newton on what is left of the rows (variable projection, Golub and Pereyra 1973).
+
+The tilt is no part of the profile. A parabola whose middle is fitted has none: there a tilt only moves the middle. Rows of one side
+are taken as level. Rows that are almost a parabola hardly show a tilt, so the square of alpha is added with a weight: as if tilts
+had a standard deviation of a tenth of the rise over the length. Where the rows show the tilt the weight changes nothing.
 """
 
 from __future__ import annotations
@@ -21,6 +26,7 @@ from __future__ import annotations
 import contextlib
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,20 +52,41 @@ _PASSES = 5
 _TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
 # Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows and steps count alike.
 _KNOTS, _PIECES, _WEIGHTS = 31, 61, np.logspace(-9, 3, 19)
-# Half-lengths of the flat, in L, of which the best with its middle at the start begins the search; the longest.
+# Half-lengths of the flat, in L, of which the best begins the search; the longest.
 _STARTS, _LONGEST = np.linspace(0.02, 0.94, 24), 0.98
+# Middles, in L from that of a parabola through the rows, with which the half-lengths are tried where a tilt has moved the parabola.
+_MIDDLES = np.linspace(-0.45, 0.45, 7)
+# Median of the square of a normal deviate.
+_MEDIAN = 0.4549
+# Standard deviation of the tilts that are expected, over the rise of the rows over their length.
+_TILTS = 0.1
 
 
-def fitted_keys(
-    x: Array,
-    h: Array,
-    *,
-    kind: str,
-    noise: float | None = None,
-    centre: float | None = None,
-    extent: float | None = None,
-    weight: float | None = None,
-) -> dict[str, Any]:
+@dataclass(frozen=True)
+class FitRequest:
+    """What is fitted, and what is known before.
+
+    Attributes
+    ----------
+    kind : "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+    noise : standard deviation of h; None: that of the residuals
+    centre : x of the middle; None: fitted
+    extent : largest distance from the middle of the rows that count; None: all count
+    tilt : slope of the trace; None: fitted where the rows can show it
+    weight : of the smoothing; None: that of the least expected error
+    guess : middle and half-length of the flat at which the search begins; None: the best of many
+    """
+
+    kind: str
+    noise: float | None = None
+    centre: float | None = None
+    extent: float | None = None
+    tilt: float | None = None
+    weight: float | None = None
+    guess: tuple[float, float] | None = None
+
+
+def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     """Keys of the profile of this kind that fits rows x, h (n,) best, with `fitted`, what is known of the fit.
 
     Raises
@@ -70,15 +97,25 @@ def fitted_keys(
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)  # a trace with few digits has rows at one x
     if len(x) > _MOST:
         raise RowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
-    last, fixed, whole = len(x) - 1, centre, x
-    if fixed is None and len(x) >= _FEWEST and x[0] >= 0:  # rows of one side if their first part is hardly higher than the lowest
-        parts = np.array([part.mean() for part in np.array_split(h, _PARTS)])
-        fixed = 0.0 if parts[0] - parts.min() <= _RISEN * np.ptp(parts) else None
-    start = _middle(x, h) if fixed is None else fixed
-    reach, rows = extent or math.inf, np.column_stack([x, h])
+    last = len(x) - 1
+    every_x = x
+    tilt = request.tilt or 0.0
+    every_h = h - tilt * (x - x[0])
+    fixed = request.centre
+    if fixed is None and _begins_in_the_middle(x, every_h):
+        fixed = 0.0
+    one_sided = fixed is not None and x[0] >= fixed
+    tilt_fitted = request.tilt is None and not one_sided and not (request.kind == "hertz" and fixed is None)
+    start = _middle(x, every_h) if fixed is None else fixed
+    if request.guess is not None and fixed is None:
+        start = request.guess[0]
+    elif tilt_fitted and fixed is None and not x[0] < start < x[-1]:  # so much tilt that a parabola falls from end to end
+        start = float(x[0] + x[-1]) / 2
+    reach = request.extent or math.inf
     for _ in range(_PASSES):
-        near = np.abs(whole - start) <= reach
-        x, h = rows[near].T
+        near = np.abs(every_x - start) <= reach
+        x = every_x[near]
+        h = every_h[near]
         if (count := len(np.unique(x))) < _FEWEST:
             raise RowError(last, f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are needed")
         # In units of the rows, so that nothing depends on theirs.
@@ -89,35 +126,47 @@ def fitted_keys(
             raise RowError(0, f"{where}: measure both sides of it, or state centre")
         if not height > 0:
             raise RowError(last, "the rows are flat from end to end: they must rise somewhere")
-        level = None if noise is None else float(np.clip(noise / height, 1e-12, 1e6))  # beyond, its square would be none
-        found = _Rows((x - start) / length, (h - h[0]) / height, kind, fixed is None).fit(level, weight)
-        if np.ptp(found.curve) < _BENT or abs(found.centre) > _LONGEST:  # the former: rounding of rows on a line
+        level = None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))  # beyond, no square
+        rows = _Rows((x - start) / length, (h - h[0]) / height, request.kind, fixed is None, tilt_fitted)
+        half = None if request.guess is None else request.guess[1] / length
+        best = rows.fit(level, request.weight, half)
+        if np.ptp(best.shape) < _BENT or abs(best.centre) > _LONGEST:  # the former: round-off error of rows on a line
             raise RowError(last, "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?")
-        middle = start + length * found.centre
+        middle = start + length * best.centre
         # Other rows lie within the extent of another middle.
-        if np.array_equal(np.abs(whole - middle) <= reach, near):
+        if np.array_equal(np.abs(every_x - middle) <= reach, near):
             break
         start = middle
-    rest = (h - h[0]) - height * found.curve
-    freedom = max(1, len(x) - round(found.numbers))
-    estimated = max(math.sqrt(float(rest @ rest) / freedom), 1e-15 * height)
+    residuals = (h - h[0]) - height * best.curve
+    freedom = max(1, len(x) - round(best.numbers))
+    estimated = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
     sides = (middle - x[0], x[-1] - middle)
     return {
-        **found.keys(length, height),
+        **best.keys(length, height),
         "fitted": {
-            "kind": kind,
-            "noise": estimated if noise is None else noise,
-            "noise_stated": noise is not None,
+            "kind": request.kind,
+            "noise": estimated if request.noise is None else request.noise,
+            "noise_stated": request.noise is not None,
             "centre": middle,
             "centre_fitted": fixed is None,
-            "offset": float(h[0]) + height * found.offset,
-            "residual": math.sqrt(float(rest @ rest) / len(x)),
+            "tilt": tilt + best.tilt * height / length,
+            "tilt_fitted": tilt_fitted,
+            "offset": float(h[0]) + height * best.offset + tilt * (middle - every_x[0]),
+            "residual": math.sqrt(float(residuals @ residuals) / len(x)),
             "freedom": freedom,
-            "extent": max(sides) if fixed is not None and x[0] >= fixed else min(sides),
-            "weight": found.weight,
-            "left_out": len(whole) - len(x),
+            "extent": max(sides) if one_sided else min(sides),
+            "weight": best.weight,
+            "left_out": len(every_x) - len(x),
         },
     }
+
+
+def _begins_in_the_middle(x: Array, h: Array) -> bool:
+    """Whether rows at x >= 0 are those of one side: their first part is hardly higher than the lowest."""
+    if len(x) < _FEWEST or x[0] < 0:
+        return False
+    parts = np.array([part.mean() for part in np.array_split(h, _PARTS)])
+    return bool(parts[0] - parts.min() <= _RISEN * np.ptp(parts))
 
 
 def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.0) -> dict[str, Any] | None:
@@ -129,15 +178,31 @@ def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.
     noise : of each row, over that of the fit: the other measurement is the fitted curve with it
     smoothing : weight of the smoothing over that of the fit
     """
-    fitted, (x, h) = profile.fitted, profile.fitted.rows.values.T
-    # x from the middle on, so that rows of both sides are such whatever their noise.
-    used = np.sort(np.argsort(np.abs(x - fitted.centre), kind="stable")[: len(x) - fitted.left_out])
-    x, h = x[used] - fitted.centre, h[used]
+    fitted = profile.fitted
+    x, h = fitted.rows.values[fitted.used_rows()].T
+    x = x - fitted.centre  # so that rows of both sides are such whatever their noise
     if noise is not None:
-        h = fitted.offset + profile.height(x) + fitted.noise * noise
-    centre, weight = None if fitted.centre_fitted else 0.0, smoothing * fitted.weight
+        h = fitted.offset + fitted.tilt * x + profile.height(x) + fitted.noise * noise
+    request = FitRequest(
+        kind=fitted.kind,
+        noise=fitted.noise,
+        centre=None if fitted.centre_fitted else 0.0,
+        tilt=None if fitted.tilt_fitted else fitted.tilt,
+        weight=smoothing * fitted.weight,
+        guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
+    )
     with contextlib.suppress(RowError):
-        return fitted_keys(x, h, kind=fitted.kind, noise=fitted.noise, centre=centre, weight=weight)
+        return fitted_keys(x, h, request)
+    return None
+
+
+def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
+    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt found anew; None if unfit."""
+    fitted = profile.fitted
+    x, h = fitted.rows.values[fitted.used_rows()].T
+    request = FitRequest("smoothing_spline", centre=None if fitted.centre_fitted else 0.0)
+    with contextlib.suppress(RowError):
+        return fitted_keys(x - fitted.centre, h, request)
     return None
 
 
@@ -147,6 +212,28 @@ def _middle(x: Array, h: Array) -> float:
     # Rows that all but coincide have no parabola, and no warning either.
     _, slope, bend = np.linalg.lstsq(polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None)[0]
     return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
+
+
+def _variance(x: Array, h: Array) -> float:
+    """Variance of the noise of h, from third differences of four neighbouring rows each, the median of their squares.
+
+    A shape whose curvature hardly changes between neighbours has none of its own.
+
+    >>> x = np.linspace(-1, 1, 2001)
+    >>> round(_variance(x, x**2 + np.random.default_rng(0).normal(0, 0.1, 2001)), 4), _variance(x, x**2) < 1e-30
+    (0.0096, True)
+    """
+    places = np.lib.stride_tricks.sliding_window_view(x, 4)
+    heights = np.lib.stride_tricks.sliding_window_view(h, 4)
+    apart = np.all(np.diff(places) > 0, axis=1)
+    if not np.any(apart):
+        return 0.0
+    # Weights of a divided difference: 1 over the product of the distances to the other places, in units of the widest.
+    places = places[apart] / (places[apart, -1] - places[apart, 0])[:, None]
+    distances = places[:, :, None] - places[:, None, :] + np.eye(4)
+    weights = 1 / np.prod(distances, axis=2)
+    differences = np.sum(weights * heights[apart], axis=1) ** 2 / np.sum(weights**2, axis=1)
+    return float(np.median(differences)) / _MEDIAN
 
 
 # Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1, u, (u - c)^2 and u (u - c)^2.
@@ -165,6 +252,13 @@ class _Rows:
     kind: str
     centred: bool
     """Whether the middle is fitted too."""
+    tilted: bool
+    """Whether the tilt is fitted too."""
+
+    @cached_property
+    def tilt_weight(self) -> float:
+        """Of the square of the tilt against those of the residuals: variance of the noise over that of the tilts expected."""
+        return _variance(self.x, self.h) / _TILTS**2
 
     @property
     def knots(self) -> Array:
@@ -188,21 +282,43 @@ class _Rows:
         """The best w and h0 for z = (x0, b), as many of them as are fitted."""
         from scipy.optimize import nnls
 
-        centre, half = float(z[0]) if self.centred else 0.0, float(z[-1]) if self.kind == "flat_rounded" else 0.0
+        centre = float(z[0]) if self.centred else 0.0
+        half = float(z[-1]) if self.kind == "flat_rounded" else 0.0
         columns = self.columns(np.abs(self.x - centre), half)
         mean, (count, size) = columns.mean(axis=0), columns.shape
-        small = np.column_stack([columns - mean, self.h])
-        small = np.asarray(np.linalg.qr(small, mode="r")) if count > size + 1 else small  # as many rows as columns are enough
+        along = self.x - self.x.mean()
+        table = np.column_stack([columns - mean, self.h - self.h.mean()])
+        # The best tilt for any w is linear in w: put in, it leaves a problem for w alone.
+        tilts = np.zeros(size + 1)
+        if self.tilted:
+            tilts = along @ table / (along @ along + self.tilt_weight)
+            table = np.vstack([table - np.outer(along, tilts), math.sqrt(self.tilt_weight) * tilts])
+        if count > size + 1:
+            table = np.asarray(np.linalg.qr(table, mode="r"))  # as many rows as columns are enough
         penalty = math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0) if weight else np.zeros((0, size + 1))
-        rows = np.vstack([small, penalty])
+        rows = np.vstack([table, penalty])
         try:
             w = nnls(rows[:, :-1], rows[:, -1], maxiter=50 * size)[0]
         except RuntimeError as reason:
             raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
-        offset = float(self.h.mean() - mean @ w)
-        curve = offset + columns @ w
-        numbers = 1.0 + len(z) + np.count_nonzero(w)
-        return _Fit(self, centre, half, w, offset, curve, numbers, weight, np.append(curve - self.h, penalty[:, :-1] @ w))
+        tilt = float(tilts[-1] - tilts[:-1] @ w)
+        shape = columns @ w
+        offset = float(self.h.mean() - mean @ w + tilt * (centre - self.x.mean()))
+        curve = offset + tilt * (self.x - centre) + shape
+        penalties = np.append(penalty[:, :-1] @ w, math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0)
+        return _Fit(
+            of=self,
+            centre=centre,
+            half=half,
+            w=w,
+            offset=offset,
+            tilt=tilt,
+            shape=shape,
+            curve=curve,
+            numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
+            weight=weight,
+            rest=np.append(curve - self.h, penalties),
+        )
 
     def best(self, start: Array, weight: float) -> _Fit:
         """The best for a weight of the smoothing, from a guess of x0 and b."""
@@ -215,12 +331,15 @@ class _Rows:
         found = least_squares(lambda z: self.at(z, weight).rest, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12)
         return self.at(found.x, weight)
 
-    def fit(self, noise: float | None, weight: float | None) -> _Fit:
-        """The best of all, for the spline with the weight of the least expected error."""
+    def fit(self, noise: float | None, weight: float | None, half: float | None) -> _Fit:
+        """The best of all, for the spline with the weight of the least expected error; `half` is a guess of b, if there is one."""
         z = np.zeros(int(self.centred))
+        if self.kind == "flat_rounded" and half is not None:
+            return self.best(np.append(z, np.clip(half, _STARTS[0], _STARTS[-1])), 0.0)
         if self.kind == "flat_rounded":
-            starts = [np.append(z, half) for half in _STARTS]
-            return self.best(min(starts, key=lambda one: float(np.sum(self.at(one, 0.0).rest ** 2))), 0.0)
+            middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
+            starts = [np.append(z + middle, half) for middle in middles for half in _STARTS]
+            return self.best(min(starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))), 0.0)
         if self.kind != "smoothing_spline":
             return self.best(z, 0.0)
         fits, errors = [], []
@@ -229,7 +348,7 @@ class _Rows:
             columns = self.columns(np.abs(self.x - found.centre), 0.0)
             square = (columns - columns.mean(axis=0)).T @ columns
             steps = np.diff(np.eye(len(square)), axis=0)
-            numbers = 1 + self.centred + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
+            numbers = 1 + self.centred + self.tilted + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
             rest, count = float(np.sum((self.h - found.curve) ** 2)), len(self.x)
             errors.append(rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2)
             fits.append(replace(found, numbers=min(numbers, count - 1.0)))
@@ -238,13 +357,15 @@ class _Rows:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """What a fit found: x0, b, w, h0, the curve (n,) at the rows, numbers fitted, weight of the smoothing, what is left."""
+    """A fit: x0, b, w, h0, tilt; sum of w_j B_j and curve (n,) at the rows; numbers fitted, weight of the smoothing, residuals."""
 
     of: _Rows
     centre: float
     half: float
     w: Array
     offset: float
+    tilt: float
+    shape: Array
     curve: Array
     numbers: float
     weight: float

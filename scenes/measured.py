@@ -22,7 +22,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
 from scenes.text_tables import LARGEST, text_table
-from scenes.unit_words import Kind, unit_factor
+from scenes.unit_words import Kind, short_unit_in, unit_factor
 
 Array = NDArray[np.float64]
 
@@ -126,14 +126,24 @@ class FromFile(Frozen):
         thickness, converted = getattr(self, "thickness", None), False
         factors, zeros, signs, words = (_given(getattr(self, key)) for key in ("scale", "zero", "sign", "units"))
         for k, (name, kind) in enumerate(quantities.items()):
-            unit, where = words.get(name) or table.units[k], "stated" if name in words else "in its heading"
-            how, factor, per_length = [repr(table.headings[k]) if table.head else table.headings[k]], 1.0, None
+            heading = table.headings[k]
+            unit = words.get(name) or table.units[k] or short_unit_in(heading, kind)
+            where = "stated" if name in words else "in its heading"
+            how = [repr(heading) if table.head else heading]
+            factor = 1.0
+            per_length = None
             if unit:
                 try:
                     factor, per_length = unit_factor(unit, kind, units)
                 except ValueError as reason:
                     if name in words:
                         raise InputError(f"units.{name}: {reason}") from reason
+                    # The unit of time changes no result, and moments are not converted.
+                    if kind not in ("time", "moment"):
+                        raise InputError(
+                            f"{path}: the heading {heading!r} of {name} has {unit!r} where a unit stands: {reason}; state the "
+                            f"unit of the numbers, such as units = {{{name} = {_LIKELY[kind]!r}}}"
+                        ) from reason
                     how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
                 else:
                     converted = converted or kind != "time"
@@ -215,6 +225,8 @@ def _folder(info: ValidationInfo) -> Path:
     return Path((info.context or {}).get("folder", "."))
 
 
+# A unit of each kind, for a sentence that asks for it.
+_LIKELY = {"length": "mm", "load": "N", "stress": "MPa", "angle": "rad"}
 # Of the library; where nothing else is stated.
 _UNITS = "N, mm, MPa"
 SCENE_UNITS = "units of the scene"

@@ -16,7 +16,7 @@ from pydantic import AfterValidator, Field, PrivateAttr, TypeAdapter, Validation
 
 from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail, values_of
 from scenes.errors import InputError, RowError
-from scenes.fitting import fitted_keys
+from scenes.fitting import FitRequest, fitted_keys
 from scenes.frozen import Frozen, Positive, PythonFunction, refusal
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 
@@ -126,6 +126,11 @@ class ProfileFit(Frozen):
     extent: Positive | None = Field(
         None, description="rows farther from the middle are left out, length units (library: mm); all count if left out"
     )
+    tilt: float | None = Field(
+        None,
+        description="slope of the trace, taken out of the rows (library: rad); fitted if left out, but 0 for rows of one side, "
+        "and for a `hertz` whose middle is fitted",
+    )
 
 
 class Fitted(Frozen):
@@ -138,6 +143,8 @@ class Fitted(Frozen):
     noise_stated: bool = Field(description="whether that was stated, or is that of the residuals")
     centre: float = Field(description="x of the middle, length units (library: mm)")
     centre_fitted: bool = Field(description="whether that was fitted")
+    tilt: float = Field(0.0, description="slope of the trace, taken out (library: rad)")
+    tilt_fitted: bool = Field(False, description="whether that was fitted")
     offset: float = Field(description="fitted h there, length units (library: mm)")
     residual: float = Field(ge=0, description="root mean square of rows minus curve, length units (library: mm)")
     freedom: int = Field(gt=0, description="rows less fitted numbers")
@@ -145,6 +152,16 @@ class Fitted(Frozen):
     weight: float = Field(0.0, ge=0, description="of the smoothing against the rows")
     left_out: int = Field(0, ge=0, description="rows beyond the extent")
     read_as: ReadAs | None = Field(None, description=READ_AS)
+
+    def used_rows(self) -> NDArray[np.int64]:
+        """Numbers (n,) of the rows that count, those nearest to the middle, in ascending order."""
+        apart = np.abs(self.rows.values[:, 0] - self.centre)
+        return np.sort(np.argsort(apart, kind="stable")[: len(apart) - self.left_out])
+
+    def residuals(self, height: Callable[[Array], Array]) -> Array:
+        """Rows minus offset, tilt and `height` of the profile, (n_rows,) [length]."""
+        x = self.rows.values[:, 0] - self.centre
+        return np.asarray(self.rows.values[:, 1] - self.offset - self.tilt * x - height(x))
 
 
 class MayBeFitted(Gap):
@@ -479,7 +496,8 @@ class Tabulated(FromFile):
         if self.fit is None:
             self._sides()
         else:
-            self._keys = fitted_keys(*self.points.values.T, **dict(self.fit))
+            x, h = self.points.values.T
+            self._keys = fitted_keys(x, h, FitRequest(**dict(self.fit)))
 
     def _sides(self) -> tuple[tuple[Array, Array], ...]:
         """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round, and of the right."""
@@ -631,13 +649,19 @@ Profile = Annotated[Curve, AfterValidator(_curve_of_rows)]
 
 
 def fit_profile(
-    points: ArrayLike, kind: str, *, noise: float | None = None, centre: float | None = None, extent: float | None = None
+    points: ArrayLike,
+    kind: str,
+    *,
+    noise: float | None = None,
+    centre: float | None = None,
+    extent: float | None = None,
+    tilt: float | None = None,
 ) -> Hertz | FlatRounded | EvenPolynomial | Tabulated:
     """The profile fitted to measured rows (n, 2) of x and h: convex, symmetric about a middle that need not be at x = 0.
 
     Parameters
     ----------
-    kind, noise, centre, extent : keys of `fit` of a tabulated profile
+    kind, noise, centre, extent, tilt : keys of `fit` of a tabulated profile
 
     Returns
     -------
@@ -653,7 +677,7 @@ def fit_profile(
     >>> round(profile.radius, 6), round(profile.fitted.centre, 9)
     (1000.0, 0.1)
     """
-    fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent}
+    fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
     data = {"kind": "tabulated", "points": points, "fit": fit}
     try:
         return _curve_of_rows(_ANY.validate_python(data))  # type: ignore[return-value]

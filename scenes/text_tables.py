@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
-from scenes.unit_words import is_unit, unit_in
+from scenes.unit_words import is_unit, name_without_unit, unit_in
 
 Array = NDArray[np.float64]
 
@@ -259,7 +259,8 @@ def _used(
             places = [k for k, name in enumerate(names) if own.strip() in (name, unit_in(name)[0])]
         else:
             aliases = (column, *ALIASES[_OF_SCENES.get(column, column)])
-            heads = [(plain(name).lower(), plain(unit_in(name)[0]).lower()) for name in names]
+            ways_to_read = ((name, unit_in(name)[0], name_without_unit(name)) for name in names)
+            heads = [tuple(plain(text).lower() for text in texts) for texts in ways_to_read]
             ways = ([k for k, head in enumerate(heads) if plain(alias).lower() in head] for alias in aliases)
             places = next(filter(None, ways), [])
         if len(places) > 1:

@@ -20,6 +20,43 @@ _OF_FILES = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
     "moment": {},  # is not converted
 }
+# Units written out, in lower case; a plural's s is left out.
+_SPELLED = {
+    "micron": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "mikrometer": "um",
+    "nanometer": "nm",
+    "nanometre": "nm",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "centimeter": "cm",
+    "centimetre": "cm",
+    "meter": "m",
+    "metre": "m",
+    "inch": "in",
+    "inche": "in",  # inches
+    "newton": "N",
+    "kilonewton": "kN",
+    "millinewton": "mN",
+    "pascal": "Pa",
+    "kilopascal": "kPa",
+    "megapascal": "MPa",
+    "gigapascal": "GPa",
+    "second": "s",
+    "sec": "s",
+    "sek": "s",
+    "sekunde": "s",
+    "millisecond": "ms",
+    "microsecond": "us",
+    "minute": "min",
+    "hour": "h",
+    "radian": "rad",
+    "milliradian": "mrad",
+    "degree": "deg",
+}
+# Words that are units in brackets and more than that as the last word of a heading: "gap min", "profile h".
+_SHORT = ("m", "s", "h", "N", "in", "min", "°")
 _ROUNDING = 1e-6
 
 Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
@@ -51,16 +88,53 @@ def inconsistent(units: str) -> str:
 
 
 def unit_in(heading: str) -> tuple[str, str]:
-    """The name and the unit of a heading; an empty unit where none stands there.
+    """The name and the unit of a heading; an empty unit where none stands there. What stands in brackets last may be any word.
 
     >>> unit_in("Normal force [kN]"), unit_in("P / N"), unit_in("x (mm)"), unit_in("time"), unit_in("P in N/mm")
     (('Normal force', 'kN'), ('P', 'N'), ('x', 'mm'), ('time', ''), ('P', 'N/mm'))
+    >>> unit_in("X_(microns)"), unit_in("Lateral um"), unit_in("Raw Micrometer"), unit_in("x_mm"), unit_in("gap min")
+    (('X', 'microns'), ('Lateral', 'um'), ('Raw', 'Micrometer'), ('x', 'mm'), ('gap min', ''))
+    >>> unit_in("Force [N] filtered"), unit_in("Q (left)"), unit_in("U [-]")
+    (('Force', 'N'), ('Q', 'left'), ('U', ''))
     """
     text = heading.strip()
-    if found := re.match(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$", text):
-        return found[1], found[2].strip()
+    for bracket in re.finditer(r"[\[({<]([^][(){}<>]*)[\])}>]", text):
+        inside = bracket[1].strip().removeprefix("in ").strip()
+        last = bracket.end() == len(text)
+        if is_unit(inside) or last:
+            return text[: bracket.start()].rstrip(" _,;:-"), "" if inside in ("-", "1") else inside
     found = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
-    return (found[1], found[2]) if found and is_unit(found[2]) else (text, "")
+    if found and is_unit(found[2]):
+        return found[1], found[2]
+    name, word = _last_word(text)
+    return (name, word) if is_unit(word) and word not in _SHORT else (text, "")
+
+
+def _last_word(text: str) -> tuple[str, str]:
+    """What stands before the last word, and that word; it is empty where there is one word only."""
+    found = re.match(r"(.*[^\s_,;])[\s_,;]+([^\s_,;]+)$", text)
+    return (found[1], found[2]) if found else (text, "")
+
+
+def short_unit_in(heading: str, kind: Kind) -> str:
+    """The last word of a heading without brackets if it is one of the short units, and of this kind; else empty.
+
+    >>> short_unit_in("Time s", "time"), short_unit_in("Force N", "load"), short_unit_in("profile h", "length")
+    ('s', 'N', '')
+    """
+    word = _last_word(heading.strip())[1]
+    return word if word in _SHORT and _size(word, kind) is not None else ""
+
+
+def name_without_unit(heading: str) -> str:
+    """A heading without its unit, and without a last word that may be one.
+
+    >>> name_without_unit("Time s"), name_without_unit("P [N]"), name_without_unit("friction force")
+    ('Time', 'P', 'friction force')
+    """
+    name, unit = unit_in(heading)
+    before, word = _last_word(name)
+    return before if not unit and word in _SHORT else name
 
 
 def is_unit(word: str) -> bool:
@@ -75,9 +149,21 @@ def is_unit(word: str) -> bool:
 def _size(unit: str, kind: str) -> tuple[float, bool] | None:
     """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this kind."""
     above, slash, below = unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
+    above = _symbol(above)
+    below = _symbol(below)
     if above not in _OF_FILES[kind] or (slash and below not in _OF_FILES["length"]):
         return None
     return _OF_FILES[kind][above] / _OF_FILES["length"].get(below, 1.0), bool(slash)
+
+
+def _symbol(word: str) -> str:
+    """The symbol of a unit that is written out; any other word as it is.
+
+    >>> _symbol("Microns"), _symbol("kN"), _symbol("Micrometer")
+    ('um', 'kN', 'um')
+    """
+    bare = word.strip().rstrip(".").lower()
+    return _SPELLED.get(bare) or _SPELLED.get(bare.removesuffix("s")) or word
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import semi_analytic
 from reports.checking import largest_contact
 from reports.page.writing import fit_residuals
-from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty
+from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, fit_warnings
 from scenes import (
     Block,
     CallableProfile,
@@ -32,7 +33,8 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import arc_depth, face_of
-from scenes.fitting import fitted_again, fitted_keys
+from scenes.fitting import FitRequest, fitted_again, fitted_keys
+from scenes.measured import Table
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -181,12 +183,12 @@ def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbe
 
     def misfit(middle, half):
         beyond = np.maximum(np.abs(rows[:, 0] - middle) - half, 0.0) ** 2 / 2
-        columns = np.column_stack([np.ones(len(rows)), beyond])
+        columns = np.column_stack([np.ones(len(rows)), rows[:, 0], beyond])
         left = rows[:, 1] - columns @ np.linalg.lstsq(columns, rows[:, 1], rcond=None)[0]
         return float(left @ left)
 
     best = misfit(found.fitted.centre, found.flat_half_length)
-    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-6)
+    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-3)  # a penalty on the tilt keeps it from the very best
     assert best <= min(misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)) * (1 + 1e-9)
 
 
@@ -288,7 +290,7 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
     for noise in (1e-8, 2e-5):
         rows = rows_of(truth, 301, noise)
         given = {"kind": "smoothing_spline", "noise": noise if stated else None}
-        found = [fitted_keys(*rows.T, **given, weight=weight) for weight in (None, 1e-9, 1e3)]
+        found = [fitted_keys(*rows.T, FitRequest(**given, weight=weight)) for weight in (None, 1e-9, 1e3)]
         off = [np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found]
         assert off[0] <= 1.02 * min(off[1:])
         weights.append(found[0]["fitted"]["weight"])
@@ -319,9 +321,94 @@ def test_noise_that_is_not_that_of_the_rows_is_said():
     rows = rows_of(TRUTHS["flat_rounded"], 301, 20e-6)
     asked = (("flat_rounded", 20e-6), ("hertz", 20e-6), ("flat_rounded", 1e-4))
     said = [fit_in_words(scene_of(rows, kind, noise), 0.5) for kind, noise in asked]
-    assert [len(sentences) for sentences in said] == [1, 2, 2]
-    assert "does not describe the rows" in said[1][1]
+    assert [len(sentences) for sentences in said] == [1, 3, 2]
+    assert "The residuals are no noise" in said[1][1]
+    assert "does not describe the rows" in said[1][2]
     assert "the noise is smaller than stated" in said[2][1]
+
+
+# A trace of a flat pad as it lies in the instrument: x counted from its left end, noise of 0, 60 and 300 nm.
+TRACED, TRACE = FlatRounded(radius=25.0, flat_half_length=1.2), np.linspace(-2.4, 2.4, 201)
+TILTS = [(tilt, noise) for tilt in (-5e-3, 0.0, 1e-3, 3e-3, 5e-3) for noise in (0.0, 6e-5, 3e-4)]
+
+
+def traced(tilt, noise, seed=0):
+    h = 0.01 + tilt * TRACE + TRACED.height(TRACE - 0.08) + noise * np.random.default_rng(seed).standard_normal(len(TRACE))
+    return np.column_stack([TRACE + 2.4, h])
+
+
+@pytest.mark.parametrize(("tilt", "noise"), TILTS)
+def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise):
+    """b, R, middle, offset and tilt are those of the trace, within four standard deviations by linear theory."""
+    rows = traced(tilt, noise)
+    found = fit_profile(rows, "flat_rounded")
+    s = np.abs(TRACE - 0.08) - 1.2
+    edge = np.maximum(s, 0.0)
+    bend = 1 / 25.0
+    side = np.sign(TRACE - 0.08)
+    # Changes of h with offset, tilt, middle, half-length and curvature.
+    slopes = np.column_stack([np.ones(len(s)), TRACE - 0.08, -bend * edge * side, -bend * edge, edge**2 / 2])
+    deviations = noise * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+    fitted = found.fitted
+    errors = np.abs(
+        [
+            fitted.offset - (0.01 + 0.08 * tilt),
+            fitted.tilt - tilt,
+            fitted.centre - 2.48,
+            found.flat_half_length - 1.2,
+            1 / found.radius - bend,
+        ]
+    )
+    assert np.all(errors <= 4 * deviations + 2e-6)
+    assert fitted.tilt_fitted
+    scene = load_scene("hertz-paper").vary(load=LOAD, profile=found)
+    assert not fit_warnings(scene, 1.0)
+
+
+def test_w_of_a_tilted_trace_lies_within_what_is_stated():
+    keys = {"kind": "tabulated", "points": traced(3e-3, 6e-5), "fit": {"kind": "flat_rounded"}}
+    load = {"kind": "polygon", "initial_loading": [[120.0, 0.0], [120.0, 35.0]], "cycle": [[120.0, -35.0]]}
+    scene = load_scene("hertz-paper").vary(load=load, friction=0.5, profile=keys, expected=())
+    truth = semi_analytic.solve(scene.vary(profile=TRACED), x=0.0, fields="dissipation").dissipation
+    found = fit_uncertainty(scene, 10).dissipation
+    assert abs(found.value - truth) <= found.uncertainty <= 0.02 * truth
+    # A tilt that is stated, and is not that of the trace, leaves residuals with a pattern: said, and covered.
+    level = scene.vary(profile={"kind": "tabulated", "points": traced(3e-3, 6e-5), "fit": {"kind": "flat_rounded", "tilt": 0.0}})
+    wide = fit_uncertainty(level, 10).dissipation
+    assert 0.15 * truth < abs(wide.value - truth) <= wide.uncertainty
+    assert "no noise" in fit_warnings(level, 0.0)[0]
+    assert "tilt, fitted and taken out, is 0.00" in fit_in_words(scene, 0.0)[0]
+
+
+def test_a_tilt_that_the_rows_do_not_show_is_none():
+    """A parabola with tilt is a parabola with another middle: no fit makes much tilt of it, and the curve is that of the rows."""
+    rows = np.column_stack([TRACE, TRACE**2 / 180 + 3e-3 * TRACE + 6e-5 * np.random.default_rng(0).standard_normal(len(TRACE))])
+    for kind in ("hertz", "flat_rounded", "even_polynomial"):
+        found = fit_profile(rows, kind)
+        assert found.fitted.centre == pytest.approx(-90 * 3e-3, abs=0.05)
+        assert float(found.height(1.0)) == pytest.approx(1 / 180, rel=5e-3)
+    right = rows_of(TRUTHS["flat_rounded"], 301, middle=0.0)
+    one_side = fit_profile(right[right[:, 0] >= 0], "flat_rounded")
+    assert not one_side.fitted.tilt_fitted
+    stated = fit_profile(traced(3e-3, 6e-5), "flat_rounded", tilt=3e-3)
+    assert (stated.fitted.tilt, stated.fitted.tilt_fitted) == (3e-3, False)
+    assert stated.flat_half_length == pytest.approx(1.2, abs=5e-3)
+
+
+def test_white_noise_is_called_a_pattern_by_chance_alone():
+    """In one case of 1,000 by each of two rules; a wave of the size of the noise is seen."""
+    random, calls = np.random.default_rng(1), 0
+    scene = load_scene("hertz-paper").vary(load=LOAD, profile=fit_profile(traced(0.0, 6e-5), "flat_rounded"))
+    fitted = scene.profile.fitted
+    curve = fitted.rows.values - np.column_stack([np.zeros(len(TRACE)), fitted.residuals(scene.profile.height)])
+    wave = np.column_stack([np.zeros(len(TRACE)), 6e-5 * np.sin(4 * TRACE)])
+    for _ in range(100):
+        rows = curve + np.column_stack([np.zeros(len(TRACE)), 6e-5 * random.standard_normal(len(TRACE))])
+        for more, seen in ((0.0, False), (wave, True)):
+            other = fitted.model_copy(update={"rows": Table.of(rows + more)})
+            profile = scene.profile.model_copy(update={"fitted": other})
+            calls += bool(fit_warnings(scene.model_copy(update={"profile": profile}), 0.0)) != seen
+    assert calls <= 3
 
 
 def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurements():

@@ -87,7 +87,7 @@ def check(scene: str, _: Options) -> Answer:
     from reports.comparison.words import bodies_in_words, idealisation, question, sentence, unlike_materials
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
-    from reports.profile_fit import findings
+    from reports.profile_fit import findings, fit_warnings
     from reports.units import number
     from scenes import InputError, TimeSeriesLoad
 
@@ -116,7 +116,8 @@ def check(scene: str, _: Options) -> Answer:
     if record := check_record(found):
         for said, warning in record_in_words(found, record):
             (doubts if warning else words).append(said)
-    words += findings(found)[0]
+    doubts += fit_warnings(found, largest.half_width if largest else 0.0)
+    words += [sentence for sentence in findings(found)[0] if sentence not in doubts]
     last = (
         f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most {path.ratio:.4g}, "
         f"in the {path.part} at time {number(path.time)} (P = {number(path.normal_load)}, Q = {number(path.tangential_load)}). "

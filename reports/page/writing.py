@@ -1038,7 +1038,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         return None
     length = units(scene)[1]
     x = fitted.rows.values[:, 0] - fitted.centre
-    rest = fitted.rows.values[:, 1] - fitted.offset - scene.profile.height(x)
+    rest = fitted.residuals(scene.profile.height)
     used = np.abs(x) <= np.sort(np.abs(x))[len(x) - fitted.left_out - 1]
     shown = np.flatnonzero(used)[:: -(-int(used.sum()) // _MOST_DOTS)]
     most = 1.1 * max(float(np.abs(rest[used]).max()), 2.2 * fitted.noise)
