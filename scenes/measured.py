@@ -138,11 +138,11 @@ class FromFile(Frozen):
                 except ValueError as reason:
                     if name in words:
                         raise InputError(f"units.{name}: {reason}") from reason
-                    # The unit of time changes no result, and moments are not converted.
-                    if kind not in ("time", "moment"):
+                    # The unit of time changes no result, moments are not converted, and a stated scale turns volts into loads.
+                    if kind not in ("time", "moment") and name not in factors:
                         raise InputError(
                             f"{path}: the heading {heading!r} of {name} has {unit!r} where a unit stands: {reason}; state the "
-                            f"unit of the numbers, such as units = {{{name} = {_LIKELY[kind]!r}}}"
+                            f"unit of the numbers, such as units = {{{name} = {_LIKELY[kind]!r}}}, or their factor by scale"
                         ) from reason
                     how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
                 else:

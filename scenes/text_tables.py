@@ -291,7 +291,9 @@ def _plain_layout(
             raise InputError(f"{path}, line {bare[start][0]}: there is no column {max(used) + 1}: the line has {len(cells)}")
         own = dict(zip(used, columns, strict=True))
         names = [own.get(k, f"column {k + 1}") for k in range(len(cells))]
-        return _Layout(mark, tuple(names), ("",) * len(cells), used, 0, bare[start][0], start)
+        head, above, units = _above(bare[:start], mark, len(cells))
+        skipped = sum(before < head for before, _ in bare) if head else start
+        return _Layout(mark, above or tuple(names), units or ("",) * len(cells), used, head, bare[start][0], skipped)
     if rows:
         cure = "; semicolons between the columns where commas stand in the numbers" if len(cells) == 2 * count else ""
         raise InputError(
@@ -307,6 +309,19 @@ def _plain_layout(
     which = f"no heading is {' or '.join(own_words)}" if own_words else f"none is known as {' or '.join(lacking or columns)}"
     cure = f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
+
+
+def _above(lines: list[Line], mark: str | None, count: int) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
+    """Line, headings and units (count,) of columns that were named by number, from the last lines above the rows; 0 and none."""
+    rows = [(number, way) for number, text in lines for way in _headings(text, mark) if len(way) == count]
+    units: tuple[str, ...] = ()
+    if len(rows) > 1 and all(is_unit(cell.strip("[]() ")) for cell in rows[-1][1]):
+        units = tuple(cell.strip("[]() ") for cell in rows[-1][1])
+        rows.pop()
+    if not rows or rows[-1][0] < lines[-1][0] - 1:
+        return 0, (), ()
+    number, names = rows[-1]
+    return number, tuple(names), units or tuple(unit_in(name)[1] for name in names)
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:

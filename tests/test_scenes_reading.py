@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from reports.measured import read_in_pairs
 from reports.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
@@ -564,3 +565,57 @@ def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
     except InputError as sentence:
         answer = str(sentence)
     assert isinstance(answer, Scene) or str(answer).startswith(f"{file}: ")
+
+
+# ------------------------------------------------------------------------------------------------- units of measured tables
+def trace_scene(folder, head, factor, **keys):
+    """A parabola of radius 90 mm as a trace whose numbers are `factor` times mm."""
+    x = np.linspace(-2.4, 2.4, 61)
+    rows = np.column_stack([x + 2.4, x**2 / 180]) * factor
+    np.savetxt(folder / "trace.csv", rows, delimiter=",", header=head, comments="", fmt="%.9g")
+    scene = {"material": {"young_modulus": 115e3, "poisson_ratio": 0.32}, "friction": 0.5}
+    profile = {"kind": "tabulated", "file": "trace.csv", "fit": {"kind": "hertz"}} | keys
+    scene |= {"profile": profile, "load": {"kind": "polygon", "initial_loading": [[120.0, 0.0], [120.0, 35.0]]}}
+    (folder / "pad.json").write_text(json.dumps(scene))
+    return load_scene(folder / "pad.json")
+
+
+@pytest.mark.parametrize(
+    ("head", "factor"),
+    [
+        ("X_(microns),gap_(microns)", 1e3),
+        ("Lateral um,Height um", 1e3),
+        ("Raw Micrometer,Fit Micrometer", 1e3),
+        ("x_mm,h_mm", 1.0),
+        ("x <µm>,h {um}", 1e3),
+        ("x [µm] raw,h [µm] levelled", 1e3),
+        ("Lateral (in nanometres),Height (in nanometres)", 1e6),
+        ("x m,h m", 1e-3),
+        ("X millimetres,Z millimetres", 1.0),
+        ("a,b\num,um", 1e3),
+        ("stage min,profile h", 1.0),
+    ],
+)
+def test_a_unit_is_read_in_any_form_of_a_heading(tmp_path, head, factor):
+    scene = trace_scene(tmp_path, head, factor, columns={"x": 1, "h": 2})
+    assert scene.profile.radius == pytest.approx(90.0, rel=1e-6)
+    read = dict(read_in_pairs(scene)["profile.file"])
+    assert repr(head.partition("\n")[0].split(",")[1]) in read["h"]
+    assert ("times" in read["h"]) == (factor != 1)
+
+
+def test_a_unit_that_is_not_known_is_asked_for_in_one_sentence(tmp_path):
+    with pytest.raises(InputError, match=r"trace.csv: the heading 'X \(furlongs\)' of x has 'furlongs' .* units = \{x = 'mm'\}"):
+        trace_scene(tmp_path, "X (furlongs),h [mm]", 1.0, columns={"x": 1, "h": 2})
+    stated = {"columns": {"x": 1, "h": 2}, "units": {"x": "mm"}}
+    assert trace_scene(tmp_path, "X (furlongs),h [mm]", 1.0, **stated).profile.radius == pytest.approx(90.0, rel=1e-6)
+
+
+def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path):
+    (tmp_path / "loads.csv").write_text("Time s;Normal force kN;Shear force N\n0;1;0\n1;1;200\n")
+    found = text_table(tmp_path / "loads.csv", ("time", "P", "Q"))
+    assert found.units == ("", "kN", "")  # one letter is a unit where the kind of the column says so
+    keys = json.loads(load_scene("hertz-paper").model_dump_json(exclude_none=True))
+    load = {"kind": "time_series", "file": "loads.csv", "thickness": 10.0}
+    (tmp_path / "scene.json").write_text(json.dumps(keys | {"load": load, "expected": []}))
+    np.testing.assert_allclose(load_scene(tmp_path / "scene.json").load.rows.values, [[0, 100, 0], [1, 100, 20]])
