@@ -24,6 +24,7 @@ TABLES = {
     "ProfileFit": "table of keys: see `profile.fit`",
     "Fitted": "table, written by the fit",
     "LineOfAction": "table {x, height}",
+    "RecordRow": "table {row}",
 }
 # Keys that every load has stand once; how their values vary with time, by the kind of load.
 VARYING = {"Wave": "beside an ellipse", "WaveSum": "beside harmonics", "LineOfAction": "line_of_action"}

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 # |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
 _ROUNDING = 1e-12
 _SAMPLES = 513
+# Of the largest P: below this share Q beyond f P is taken for noise of the sensors.
+_NOISE = 0.05
 # Rows of a record that are looked at together.
 _BLOCK = 100_000
 # Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long before p0 = E*/10, and at a slope of
@@ -117,7 +119,29 @@ def require_admissible(scene: Scene, source: str) -> None:
             with suppress(InadmissibleLoadError):  # the parabola alone is at fault
                 _check(scene.vary(load={"initial_loading": "straight"}))
                 hint = '; or write load.initial_loading = "straight", which is admissible'
+        if isinstance(scene.load, TimeSeriesLoad):
+            hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.seen_time)
         raise InputError(f"{source}: {fault}{hint}") from fault
+
+
+def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
+    """The row of a fault, and the keys that take it out: the noise below a load, or another start or end."""
+    rows = load.rows.values
+    first, beyond = load.bounds()
+    row = first + int(np.argmax(np.append(rows[first:beyond, 0] >= time, True)))
+    row = min(row, beyond - 1)
+    used = rows[first:beyond]
+    bad = np.abs(used[:, 2]) > friction * used[:, 1]
+    place = f"; that is row {row + 1:,} of {len(rows):,}"
+    noise = float(np.max(used[bad, 1], initial=0.0))
+    largest = float(np.max(used[:, 1]))
+    if load.least_normal_load is None and not load.repeats and not load.has_bulk_or_tilt and noise < _NOISE * largest:
+        # Twice the largest P of the bad rows, to two digits: noise does not end there.
+        noise = max(2 * noise, _NOISE / 50 * largest)
+        step = 10.0 ** (np.floor(np.log10(noise)) - 1)
+        least = float(np.floor(noise / step) + 1) * step
+        return f"{place}. Rows of so little load are noise where it is: write load.least_normal_load = {least:.6g}"
+    return f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
 
 
 def _check(scene: Scene) -> None:

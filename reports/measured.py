@@ -61,7 +61,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         return None
-    rows, kept = load.rows.values, len(load.kept_rows())
+    rows, kept = load.used_rows().values, len(load.kept_rows())
     sigma = (noise_of(rows[:, 1]), noise_of(rows[:, 2]))
     if len(rows) > _MOST_ROWS or load.repeats:
         return RecordCheck(len(rows), kept, None, None, None, None, sigma, 1, None)
@@ -132,6 +132,16 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
         share = value / before - 1 if value is not None and before else 0.0
         return minus(f"{100 * share:+.2g} %"), abs(share) > _WARNED
 
+    first, beyond = load.bounds()
+    if beyond - first < len(load.rows):
+        yield f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start and end.", False
+    if load.least_normal_load is not None:
+        low = load.rows.values[first:beyond, 1] < load.least_normal_load
+        yield (
+            f"P is below least_normal_load = {number(load.least_normal_load)} {unit} in {np.count_nonzero(low):,} of the rows: "
+            f"Q counts as 0 there. Of these the first {int(np.argmin(low)):,} are initial loading at Q = 0.",
+            False,
+        )
     if load.reduce is not None:
         words = f"The path goes through {found.kept:,} of {found.rows:,} rows"
         all_of = "all of them" if load.average == 1 else f"all means of {load.average}"

@@ -81,6 +81,7 @@ class InadmissibleLoadError(InputError):
     ) -> None:
         self.time, self.normal_load, self.tangential_load = time, normal_load, tangential_load
         at, normal, tangential = seen or (time, normal_load, tangential_load)
+        self.seen_time = at
         since = f" from time {time:.6g} on," if at != time else ""
         place = f" {where}" if where else ""
         loads = f"P = {normal:.6g}, Q = {tangential:.6g}"

@@ -270,13 +270,17 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
     def places(self, corners: int) -> tuple[Sequence[int], int]:
         """Which entry of a list each corner of the path has, -1 for none; up to which corner a number grows with P."""
 
+    def entries_needed(self, places: Sequence[int]) -> int:
+        """How many entries a list has."""
+        return max(places) + 1
+
     def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:  # noqa: ARG002
         places, first = self.places(len(normal_loads))
         if not isinstance(value, tuple):
             growth = normal_loads / (normal_loads[first] or 1.0)
             return (value or 0.0) * np.where(np.arange(len(normal_loads)) < first, growth, 1.0)
-        if len(value) != max(places) + 1:
-            raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
+        if len(value) != (needed := self.entries_needed(places)):
+            raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {needed} are needed, {self.entries}")
         return np.array([value[k] if k >= 0 else 0.0 for k in places])
 
 
@@ -376,6 +380,12 @@ class Threshold(Frozen):
     Q: float = Field(0.0, ge=0, description="of Q, force per unit thickness (library: N/mm)")
 
 
+class RecordRow(Frozen):
+    """A row of a record by its number."""
+
+    row: int = Field(ge=1, description="number of the row of numbers, from 1 on")
+
+
 class TimeSeriesLoad(StraightLoad, FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
 
@@ -412,6 +422,17 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     zero: OfLoads[float] | None = Field(None, description=ZERO)
     sign: OfLoads[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as P of a cell that counts tension")
     read_as: ReadAs | None = Field(None, description=READ_AS)
+    start: float | RecordRow | None = Field(
+        None, description="first row that counts: its time, or {row = 10}; the record's if left out (library: s)"
+    )
+    end: float | RecordRow | None = Field(
+        None, description="last row that counts: its time, or {row = 900}; the record's if left out (library: s)"
+    )
+    least_normal_load: Positive | None = Field(
+        None,
+        description="P below which rows are noise: Q counts as 0 there, and rows before the first that reaches it as initial "
+        "loading at Q = 0, force per unit thickness (library: N/mm)",
+    )
     average: int = Field(1, ge=1, description="how many neighbouring rows one mean stands for: it takes noise out")
     reduce: Reduction | None = Field(
         None,
@@ -428,8 +449,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise ValueError('threshold has a use with reduce = "turning_points" or reduce = "tolerance" only: add one of them')
         if self.average > 1 and self.repeats:
             raise ValueError("average goes with records that do not repeat: means have no row at which the cycle closes")
-        if self.average > 1 and len(self.rows) < 2 * self.average:
-            raise ValueError(f"average = {self.average} leaves one of {len(self.rows)} rows: two at least are needed")
+        if self.least_normal_load is not None and (self.repeats or self.has_bulk_or_tilt):
+            raise ValueError(
+                "least_normal_load goes with records of P and Q alone that do not repeat: leave it out, and cut the noise by start "
+                "and end"
+            )
+        if self.average > 1 and (count := len(self.used_rows())) < 2 * self.average:
+            raise ValueError(f"average = {self.average} leaves one of {count} rows: two at least are needed")
         if self.has_bulk_or_tilt and (self.average > 1 or self.reduce is not None):
             raise ValueError("average and reduce go with records of P and Q alone: leave them out beside bulk stress or tilt")
         if self.reduce == "tolerance" and (self.threshold is None or not max(self.threshold.P, self.threshold.Q)):
@@ -442,21 +468,63 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
+        first, beyond = self.bounds()
+        if beyond - first < 2:
+            raise RowError(min(first, len(rows) - 1), f"start and end leave {max(beyond - first, 0)} rows: two at least are needed")
         time, words = rows[:, 0], ("stands there twice", "comes after a later one")
         RowError.refuse(
-            np.diff(time) <= 0, lambda k: f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend", 1
+            np.diff(time[first:beyond]) <= 0,
+            lambda k: f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend",
+            first + 1,
         )
-        if self.repeats and not np.any(rows[0, 1:]):
-            raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
-        if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
-            raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
+        if self.least_normal_load is not None and not np.any(rows[first:beyond, 1] >= self.least_normal_load):
+            highest = float(np.max(rows[first:beyond, 1]))
+            raise RowError(first, f"no row reaches least_normal_load = {self.least_normal_load:.6g}: P is {highest:.6g} at most")
+        if self.repeats and not np.any(rows[first, 1:]):
+            raise RowError(first, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
+        if self.repeats and np.any(rows[first, 1:] != rows[beyond - 1, 1:]):
+            raise RowError(beyond - 1, "a cycle that repeats must end with the loads of its first row")
+
+    def bounds(self) -> tuple[int, int]:
+        """Number of the first row that counts, from 0 on, and of the first behind the last that does."""
+        time, first, beyond = self.rows.values[:, 0], 0, len(self.rows)
+        if isinstance(self.start, RecordRow):
+            first = self.start.row - 1
+        elif self.start is not None:
+            first = int(np.argmax(np.append(time >= self.start, True)))
+        if isinstance(self.end, RecordRow):
+            beyond = min(self.end.row, beyond)
+        elif self.end is not None:
+            beyond = len(time) - int(np.argmax(np.append(time[::-1] <= self.end, True)))
+        return first, beyond
+
+    def used_rows(self) -> Table:
+        """The rows (n, 3) between `start` and `end`; those below `least_normal_load` without their noise.
+
+        >>> noisy = [[0, 0.1, -0.9], [1, 0.3, 0.7], [2, 50, 1], [3, 100, 30], [4, 0.2, -0.5]]
+        >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
+        [[1.0, 5.0, 0.0], [2.0, 50.0, 1.0], [3.0, 100.0, 30.0], [4.0, 0.2, 0.0]]
+        """
+        first, beyond = self.bounds()
+        if self.least_normal_load is None:
+            return self.rows if (first, beyond) == (0, len(self.rows)) else Table.of(self.rows.values[first:beyond])
+        rows = self.rows.values[first:beyond].copy()
+        low = rows[:, 1] < self.least_normal_load
+        rows[low, 1] = np.maximum(rows[low, 1], 0.0)
+        rows[low, 2] = 0.0
+        loaded = int(np.argmin(low))  # the first that is not low
+        if loaded > 0:
+            rows = rows[loaded - 1 :]
+            rows[0, 1] = self.least_normal_load
+        return Table.of(rows)
 
     def kept_rows(self) -> NDArray[np.float64]:
         """The rows (m, 3) that the path goes through, after means and reduction."""
+        rows = self.used_rows()
         if self.average == 1 and self.reduce is None:
-            return self.rows.values
+            return rows.values
         size = self.threshold or Threshold()
-        return reduced(self.rows, self.average, self.reduce, size.P, size.Q)
+        return reduced(rows, self.average, self.reduce, size.P, size.Q)
 
     def series(self) -> NDArray[np.float64]:
         """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the first step."""
@@ -469,16 +537,24 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     entries = "one for each row"
 
     def places(self, corners: int) -> tuple[Sequence[int], int]:
-        return range(len(self.rows) - corners, len(self.rows)), 1
+        first, beyond = self.bounds()
+        before = corners - (beyond - first)  # 1 where a line from (0, 0) comes before the rows
+        return [*[-1] * before, *range(first, beyond)], 1
+
+    def entries_needed(self, places: Sequence[int]) -> int:  # noqa: ARG002
+        return len(self.rows)
 
     def path_of_loads(self) -> LoadPath:
         segments = straight_segments(self.series().tolist())
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
-        low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
+        used = self.used_rows().values
+        low, high = np.min(used, axis=0), np.max(used, axis=0)
         again = ", again and again" if self.repeats else ""
         which = f"{len(self.rows)} rows of a record"
+        if len(used) != len(self.rows):
+            which = f"{len(used)} of the {which}"
         if self.average > 1 or self.reduce is not None:
             which = f"{len(self.kept_rows())} of the {which}"
         which += f", means of {self.average} each" if self.average > 1 else ""

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 import semi_analytic
+from reports.checking import require_admissible
 from scenes import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -28,6 +29,7 @@ from scenes import (
     InputError,
     LoadPath,
     PolygonLoad,
+    Scene,
     StraightSegment,
     Tabulated,
     TimeSeriesLoad,
@@ -648,3 +650,76 @@ def test_a_table_keeps_its_two_sides() -> None:
     rows[3, 1] = 9.0
     with pytest.raises(ValueError, match="row 3: left side, x counted to the left"):
         Tabulated(points=rows, symmetric=False)
+
+
+# ------------------------------------------------------------------------------------------------ a record that begins in noise
+def noisy_record(seed=0):
+    """Noise about P = 0 for ten rows, loading to P = 100, then Q to and fro at constant P; noise of 0.3 in both loads."""
+    random = np.random.default_rng(seed)
+    normal = np.concatenate([np.zeros(10), np.linspace(2.0, 100.0, 20), np.full(30, 100.0)])
+    tangential = np.concatenate([np.zeros(30), 30 * np.sin(np.linspace(0.0, 6.0, 30))])
+    noise = 0.3 * random.standard_normal((2, 60))
+    return np.column_stack([0.1 * np.arange(60), normal + noise[0], tangential + noise[1]])
+
+
+def record_scene(**keys):
+    return load_scene("hertz-paper").vary(load={"kind": "time_series", "rows": noisy_record()} | keys, friction=0.6, expected=())
+
+
+def test_noise_below_a_stated_load_is_initial_loading_at_q_0_and_the_rest_is_as_it_stands():
+    rows = noisy_record()
+    with pytest.raises(InputError, match=r"that is row \d+ of 60\. .* write load\.least_normal_load = \d") as refused:
+        require_admissible(record_scene(), "mine.toml")
+    stated = float(str(refused.value).rpartition("= ")[2])
+    scene = record_scene(least_normal_load=stated)
+    require_admissible(scene, "mine.toml")
+    path, first = scene.load.series(), int(np.argmax(rows[:, 1] >= stated))
+    np.testing.assert_array_equal(path[0, 1:], [0.0, 0.0])
+    np.testing.assert_array_equal(path[1], [rows[first - 1, 0], stated, 0.0])
+    np.testing.assert_array_equal(path[2:], rows[first:])
+    # W is that of the rows from there on, which begin by a straight line to the first of them: the same but for noise.
+    cut = record_scene(start={"row": first + 1})
+    one, other = (semi_analytic.solve(each, x=0.0, fields="dissipation").dissipation for each in (scene, cut))
+    assert one == pytest.approx(other, rel=1e-3)
+
+
+def test_start_and_end_cut_a_record_by_time_and_by_row():
+    rows = noisy_record()
+    for keys in (
+        {"start": 1.95, "end": 4.0},
+        {"start": {"row": 21}, "end": {"row": 41}},
+        {"start": rows[20, 0], "end": {"row": 41}},
+    ):
+        np.testing.assert_array_equal(record_scene(**keys).load.used_rows().values, rows[20:41])
+    bulk = {"bulk_stress_lower": np.arange(60.0).tolist(), "start": {"row": 31}}
+    path = record_scene(**bulk).load.path()
+    legs = (*path.initial_loading, *path.cycle)
+    np.testing.assert_allclose([float(leg.bulk.loads(leg.end)[0]) for leg in legs], np.arange(30.0, 60.0))
+    assert float(legs[0].bulk.loads(legs[0].start)[0]) == 0
+    means = record_scene(start={"row": 31}, average=3)
+    assert len(means.load.kept_rows()) == 10
+    assert "30 of the 60 rows" in means.load.in_words("N/mm")
+    json_again = Scene.model_validate_json(means.model_dump_json())
+    assert json_again.load == means.load
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ({"start": {"row": 60}}, "row 60: start and end leave 1 rows: two at least are needed"),
+        ({"start": 99.0}, "start and end leave 0 rows"),
+        ({"least_normal_load": 200.0}, "no row reaches least_normal_load = 200: P is 10"),
+        ({"least_normal_load": 2.0, "tilt": 1e-4}, "least_normal_load goes with records of P and Q alone"),
+        ({"start": {"row": 0}}, "row"),
+    ],
+)
+def test_a_cut_that_leaves_no_record_is_one_sentence(keys, sentence):
+    with pytest.raises(InputError, match=sentence):
+        record_scene(**keys)
+
+
+def test_a_fault_in_the_middle_of_a_record_names_its_row():
+    rows = noisy_record()
+    rows[45, 2] = 90.0
+    with pytest.raises(InputError, match=r"that is row 46 of 60\. To leave rows out, write load\.start or load\.end"):
+        require_admissible(record_scene(rows=rows, least_normal_load=5.0), "mine.toml")
