@@ -45,6 +45,11 @@ _BLOCK = 100_000
 _STRAIN, _SLOPE = 0.1, 0.3
 # Pa. What is softer than the first and no rubber (by Poisson's ratio) may be in GPa; nothing is stiffer than diamond.
 _SOFT, _STEEL, _DIAMOND, _RUBBER = 1e9, 210e9, 1.3e12, 0.45
+# Half-width of a contact by theory over that of the narrower face beyond which there is no room for it: theory is some per cent
+# off for blocks, and thin layers have contacts several times narrower.
+_ROOM, _ROOM_OF_LAYERS = 1.1, 10.0
+# No pair of solids in air has more friction than clean indium or gold, about 2 to 3.
+_FRICTION = 3.0
 _RADII = {"radius": "R", "tip_radius": "R", "inner_radius": "R1", "outer_radius": "R2"}
 _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
@@ -228,6 +233,8 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
         theory = str(fault)
         if isinstance(fault, ProfileDataError):
             raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
+    if not theory and not scene.bodies.half_planes:
+        _require_room(scene, source)
     if finite_elements or theory:
         import halfplane_fe
 
@@ -241,6 +248,31 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
                 alone = f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
                 raise InputError(f"{source}: {fault}; {alone}") from fault
     return _Engines(theory, elements)
+
+
+def _require_room(scene: Scene, source: str) -> None:
+    """InputError where the contact by half-plane theory is wider than the narrower face; nothing is meshed for it.
+
+    A layer thinner than the face is wide makes the contact narrower than theory's: there the limit is wider, and finite elements
+    look at what is below it.
+    """
+    from halfplane_fe.interface import face_room
+
+    room = float(face_room(scene))
+    heights = [float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)]
+    limit = _ROOM if min(heights) >= 1.5 * room else _ROOM_OF_LAYERS
+    largest = largest_contact(scene, source)
+    if largest.half_width <= limit * room:
+        return
+    force, length, stress = units(scene)
+    first = "".join(f"{remark} " for remark in remarks(scene, largest))
+    raise InputError(
+        f"{source}: {first}Check the units first: loads are in {force} per {length} of thickness, E is in {stress}, sizes are in "
+        f"{length}. bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = {room:.6g}: by "
+        f"half-plane theory P = {largest.normal_load:.6g} gives the half-width {largest.half_width:.4g}, which is "
+        f"{largest.half_width / room:.3g} times that. If the units are right, make the bodies wider, or the load less; "
+        f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
+    )
 
 
 @dataclass(frozen=True)
@@ -373,6 +405,11 @@ def remarks(scene: Scene, found: _LargestContact) -> list[str]:
         modulus, soft = material.young_modulus * pascal, material.poisson_ratio < _RUBBER
         if modulus > _DIAMOND or (modulus < _SOFT and soft):
             said.append(in_template("odd_modulus", key, material.young_modulus, stress, modulus > _DIAMOND, _STEEL / pascal))
+    if scene.friction.coefficient > _FRICTION:
+        said.append(
+            f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids has. Is it in per cent? "
+            f"{scene.friction.coefficient:g} % is {scene.friction.coefficient / 100:g}."
+        )
     if found.strain > _STRAIN or found.edge_slope > _SLOPE:
         said.append(in_template("beyond_elasticity", found, _STRAIN, _SLOPE, force, length, stress))
     return said

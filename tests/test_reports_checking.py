@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from rainflow import count_cycles
 
+import halfplane_fe
 import reports
 import semi_analytic
 from command_line import COARSE, ROOT, halfplane, refused
@@ -24,6 +25,7 @@ from reports import checking
 from reports.checking import (
     bulk_and_tilt,
     bulk_in_words,
+    engines_for,
     largest_contact,
     largest_normal_load,
     nearest_to_sliding,
@@ -654,3 +656,50 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     assert content["measured"]["read_as"]["load.file"][1] == ["columns separated by", "semicolon"]
     assert content["measured"]["loads"]["kept"] == len(loaded.load.kept_rows())
     assert content["reference"]["load_cycles"]["counted"] == cycles["counted"]
+
+
+# ------------------------------------------------------------------------------------------------------- units beside bodies
+UNITS = {
+    "E in GPa": ({"material": {"young_modulus": 210.0}}, 20.0, "young_modulus = 210 MPa is as soft as a weak plastic"),
+    "loads in N": ({"load": {"mean_normal_load": 9000.0, "normal_amplitude": 3000.0}}, 20.0, "Check the units first"),
+    "width in m": ({}, 20e-3, "Check the units first: loads are in N per mm of thickness, E is in MPa, sizes are in mm"),
+}
+
+
+@pytest.mark.parametrize("case", UNITS)
+def test_a_slip_of_units_beside_bodies_is_remarked_first_and_nothing_is_meshed(case, monkeypatch):
+    """And the sentence says by how much the contact is too wide; no finite element is made for it."""
+    changes, width, words = UNITS[case]
+    scene = load_scene("hertz-paper").vary(
+        material={"young_modulus": 210e3, "poisson_ratio": 0.3},
+        load={"kind": "ellipse", "mean_normal_load": 90.0, "normal_amplitude": 30.0, "tangential_amplitude": 30.0},
+        bodies=Bodies(lower=Block(width=40.0, height=20.0), upper=Pad(width=width, height=15.0)),
+        expected=(),
+    )
+    scene = scene.vary(**changes)
+    meshed = []
+    monkeypatch.setattr(halfplane_fe, "require_solvable", meshed.append)
+    with pytest.raises(InputError) as fault:
+        engines_for(scene, "mine.toml")
+    sentence = str(fault.value)
+    assert not meshed
+    assert sentence.startswith("mine.toml: ")
+    assert words in sentence
+    ratio = largest_contact(scene, "").half_width / (width / 2)
+    assert f"which is {ratio:.3g} times that" in sentence
+    assert sentence.index("units first") < sentence.index("make the bodies wider")
+
+
+def test_every_scene_of_the_library_has_room_for_its_contact(monkeypatch):
+    """By the rule that meshes nothing; whether finite elements agree is tested with them."""
+    monkeypatch.setattr(halfplane_fe, "require_solvable", lambda _scene: None)
+    names = [name for name in scene_names() if not load_scene(name).bodies.half_planes]
+    for name in names:
+        engines_for(load_scene(name), name)
+    assert len(names) > 5
+
+
+def test_a_friction_coefficient_in_per_cent_is_remarked():
+    scene = pressed(80.0).vary(friction=60.0)
+    assert "60 % is 0.6" in remarks(scene, largest_contact(scene, ""))[0]
+    assert not remarks(scene.vary(friction=1.5), largest_contact(scene, ""))
