@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import socket
+import ssl
 import subprocess
 import sys
 import time
@@ -945,3 +946,58 @@ def test_a_scheduler_with_tls_takes_our_certificate_and_nobody_without(home: Pat
             assert "no dask scheduler answers there" in finish(sweeping(home, "study.toml", "--out", "none", *where), code=2)[1]
     finally:
         cluster.end()
+
+
+def refused_to_others(port: int) -> bool:
+    """Whether a process of another user, which knows the port and no certificate, gets no answer of the scheduler."""
+    child = os.fork()
+    if child == 0:
+        answered = True
+        try:
+            if os.getuid() == 0:
+                os.setuid(65534)
+            context = ssl.create_default_context()
+            context.check_hostname = False
+            context.verify_mode = ssl.CERT_NONE
+            with socket.create_connection(("127.0.0.1", port), timeout=20) as plain, context.wrap_socket(plain) as secure:
+                answered = bool(secure.recv(1))  # the scheduler speaks first, to those whom it knows
+        except OSError:  # among them ssl.SSLError
+            answered = False
+        finally:
+            os._exit(int(answered))
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@needs_dask
+def test_a_local_cluster_has_tls_of_its_own_and_no_dashboard(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = importlib.import_module("distributed")
+    asked: dict[str, Any] = {}
+
+    def cluster(**options: Any) -> None:
+        asked.update(options, routes=importlib.import_module("dask.config").get("distributed.scheduler.http.routes"))
+        raise OSError("enough")
+
+    monkeypatch.setattr(distributed, "LocalCluster", cluster)
+    for _ in range(2):
+        with pytest.raises(InputError, match="enough"):
+            workers_of("dask", workers=1).start()
+    security = asked["security"]
+    assert security.require_encryption
+    assert "BEGIN CERTIFICATE" in security.tls_scheduler_cert == security.tls_ca_file
+    assert asked["host"] == "127.0.0.1"
+    assert asked["scheduler_kwargs"] == {"dashboard": False}
+    assert asked["routes"] == []
+
+
+@pytest.mark.slow
+@needs_dask
+def test_another_user_gets_no_task_into_a_local_cluster() -> None:
+    pool = workers_of("dask", workers=1)
+    pool.start()
+    try:
+        address = pool._open[1].scheduler_address
+        assert address.startswith("tls://127.0.0.1:")
+        assert refused_to_others(int(address.rpartition(":")[2]))
+        assert pool.executor.submit(os.getpid).result() > 0
+    finally:
+        pool.stop(at_once=False)

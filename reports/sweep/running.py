@@ -40,6 +40,10 @@ _EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
 _ROUND, _LOOK_AGAIN, _PATIENCE = 0.5, 2.0, 10.0
 
 
+# Of a cluster started here: its web servers, which know no TLS, answer nothing but "404".
+_NO_ROUTES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+
+
 class Processes:
     """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task means that its worker died."""
 
@@ -99,6 +103,7 @@ class Dask:
 
     def start(self) -> None:
         try:
+            from dask.config import set as set_dask
             from distributed import Client, LocalCluster, Security
         except ImportError as reason:
             how = "pip install 'halfplane[cluster]'"
@@ -110,9 +115,17 @@ class Dask:
         place: Any = self._address
         try:
             if not place:
-                with _born_without_ctrl_c():
-                    own = {"host": "127.0.0.1", "dashboard_address": None, "silence_logs": logging.CRITICAL}
-                    place = LocalCluster(n_workers=self._asked or _available_cores(), threads_per_worker=1, **own)
+                security = _temporary_security()
+                with _born_without_ctrl_c(), set_dask(_NO_ROUTES):
+                    place = LocalCluster(
+                        n_workers=self._asked or _available_cores(),
+                        threads_per_worker=1,
+                        host="127.0.0.1",
+                        security=security,
+                        dashboard_address="127.0.0.1:0",
+                        scheduler_kwargs={"dashboard": False},
+                        silence_logs=logging.CRITICAL,
+                    )
                 self._open = [place]
             client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
@@ -131,6 +144,23 @@ class Dask:
         while self._open:
             with suppress(OSError, TimeoutError):  # a client amid its work, a scheduler that is gone
                 self._open.pop(0).close(timeout=3.0 if at_once else _PATIENCE)
+
+
+def _temporary_security() -> Any:
+    """TLS of a cluster started here: a key and a certificate in memory, so that no other user of the machine gets a task in.
+
+    Raises
+    ------
+    InputError
+        Without the package that makes them.
+    """
+    from distributed import Security
+
+    try:
+        return Security.temporary()
+    except ImportError as reason:
+        how = "pip install 'halfplane[cluster]'"
+        raise InputError(f"--executor dask: the package cryptography is not installed, for TLS: {how}") from reason
 
 
 def workers_of(
