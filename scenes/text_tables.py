@@ -125,6 +125,9 @@ def text_table(
     cure: str = "thin it out",
     stated: Mapping[str, str | int] | None = None,
     known: Callable[[str], bool] = lambda _heading: False,
+    example: str = "time,x,pressure,shear",
+    numbered: bool = False,
+    by_number: str = "",
 ) -> TextTable:
     """Rows of finite numbers below a line of headings; lines that start with #, **, % or // are remarks.
 
@@ -135,6 +138,8 @@ def text_table(
     what, cure : what the file is to the user, and what to do about one that is too large
     stated : heading, or number from 1 on, of columns that the user named
     known : whether a heading is one of those expected, where no columns are asked for
+    example, by_number : headings of this kind of table, and the keys that take columns by number instead, for the sentence
+    numbered : whether rows without a line of headings are read where no columns are asked for, as "column 1" and so on
 
     Raises
     ------
@@ -153,7 +158,10 @@ def text_table(
         for encoding in ("utf-16",) if many else ("utf-8-sig",) if b"\0" in start else ("utf-8-sig", "cp1252"):
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 lines = partial(_lines, path, stream, longest)
-                layout = _layout(path, list(islice(lines(), _LOOK)), columns, stated or {}, known)
+                first_lines = list(islice(lines(), _LOOK))
+                layout = _rows_alone(first_lines) if numbered and not columns else None
+                if layout is None:
+                    layout = _layout(path, first_lines, columns, stated or {}, known, (example, by_number))
                 comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
                 values, numbers = _numbers(path, lines, layout, comma, bool(columns), f"{path}: {what}", cure)
                 headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
@@ -177,9 +185,11 @@ def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:
 
 
 def _cells(text: str, separator: str | None) -> list[str]:
-    """The cells of a line; an empty one at its end is none."""
+    """The cells of a line; empty ones at its end are none."""
     cells = [cell.strip().strip('"').strip() for cell in text.split(separator)]
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+    while len(cells) > 1 and not cells[-1]:
+        del cells[-1]
+    return cells
 
 
 def _number(text: str, comma: bool) -> float | None:
@@ -200,8 +210,27 @@ def _headings(text: str, separator: str | None) -> list[list[str]]:
     return ways if separator is not None else [[cell.strip('"') for cell in re.split(r"\s{2,}|\t", text)], *ways]
 
 
+def _rows_alone(lines: list[Line]) -> _Layout | None:
+    """The layout of a file that begins with a row of two numbers or more; None for another."""
+    bare = [(number, text) for number, text in lines if not text.startswith(_REMARKS)]
+    if not bare:
+        return None
+    number, text = bare[0]
+    for mark in SEPARATORS:
+        cells = _cells(text, mark)
+        if len(cells) > 1 and _numeric(text, mark):
+            names = tuple(f"column {k + 1}" for k in range(len(cells)))
+            return _Layout(mark, names, ("",) * len(cells), tuple(range(len(cells))), 0, number, 0)
+    return None
+
+
 def _layout(
-    path: Path, lines: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], known: Callable[[str], bool]
+    path: Path,
+    lines: list[Line],
+    columns: tuple[str, ...],
+    stated: Mapping[str, str | int],
+    known: Callable[[str], bool],
+    words: tuple[str, str],
 ) -> _Layout:
     """How the table stands in the file, from its first lines."""
     bare = [(number, text) for number, text in lines if not text.startswith(_REMARKS)]
@@ -243,7 +272,7 @@ def _layout(
                     uneven.append(found)
             if uneven:
                 return uneven[0]
-    return _plain_layout(path, bare, columns, stated, by_number)
+    return _plain_layout(path, bare, columns, stated, by_number, words)
 
 
 def _used(
@@ -271,14 +300,21 @@ def _used(
 
 
 def _plain_layout(
-    path: Path, bare: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], by_number: bool
+    path: Path,
+    bare: list[Line],
+    columns: tuple[str, ...],
+    stated: Mapping[str, str | int],
+    by_number: bool,
+    words: tuple[str, str],
 ) -> _Layout:
     """Where no line of headings was recognised: rows alone; else what is wrong."""
     number, text = bare[0]
     rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
     if not columns:
         what = "it has numbers only" if rows or _numeric(text, None) else f"it is {shown(text)}"
-        raise InputError(f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; {what}")
+        example, keys = words
+        cure = f"; or take them by number: {keys}" if keys and rows else ""
+        raise InputError(f"{path}, line {number}: the first line must name the columns, such as {example}; {what}{cure}")
     listed, count = ", ".join(columns), len(columns)
 
     # The first row of numbers, its separator and cells.
@@ -358,9 +394,10 @@ def _numbers(
 
     def even_rows() -> Iterator[str]:
         for _, text in rows():
-            if (len(text.split()) - 1 if mark is None else text.count(mark)) != more or (comma and "." in text):
+            row = text if mark is None else text.rstrip(f"{mark} ")  # empty cells at the end are none
+            if (len(row.split()) - 1 if mark is None else row.count(mark)) != more or (comma and "." in row):
                 raise ValueError
-            yield text.replace(",", ".") if comma else text
+            yield row.replace(",", ".") if comma else row
 
     if next(rows(), None) is None:
         raise InputError(f"{path}: no row of numbers below the names {', '.join(layout.names[k] for k in layout.used)}")

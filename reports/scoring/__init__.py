@@ -12,5 +12,6 @@ solution.py        units and signs that can't be; the result as a ContactSolutio
 against.py         the score
 diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in words
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
+loop_branches.py   at constant P: turning points of Q, branches of the memory curve, f by least squares, area of the rows
 study.py           a folder of meshes: orders, and what no mesh removes
 """

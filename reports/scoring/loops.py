@@ -9,11 +9,12 @@ A rig measures U beside the loads, and in it its own elastic compliance:
 
 where U(tau; f) is that of the steady cycle of the scene. Loads that are r times as large with the same f slip as those of the scene
 with f/r. U of half-planes hangs on a datum length by a term that is linear in Q at constant P: a fitted C takes it in, a given one
-is that of the rig beyond `profile.datum_length`. C and U0 are found by linear least squares, f by a scan and a bounded search on
-the sum of squares, and its interval is where that sum exceeds the least one by what chance gives in 95 %.
+is that of the rig beyond `profile.datum_length`.
 
-tau follows from the order of the rows, or from their times: period and phase are those with which Q fits the scene's best. At
-constant P nothing depends on the form of Q over time: a sine and straight lines are tried in place of the scene's.
+At constant P, with one highest and one lowest Q in a cycle, nothing depends on the form of Q over time: rows are placed by their Q
+and their branch (`loop_branches`). Where P varies, tau follows from the order of the rows, or from their times: period and phase
+are those with which Q fits the scene's best. C and U0 are found by linear least squares, f by a scan and a bounded search on the
+sum of squares, and its interval is where that sum exceeds the least one by what chance gives in 95 %.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -35,23 +37,29 @@ from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
+from reports.scoring.loop_branches import find_branches, fit_branches, polygon_area
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
-from scenes import EllipseLoad, InputError, PolygonLoad, Scene
-from scenes.text_tables import plain, text_table
+from scenes import InputError, Scene
+from scenes.text_tables import ALIASES, plain, text_table
 from scenes.unit_words import unit_factor
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
 
 _SHIFT_NAMES = ("U", "u", "displacement", "relative displacement", "tangential displacement", "shift", "slip", "U1")
+_BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
+# Rows that show with how many digits numbers are written.
+_DIGITS_SEEN = 1000
 _FEWEST, _LEAST_CYCLES, _MOST_CYCLES = 40, 0.9, 2000
-# Parts of the cycle in which rows are averaged for the area.
+# Parts of the cycle in which rows are averaged for the figures.
 _PARTS = 200
 # Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range of U.
 _INSTANTS = 721
 # Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a line.
 _SCANNED, _WIDEST = 60, 40.0
+# Error of a fitted f by theory at so many instants, straight between, of itself.
+_OF_THEORY = 1e-5
 # Rows that do not follow the scene's Q better than this share of its amplitude are another experiment's.
 _FOLLOWS = 0.15
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
@@ -60,13 +68,17 @@ _CHI = 3.841
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any; `said` what was assumed."""
+    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any; `said` what was assumed.
+
+    `resolution` is the step of U and of Q that the digits of the rows resolve, 0 where they hold every digit.
+    """
 
     source: str
     shift: Array
     load: Array
     time: Array
     said: tuple[str, ...]
+    resolution: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -74,7 +86,8 @@ class LoopRow:
     """One loop: area W [energy per thickness] and its uncertainty, slope dU/dQ of the straight line through it [1/stress].
 
     `friction` is its coefficient, None of the measured one; `distance` the root mean square of its distances in U from the means of
-    the rows in each part of the cycle [length], NaN of the measured one.
+    the rows in each part of the cycle [length], NaN of the measured one. `by_distance` and `by_noise` are the parts of
+    `area_uncertainty`: what lies between the rows of the polygon, and 95 % of their scatter.
     """
 
     name: str
@@ -83,6 +96,8 @@ class LoopRow:
     area_uncertainty: float
     slope: float
     distance: float
+    by_distance: float = 0.0
+    by_noise: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,11 +141,14 @@ class LoopScore:
     @property
     def sentence(self) -> str:
         """The finding."""
-        own, high = self.scene.friction.coefficient, "no upper limit" if self.high is None else f"{self.high:.4g}"
+        ends = [self.low, self.friction] if self.high is None else [self.low, self.friction, self.high]
+        # As many digits as tell the ends of the interval from its middle.
+        digits = next((count for count in range(4, 16) if len({f"{end:.{count}g}" for end in ends}) == len(set(ends))), 16)
+        high = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
         lies = "lies within" if self.agrees else "lies outside"
         return (
-            f"The loop is best fitted by f = {self.friction:.4g} (95 %: {self.low:.4g} to {high}); the scene's f = {own:.4g} "
-            f"{lies} this interval."
+            f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %: {self.low:.{digits}g} to {high}); the scene's "
+            f"f = {self.scene.friction.coefficient:.{max(digits, 4)}g} {lies} this interval."
         )
 
 
@@ -142,18 +160,24 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     InputError
         As the reader of tables; for a column that is missing or in a unit that can't be turned into the scene's, for too few rows.
     """
-    table = text_table(path)
+    table = text_table(path, known=_is_of_loops, example="U,Q", numbered=_is_numbered(mapping), by_number=_BY_NUMBER)
     names, where = table.names, str(path)
-    force = find_column(mapping, "tangential_load", names, where, needed=True)
-    stated = find_column(mapping, "slip", names, where) if mapping.columns.slip else None
+    alone = not table.head and len(names) == 2  # the other of two columns without names
+    force = find_column(mapping, "tangential_load", names, where, needed=not alone)
+    stated = find_column(mapping, "slip", names, where) if mapping.columns.slip is not None else None
+    if alone and force is None and stated is not None:
+        force = names[1 - names.index(stated)]
     shifts = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
     shift = stated or next(iter(dict.fromkeys(shifts)), None)
-    if shift is None:
+    if alone and shift is None and force is not None:
+        shift = names[1 - names.index(force)]
+    if shift is None or force is None:
         raise InputError(
             f"{where}: no column for the relative displacement (looked for {', '.join(_SHIFT_NAMES[:4])} ...) among "
             f"{listed(names)}; name it by columns.slip of a mapping"
         )
-    assert force is not None
+    if shift == force:
+        raise InputError(f"{where}: the mapping takes {shift!r} for U and for Q; state columns.slip and columns.tangential_load")
     time = find_column(mapping, "time", names, where)
     said, times = [f"U is the column {shift!r} and Q the column {force!r}"], {shift: 1.0, force: 1.0}
     columns: tuple[tuple[str, float | None, Literal["length", "load"], str], ...] = (
@@ -162,15 +186,26 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     )
     for name, factor, key, wanted in columns:
         inside = table.units[names.index(name)]
+        if key == "load" and "/" in inside and factor is None and "thickness" in mapping.model_fields_set:
+            raise InputError(
+                f"{where}: the column {name!r} is in {inside}, a force per length, and the mapping states a thickness, by which "
+                "forces are divided: take thickness out of the mapping, or state factors.load"
+            )
         if inside and inside != wanted and factor is None:
+            by_thickness = ""
             with contextlib.suppress(ValueError):
                 times[name], per_length = unit_factor(inside, key, scene.units)
                 if key == "length" or per_length:
                     said.append(f"The column {name!r} is in {inside}: times {times[name]:.9g}")
                     continue
+                if "thickness" in mapping.model_fields_set:
+                    over = f"times {times[name]:.9g}, over the thickness {mapping.thickness:.9g}"
+                    said.append(f"The column {name!r} is in {inside}: {over}")
+                    continue
+                by_thickness = "the thickness of the contact in a mapping, by which it is divided, or "
             raise InputError(
-                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state factors.{key} in a mapping, by "
-                "which it is multiplied"
+                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state {by_thickness}factors.{key} in a "
+                "mapping, by which it is multiplied"
             )
     count = len(table.values)
     if count < _FEWEST:
@@ -180,13 +215,37 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     if len(back):
         k = int(back[0]) + 1
         raise InputError(f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in the order of time")
-    found = {"slip": times[shift] * table.column(shift), "tangential_load": times[force] * table.column(force)}
-    u, q = (converted(mapping, name, values) for name, values in found.items())  # type: ignore[arg-type]
+    u = converted(mapping, "slip", times[shift] * table.column(shift))
+    q = converted(mapping, "tangential_load", times[force] * table.column(force))
+    steps = np.array([_step_of_digits(table.column(name)) for name in (shift, force)])
+    step_of_shift = abs(float(converted(mapping, "slip", times[shift] * steps[:1])[0]))
+    step_of_load = abs(float(converted(mapping, "tangential_load", times[force] * steps[1:])[0]))
     for name, values in ((shift, u), (force, q)):
         if not np.ptp(values) > 0:
             raise InputError(f"{where}: {name} is the same in every row: there is no loop")
     said.append("Rows follow each other evenly in time" if time is None else f"Times of the rows are the column {time!r}")
-    return MeasuredLoop(where, u, q, rows - rows[0], tuple(said))
+    return MeasuredLoop(where, u, q, rows - rows[0], tuple(said), (step_of_shift, step_of_load))
+
+
+def _is_of_loops(heading: str) -> bool:
+    """Whether a heading is one that a loop's table may have."""
+    known = (*_SHIFT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
+    return plain(heading) in {plain(alias) for alias in known}
+
+
+def _is_numbered(mapping: Mapping) -> bool:
+    """Whether the mapping takes U or Q by the number of its column."""
+    return isinstance(mapping.columns.slip, int) or isinstance(mapping.columns.tangential_load, int)
+
+
+def _step_of_digits(values: Array) -> float:
+    """The step of the last digit that rows (n,) are written with; of most of them, since zeros at the end do not show.
+
+    >>> _step_of_digits(np.array([0.25, 0.3, -0.17])), _step_of_digits(np.array([12.0, 1500.0, 7.0]))
+    (0.01, 1.0)
+    """
+    places = [int(Decimal(repr(value)).normalize().as_tuple().exponent) for value in values[:_DIGITS_SEEN].tolist()]
+    return float(10.0 ** int(np.floor(np.median(places)))) if places else 0.0
 
 
 def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None = None, against: Against = "exact") -> LoopScore:
@@ -213,8 +272,6 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     >>> round(found.friction, 3), round(found.compliance, 7)
     (0.5, 1e-05)
     """
-    from scipy.optimize import brentq, minimize_scalar
-
     if scene.load.path().period is None:
         raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
     if scene.unsymmetric:
@@ -222,21 +279,173 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
             f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U hangs on where it is measured, "
             "and the loop's area is not the dissipation"
         )
-    scene, place, said = _on_the_cycle(loop, scene)
+    fit = (_fit_by_branches if _is_one_loop(scene) else _fit_over_time)(loop, scene, rig_compliance)
+    scale, share = fit.scale, fit.share
+    least = _least_friction(scene)
+    tangential = _cycle_loads(scene)[1]
+    load_of_cycle = scale * tangential
+    said = list(fit.said)
+    area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+    slope_of_rows = _slope(loop.shift, np.interp(share, _SHARES, load_of_cycle))
+    rows = [
+        LoopRow("measured", None, area.value, area.uncertainty, slope_of_rows, math.nan, area.by_distance, area.by_noise),
+    ]
+    said.append(
+        f"W as measured is the area of the polygon of the rows over {area.cycles} {'cycle' if area.cycles == 1 else 'cycles'}: "
+        f"± {area.by_distance:.2g} by what lies between rows, ± {area.by_noise:.2g} by their scatter (95 %)"
+    )
+    curves: list[tuple[str, Array, Array]] = []
+
+    def add(name: str, coefficient: float, shift: Array) -> None:
+        """A computed loop, U (n_instants,) of theory or finite elements at the scene's loads."""
+        _, compliance, origin = _against_rows(loop, shift, share, load_of_cycle, scale, rig_compliance)
+        with_rig = scale * shift + compliance * load_of_cycle + origin
+        work = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
+        shift_at_rows = np.interp(share, _SHARES, with_rig)
+        _, rest = _means(share, loop.shift - shift_at_rows)
+        slope = _slope(shift_at_rows, np.interp(share, _SHARES, load_of_cycle))
+        rows.append(LoopRow(name, coefficient, work, 0.0, slope, math.sqrt(float(np.mean(rest**2)))))
+        curves.append((name, with_rig, load_of_cycle + fit.offset))
+
+    cases = {"best f": fit.friction / scale, "the scene's f": scene.friction.coefficient / scale}
+    for name, coefficient in cases.items():
+        if coefficient < least:
+            said.append(f"With {name}, {scale * coefficient:.4g}, the measured loads slide grossly: there is no such loop")
+            continue
+        add(f"theory, {name}", scale * coefficient, _theory(fit.scene, coefficient))
+        if against == "fe":
+            add(f"finite elements, {name}", scale * coefficient, _finite_elements(fit.scene, coefficient))
+    return LoopScore(
+        scene=fit.scene,
+        source=loop.source,
+        friction=fit.friction,
+        low=fit.low,
+        high=fit.high,
+        compliance=fit.compliance,
+        compliance_fitted=rig_compliance is None,
+        scale=scale,
+        cycles=fit.cycles,
+        noise=fit.shift_noise,
+        rows=tuple(rows),
+        said=(*loop.said, *said),
+        tau=share,
+        shift=loop.shift,
+        load=loop.load,
+        curves=tuple(curves),
+    )
+
+
+# --------------------------------------------------------------------------------------------------------------- the fits
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """f with its interval, the rig, and where the rows lie.
+
+    share, phase : (n,) place on the scene's cycle; cycles since any instant
+    scale, offset : r and Q0 of the file
+    shift_noise, load_noise : sigma of U and of Q
+    """
+
+    scene: Scene
+    friction: float
+    low: float
+    high: float | None
+    compliance: float
+    share: Array
+    phase: Array
+    cycles: float
+    scale: float
+    offset: float
+    shift_noise: float
+    load_noise: float
+    said: tuple[str, ...]
+
+
+def _least_friction(scene: Scene) -> float:
+    """f of gross sliding at the scene's loads."""
+    return nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
+
+
+def _is_one_loop(scene: Scene) -> bool:
+    """Whether P is constant and Q has one highest and one lowest value in a cycle."""
+    normal, tangential = _cycle_loads(scene)
+    steps = np.diff(tangential)
+    turns = np.count_nonzero(np.diff(np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential)])))
+    return bool(np.ptp(normal) <= 1e-9 * normal.max() and np.ptp(tangential) > 0 and turns <= 2)
+
+
+def _said_of_scale(scale: float) -> list[str]:
+    if abs(scale - 1) <= 1e-3:
+        return []
+    return [f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P as in the scene"]
+
+
+def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
+    """At constant P: by turning points of Q and the memory curve between them."""
+    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
+    tangential = _cycle_loads(scene)[1]
+    range_of_scene = float(np.ptp(tangential))
+    first_scale = (branches.highest.load - branches.lowest.load) / range_of_scene
+    least = first_scale * _least_friction(scene)
+    fit = fit_branches(loop.shift, loop.load, branches, scene, least, rig_compliance, loop.resolution)
+    scale = (fit.highest - fit.lowest) / range_of_scene
+    # Where the scene has the row's Q, on the same branch.
+    bottom, top = int(np.argmin(tangential[:-1])), int(np.argmax(tangential[:-1]))
+    share = np.empty(len(loop.load))
+    for begin, end, on_branch in ((bottom, top, branches.rising), (top, bottom, ~branches.rising)):
+        instants = np.arange(begin, end + 1 if end > begin else end + _INSTANTS)
+        loads = tangential[instants % (_INSTANTS - 1)]
+        order = slice(None) if end == top else slice(None, None, -1)
+        load_of_scene = tangential[bottom] + (loop.load[on_branch] - fit.lowest) / scale
+        share[on_branch] = np.interp(load_of_scene, loads[order], instants[order] / (_INSTANTS - 1)) % 1.0
+    said = [
+        f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and {fit.highest:.6g}; P is constant, so that "
+        "the form of Q and U over time counts for nothing",
+        *_said_of_scale(scale),
+    ]
+    return _Fit(
+        scene=scene,
+        friction=fit.friction,
+        low=fit.low,
+        high=fit.high,
+        compliance=fit.compliance,
+        share=share,
+        phase=branches.phase,
+        cycles=branches.cycles,
+        scale=scale,
+        offset=fit.lowest - scale * float(tangential[bottom]),
+        shift_noise=fit.shift_noise,
+        load_noise=fit.load_noise,
+        said=tuple(said),
+    )
+
+
+def _against_rows(
+    loop: MeasuredLoop, shift: Array, share: Array, load_of_cycle: Array, scale: float, rig_compliance: float | None
+) -> tuple[float, float, float]:
+    """Sum of squares, C and U0 with this U (n_instants,) of theory."""
+    load = np.interp(share, _SHARES, load_of_cycle)
+    rest = loop.shift - scale * np.interp(share, _SHARES, shift)
+    if rig_compliance is not None:
+        rest = rest - rig_compliance * load
+        origin = float(np.mean(rest))
+        return float(np.sum((rest - origin) ** 2)), rig_compliance, origin
+    columns = np.column_stack([load, np.ones(len(share))])
+    terms = np.linalg.lstsq(columns, rest, rcond=None)[0]
+    return float(np.sum((rest - columns @ terms) ** 2)), float(terms[0]), float(terms[1])
+
+
+def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
+    """Where P varies: by the scene's loads at the times of the rows."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    place = _on_the_cycle(loop, scene)
     share, scale, tangential = place.share, place.scale, _cycle_loads(scene)[1]
-    own, fitted, known = tangential * scale, rig_compliance is None, rig_compliance or 0.0
-    least = nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
+    fitted = rig_compliance is None
+    least = _least_friction(scene)
 
-    def against_rows(shift: Array, share: Array = share, scale: float = scale) -> tuple[float, float, float]:
-        """Sum of squares, C and U0 with this U (n_instants,) of theory."""
-        load = scale * np.interp(share, _SHARES, tangential)
-        rest = loop.shift - scale * np.interp(share, _SHARES, shift) - known * load
-        columns = np.column_stack([load, np.ones(len(share))][not fitted :])
-        found = np.linalg.lstsq(columns, rest, rcond=None)[0]
-        return float(np.sum((rest - columns @ found) ** 2)), float(found[0]) if fitted else known, float(found[-1])
-
-    def squares(log_friction: float, *where: Any) -> float:
-        return against_rows(_theory(scene, math.exp(log_friction)), *where)[0]
+    def squares(log_friction: float, share: Array = share, scale: float = scale) -> float:
+        shift = _theory(scene, math.exp(log_friction))
+        return _against_rows(loop, shift, share, scale * tangential, scale, rig_compliance)[0]
 
     trials = np.log(least) + np.linspace(1e-6, math.log(_WIDEST), _SCANNED)
     sums = np.array([squares(trial) for trial in trials.tolist()])
@@ -247,8 +456,13 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
         return float(minimize_scalar(squares, bounds=ends, args=where, method="bounded", options={"xatol": 1e-7}).x)
 
     at = min(best_of(), float(trials[best]), key=squares)
-    (lowest, compliance, _), freedom = against_rows(_theory(scene, math.exp(at))), len(share) - 3 - fitted
-    noise, limit, friction = math.sqrt(lowest / freedom), lowest * (1 + _CHI / freedom), scale * math.exp(at)
+    best_shift = _theory(scene, math.exp(at))
+    lowest, compliance, _ = _against_rows(loop, best_shift, share, scale * tangential, scale, rig_compliance)
+    freedom = len(share) - 3 - fitted
+    # The scatter is at least what the digits of the rows leave.
+    noise = max(math.sqrt(lowest / freedom), loop.resolution[0] / math.sqrt(12))
+    limit = lowest + _CHI * noise**2
+    friction = scale * math.exp(at)
 
     def apart(beyond: Array) -> float:
         """How far the f is at which the sum of squares passes the limit, on the way to the nearest trial where it has."""
@@ -262,42 +476,26 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     noise_of_load, place_error, scale_error = _noise_of_load(loop, share, scale, tangential)
     others = (np.mod(share + 1.96 * place_error, 1.0), scale), (share, scale * (1 + 1.96 * scale_error))
     moved = [other[1] * math.exp(best_of(*other)) - friction for other in others]
-
-    rows, curves = [_measured_row(loop, share, own, noise, noise_of_load)], []
-
-    def add(name: str, coefficient: float, shift: Array) -> None:
-        _, slope, origin = against_rows(shift)
-        whole = scale * shift + slope * own + origin
-        area = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
-        _, rest = _means(share, loop.shift - np.interp(share, _SHARES, whole))
-        rows.append(LoopRow(name, coefficient, area, 0.0, _slope(whole, own), math.sqrt(float(np.mean(rest**2)))))
-        curves.append((name, whole, own + place.offset))
-
-    cases = {"best f": math.exp(at), "the scene's f": scene.friction.coefficient / scale}
-    for name, coefficient in cases.items():
-        if coefficient < least:
-            said.append(f"With {name}, {scale * coefficient:.4g}, the measured loads slide grossly: there is no such loop")
-            continue
-        add(f"theory, {name}", scale * coefficient, _theory(scene, coefficient))
-        if against == "fe":
-            add(f"finite elements, {name}", scale * coefficient, _finite_elements(scene, coefficient))
-    return LoopScore(
+    own = friction * _OF_THEORY
+    cycles = float(loop.time[-1] / place.period)
+    said = [
+        f"The rows cover {cycles:.4g} cycles and follow the scene's Q over time to {100 * place.misfit:.2g} % of its amplitude",
+        *_said_of_scale(scale),
+    ]
+    return _Fit(
         scene=scene,
-        source=loop.source,
         friction=friction,
-        low=max(friction - math.hypot(down, *moved), scale * least),
-        high=None if math.isinf(up) else friction + math.hypot(up, *moved),
+        low=max(friction - math.hypot(down, own, *moved), scale * least),
+        high=None if math.isinf(up) else friction + math.hypot(up, own, *moved),
         compliance=compliance,
-        compliance_fitted=fitted,
+        share=share,
+        phase=loop.time / place.period,
+        cycles=cycles,
         scale=scale,
-        cycles=float(loop.time[-1] / place.period),
-        noise=noise,
-        rows=tuple(rows),
-        said=(*loop.said, *said),
-        tau=share,
-        shift=loop.shift,
-        load=loop.load,
-        curves=tuple(curves),
+        offset=place.offset,
+        shift_noise=noise,
+        load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
+        said=tuple(said),
     )
 
 
@@ -351,19 +549,6 @@ def _means(share: Array, *values: Array) -> tuple[Array, ...]:
     return (count[some].astype(float), *(np.bincount(parts, one)[some] / count[some] for one in values))
 
 
-def _measured_row(loop: MeasuredLoop, share: Array, own: Array, noise: float, noise_of_load: float) -> LoopRow:
-    """The loop as measured: - closed integral of U dQ through the means of the rows in each part of the cycle.
-
-    Q is that which the rows follow; its noise counts as well, since it leaves open where on the cycle they are.
-    """
-    load = np.interp(share, _SHARES, own)
-    count, shifts, loads = _means(share, loop.shift, load)
-    step = (np.roll(loads, -1) - np.roll(loads, 1)) / 2
-    across = (np.roll(shifts, -1) - np.roll(shifts, 1)) / 2
-    error = 1.96 * math.sqrt(float(np.sum((noise**2 * step**2 + noise_of_load**2 * across**2) / count)))
-    return LoopRow("measured", None, -float(shifts @ step), error, _slope(loop.shift, load), math.nan)
-
-
 # ------------------------------------------------------------------------------------------------- rows on the cycle
 class _Place(NamedTuple):
     """Where rows lie on the cycle (n,); r, Q0 of the file, the period in its time; misfit of Q over its amplitude."""
@@ -375,19 +560,19 @@ class _Place(NamedTuple):
     misfit: float
 
 
-def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> tuple[Scene, _Place, list[str]]:
-    """The scene whose form of Q the rows follow, their place on its cycle, and what was found.
+def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
+    """The place of the rows on the scene's cycle, by their times.
 
     Raises
     ------
     InputError
-        For less than a cycle, and for rows that follow neither the scene's Q nor, at constant P, a sine or straight lines.
+        For less than a cycle, and for rows that do not follow the scene's Q.
     """
-    chosen, name, place = scene, "the scene's", _aligned(loop, _cycle_loads(scene)[1])
-    for form, trial in _other_forms(scene).items():
-        found = _aligned(loop, _cycle_loads(trial)[1])
-        if found.misfit < 0.98 * place.misfit:
-            chosen, name, place = trial, form, found
+    tangential = _cycle_loads(scene)[1]
+    # Rows of a whole cycle between straight loads are also half of a cycle twice as large: the whole one counts.
+    place = _aligned(loop, tangential, _LEAST_CYCLES)
+    if place.misfit > _FOLLOWS:
+        place = _aligned(loop, tangential)
     cycles = loop.time[-1] / place.period
     if place.misfit > _FOLLOWS:
         raise InputError(
@@ -396,27 +581,11 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> tuple[Scene, _Place, list
         )
     if cycles < _LEAST_CYCLES:
         raise InputError(f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one")
-    said = [f"The rows cover {cycles:.4g} cycles and follow {name} Q over time to {100 * place.misfit:.2g} % of its amplitude"]
-    if abs(place.scale - 1) > 1e-3:
-        words = "loads as in the file were taken, P as in the scene"
-        said.append(f"Q of the file is {place.scale:.4g} times that of the scene: {words}")
-    return chosen, place, said
+    return place
 
 
-def _other_forms(scene: Scene) -> dict[str, Scene]:
-    """At constant P: a sine and straight lines between the same extremes of Q."""
-    normal, tangential = _cycle_loads(scene)
-    turns = np.count_nonzero(np.diff(np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > 1e-9 * np.ptp(tangential)])))
-    if np.ptp(normal) > 1e-9 * normal.max() or turns > 2:
-        return {}
-    mean, size, load = (float(value) for value in ((tangential.max() + tangential.min()) / 2, np.ptp(tangential) / 2, normal[0]))
-    sine = EllipseLoad(mean_normal_load=load, mean_tangential_load=mean, tangential_amplitude=size)
-    lines = PolygonLoad(initial_loading=[(load, 0.0)], cycle=[(load, mean + size), (load, mean - size)])
-    return {"a sine's": scene.vary(load=sine), "a triangle's": scene.vary(load=lines)}
-
-
-def _aligned(loop: MeasuredLoop, tangential: Array) -> _Place:
-    """The place of the rows that fits this Q of a cycle best."""
+def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -> _Place:
+    """The place of the rows that fits this Q of a cycle best, from starts of at least so many cycles."""
     from scipy.optimize import minimize
 
     if not np.ptp(tangential) > 0:
@@ -437,7 +606,11 @@ def _aligned(loop: MeasuredLoop, tangential: Array) -> _Place:
         # Turned Q fits a sine as well as Q half a cycle later: only the upright one counts.
         return float(np.sqrt(rest @ rest / count)) + (0.0 if scale > 0 else 10 * float(np.ptp(loop.load))), share, scale, offset
 
-    starts = [(first * factor, phase) for factor in (0.94, 1.0, 1.06) for phase in np.arange(24) / 24]
+    frequencies = [first * factor for factor in (0.94, 1.0, 1.06)]
+    if first * span < 3:  # a spectrum of a few cycles has no sharp line
+        frequencies += (np.arange(0.9, 3.0, 0.05) / span).tolist()
+    frequencies = [frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles] or frequencies
+    starts = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     start = min(starts, key=lambda one: parts(*one)[0])
     step = np.array([[0.0, 0.0], [0.3 / max(loop.time[-1] * first, 1.0) * first * 0.3, 0.0], [0.0, 0.02]])
     found = minimize(
@@ -487,7 +660,7 @@ def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     rows: list[tuple[str, ...]] = []
     for row in found.rows:
         apart = "–" if row is measured else minus(f"{100 * (row.area / measured.area - 1):+.2g} %")
-        spread = f" ± {row.area_uncertainty:.1g}" if row.area_uncertainty else ""
+        spread = f" ± {row.area_uncertainty:.2g}" if row.area_uncertainty else ""
         friction = "–" if row.friction is None else f"{row.friction:.4g}"
         distance = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
         rows.append((row.name, friction, f"{row.area:.5g}{spread}", apart, f"{row.slope:.5g}", distance))

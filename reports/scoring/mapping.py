@@ -20,20 +20,21 @@ Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
 
 _Factor = Annotated[float, Field(gt=0)]
+_Column = str | Annotated[int, Field(ge=1)]
 
 
 class Columns(Frozen):
-    """Names of the columns (arrays, fields) in the file; those left out are looked for under `ALIASES`."""
+    """Names of the columns (arrays, fields) in the file, or numbers from 1 on; those left out are looked for under `ALIASES`."""
 
-    time: str | None = Field(None, description="times of the scene's load path")
-    frame: str | None = Field(None, description="number of the instant, where rows of one instant share one")
-    normal_load: str | None = Field(None, description="P")
-    tangential_load: str | None = Field(None, description="Q")
-    x: str | None = Field(None, description="place along the surface")
-    y: str | None = Field(None, description="place across the surface, for what needs one side told from the other")
-    pressure: str | None = Field(None, description="contact pressure")
-    shear: str | None = Field(None, description="shear traction")
-    slip: str | None = Field(None, description="relative tangential displacement of the faces")
+    time: _Column | None = Field(None, description="times of the scene's load path")
+    frame: _Column | None = Field(None, description="number of the instant, where rows of one instant share one")
+    normal_load: _Column | None = Field(None, description="P")
+    tangential_load: _Column | None = Field(None, description="Q")
+    x: _Column | None = Field(None, description="place along the surface")
+    y: _Column | None = Field(None, description="place across the surface, for what needs one side told from the other")
+    pressure: _Column | None = Field(None, description="contact pressure")
+    shear: _Column | None = Field(None, description="shear traction")
+    slip: _Column | None = Field(None, description="relative tangential displacement of the faces")
 
 
 class Factors(Frozen):
@@ -98,6 +99,10 @@ def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], wher
         it is `needed`.
     """
     stated = getattr(mapping.columns, quantity)
+    if isinstance(stated, int):
+        if stated > len(names):
+            raise InputError(f"{where}: the mapping says columns.{quantity} = {stated}, and there are {len(names)} columns")
+        return names[stated - 1]
     if stated is not None:
         if stated not in names:
             near = difflib.get_close_matches(stated, names, n=1)

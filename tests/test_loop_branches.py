@@ -1,0 +1,194 @@
+"""Measured loops: f and W lie within what is stated, whatever the form of Q or U over time and wherever rows begin."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import semi_analytic
+from reports.scoring import loop_branches, loops
+from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
+from reports.scoring.mapping import Mapping, load_mapping
+from scenes import InputError, load_scene
+
+FRICTION, LOAD, SHARE = 0.55, 160.0, 0.7
+LARGEST = SHARE * FRICTION * LOAD
+SCENE = load_scene("cattaneo-mindlin").vary(
+    friction=FRICTION,
+    load={"kind": "polygon", "initial_loading": [(LOAD, 0.0), (LOAD, LARGEST)], "cycle": [(LOAD, -LARGEST)]},
+)
+# Where P varies a little, rows are placed by time.
+VARYING = SCENE.vary(load={"kind": "polygon", "initial_loading": [(LOAD, LARGEST)], "cycle": [(0.95 * LOAD, -LARGEST)]})
+
+
+def steady_cycle(scene, count=4001):
+    """Shares of a cycle, U and Q there, and its W, by theory."""
+    path, shares = scene.load.path(), np.linspace(0.0, 1.0, count)
+    times = path.cycle_start + path.period * (1 + shares)
+    solution = semi_analytic.solve(scene, x=0.0, time=times, fields=("tangential_displacement", "dissipation"), cycles="steady")
+    return shares, solution.tangential_displacement, solution.tangential_load, solution.dissipation
+
+
+CYCLE = steady_cycle(SCENE)
+RIG = 0.3 * np.ptp(CYCLE[1]) / np.ptp(CYCLE[2])
+
+
+def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, seed=0):
+    """Rows of U and Q of a rig that moves its Q or its U by a sine or a triangle; share 0 is the highest Q."""
+    _, shift, load, _ = CYCLE
+    share = np.mod(start + cycles * np.arange(count + closed) / count, 1.0)
+    wave = np.cos(2 * np.pi * share) if form == "sine" else 4 * np.abs(share - 0.5) - 1
+    given, other = (load, shift) if control == "Q" else (shift, load)
+    middle, amplitude = (given.max() + given.min()) / 2, np.ptp(given) / 2
+    driven = middle + amplitude * wave
+    half = len(given) // 2
+    falling = CubicSpline(given[half::-1], other[half::-1])(driven)
+    rising = CubicSpline(given[half:], other[half:])(driven)
+    answer = np.where(share < 0.5, falling, rising)
+    u, q = (answer, driven) if control == "Q" else (driven, answer)
+    u = u + RIG * q + 0.1 * np.ptp(shift)
+    random = np.random.default_rng(seed)
+    return [values + noise * np.ptp(values) / 2 * random.standard_normal(len(values)) for values in (u, q)]
+
+
+def loop_of(u, q, **more):
+    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float), (), **more)
+
+
+def holds(found):
+    """Whether f and W lie within what is stated."""
+    measured = found.rows[0]
+    return found.agrees, abs(measured.area - CYCLE[3]) <= measured.area_uncertainty
+
+
+EXACT = [
+    ("Q", "sine", 40, 1, 0.0, False),
+    ("Q", "triangle", 40, 1, 0.13, False),
+    ("Q", "triangle", 100, 1, 0.0, True),
+    ("Q", "triangle", 601, 4.3, 0.4, True),
+    ("U", "sine", 40, 1, 0.75, True),
+    ("U", "triangle", 40, 1, 0.31, True),
+    ("U", "triangle", 240, 1, 0.5, False),
+    ("U", "sine", 600, 5, 0.6, False),
+]
+
+
+@pytest.mark.parametrize(("control", "form", "count", "cycles", "start", "closed"), EXACT)
+def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(control, form, count, cycles, start, closed):
+    u, q = rows_of(control, form, count, cycles, start, closed)
+    found = score_loop(loop_of(u, q), SCENE)
+    assert holds(found) == (True, True)
+    assert found.friction == pytest.approx(FRICTION, rel=2e-6)
+    assert found.low < FRICTION < found.high
+    assert found.high - found.low < 1e-4 * FRICTION
+    assert found.compliance == pytest.approx(RIG, rel=1e-5)
+    assert found.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
+    # A polygon within the loop: its error is of the order of the square of the step, and what is stated is no more than needed.
+    assert 0 < found.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
+
+
+NOISY = [("Q", "sine", 240, 1, 0.2), ("Q", "triangle", 600, 5, 0.0), ("U", "sine", 600, 1, 0.5), ("U", "triangle", 40, 1, 0.9)]
+
+
+def test_noise_is_covered_by_the_intervals():
+    found = [score_loop(loop_of(*rows_of(*case, noise=0.01, seed=seed)), SCENE) for seed, case in enumerate(NOISY)]
+    inside = np.array([holds(score) for score in found])
+    assert inside.sum(axis=0).min() >= len(NOISY) - 1
+    for score, (_, _, count, _, _) in zip(found, NOISY, strict=True):
+        assert score.high - score.low > 0.01 * FRICTION
+        assert score.rows[0].by_noise > 0.001 * CYCLE[3]
+        assert count < 100 or score.noise == pytest.approx(0.01 * np.ptp(score.shift) / 2, rel=0.2)
+
+
+def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
+    u, q = rows_of("Q", "sine", 240)
+    step = 0.01 * np.ptp(u)
+    exact = score_loop(loop_of(u, q), SCENE)
+    rounded = score_loop(loop_of(np.round(u / step) * step, q, resolution=(step, 0.0)), SCENE)
+    stated = score_loop(loop_of(u, q, resolution=(step, 0.0)), SCENE)
+    assert rounded.agrees
+    assert stated.high - stated.low > 100 * (exact.high - exact.low)
+    assert stated.noise == pytest.approx(step / np.sqrt(12))
+
+
+@pytest.mark.parametrize(("start", "closed"), [(0.0, True), (0.0, False), (0.37, True)])
+def test_rows_of_a_load_that_varies_begin_anywhere(start, closed):
+    shares, shift, load, work = steady_cycle(VARYING)
+    places = np.mod(start + np.arange(240 + closed) / 240, 1.0)
+    u, q = (np.interp(places, shares, values) for values in (shift, load))
+    found = score_loop(loop_of(u, q), VARYING)
+    assert found.cycles == pytest.approx(1.0, abs=0.02)
+    assert found.agrees
+    assert abs(found.rows[0].area - work) <= found.rows[0].area_uncertainty < 0.01 * work
+
+
+def test_what_is_no_loop_is_refused():
+    u, q = rows_of("Q", "sine", 100)
+    for begin, end in ((0, 60), (10, 55)):
+        with pytest.raises(InputError, match="of a cycle: a loop needs a whole one"):
+            score_loop(loop_of(u[begin:end], q[begin:end]), SCENE)
+    u, q = rows_of("Q", "sine", 100, cycles=20)
+    with pytest.raises(InputError, match=r"rows a cycle|of its amplitude only"):
+        score_loop(loop_of(u, q), SCENE)
+
+
+def test_the_area_is_that_of_the_polygon():
+    shift, load = np.array([0.0, 1.0, 1.0, 0.0] * 10), np.array([0.0, 0.0, 1.0, 1.0] * 10)
+    found = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
+    assert (found.value, found.cycles) == (pytest.approx(-1.0), 10)
+    noisy = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.1, 0.0)
+    assert noisy.by_noise > found.by_noise == 0
+
+
+# ------------------------------------------------------------------------------------------------------ tables of loops
+def written(path, head, first, second, tail=""):
+    rows = [f"{a:.7g},{b:.7g}{tail}" for a, b in zip(first.tolist(), second.tolist(), strict=True)]
+    path.write_text("\n".join([*head, *rows]) + "\n", encoding="utf-8")
+
+
+def test_forces_over_a_stated_thickness_are_loads(tmp_path):
+    u, q = rows_of("Q", "triangle", 100)
+    written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N)"], 1e3 * u, 12 * q)
+    found = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    assert "The column 'Tangential force (N)' is in N: times 1, over the thickness 12" in found.said
+    assert score_loop(found, SCENE).agrees
+    with pytest.raises(
+        InputError, match=r"state the thickness of the contact in a mapping, by which it is divided, or factors.load"
+    ):
+        read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
+    written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N/mm)"], 1e3 * u, q)
+    with pytest.raises(InputError, match="is in N/mm, a force per length, and the mapping states a thickness"):
+        read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+
+
+def test_two_columns_without_names_are_taken_by_number(tmp_path):
+    u, q = rows_of("Q", "triangle", 100)
+    written(tmp_path / "loop.csv", [], u, q)
+    with pytest.raises(InputError, match=r"such as U,Q; it has numbers only; or take them by number: columns.slip = 1"):
+        read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
+    (tmp_path / "map.toml").write_text("[columns]\nslip = 1\n", encoding="utf-8")
+    mapping = load_mapping(tmp_path / "map.toml")
+    found = read_loop(tmp_path / "loop.csv", mapping, SCENE)
+    np.testing.assert_allclose(found.shift, u, rtol=1e-6, atol=1e-6 * np.ptp(u))
+    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    with pytest.raises(InputError, match=r"columns.slip = 3, and there are 2 columns"):
+        read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 3}}), SCENE)
+    with pytest.raises(InputError, match=r"takes 'column 1' for U and for Q"):
+        read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 1, "tangential_load": 1}}), SCENE)
+
+
+def test_the_step_of_the_digits_is_that_of_the_file_in_the_units_of_the_scene(tmp_path):
+    u, q = rows_of("Q", "triangle", 100)
+    rows = [f"{a:.3f},{b:.1f}" for a, b in zip((1e3 * u).tolist(), (12 * q).tolist(), strict=True)]
+    (tmp_path / "loop.csv").write_text("\n".join(["U [um],Q [N]", *rows]), encoding="utf-8")
+    found = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+    assert found.resolution == pytest.approx((1e-6, 0.1 / 12))
+
+
+def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
+    u, q = rows_of("Q", "triangle", 100)
+    head = ["Test Parameters", "Mode,Standard", 'Tip,"r: 2 um"', "Length,5000.0 um", "U [mm],Q [N/mm],"]
+    written(tmp_path / "loop.csv", head, u, q, tail=",,")
+    found = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
+    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    assert loops.score_loop(found, SCENE).agrees
