@@ -128,7 +128,10 @@ def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
 
 def _parts_with(path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]) -> tuple[list[int], FieldPart, list[str]]:
     """The parts that hold all the named fields, and what marks the surface where any part does; as one mesh; the others named."""
-    names, marker = [*names, *([mapping.columns.slip] if isinstance(mapping.columns.slip, str) else [])], str(mapping.surface or "").partition("=")[0]
+    names, marker = (
+        [*names, *([mapping.columns.slip] if isinstance(mapping.columns.slip, str) else [])],
+        str(mapping.surface or "").partition("=")[0],
+    )
     marks = [marker in part.point_fields or marker in part.cell_fields for part in frame.parts]
     lacks = [
         [name for name in names if not _holds(part, name)] + [marker] * (any(marks) and not own)

@@ -190,11 +190,11 @@ def find_branches(shift: Array, load: Array, time: Array, resolution: float, sou
     if math.isfinite(period):  # the record begins again: the turning points of the second time round belong to the first too
         first_is_top = not first_is_top
         turns = np.concatenate([turns[1:3] + period * lap for lap in range(-2, 3)])
-    branch = np.searchsorted(turns, time, side="right") - 1
+    branch = np.asarray(np.searchsorted(turns, time, side="right") - 1)
     begins_at_top = (branch % 2 == 0) == first_is_top
     rising = ~begins_at_top
-    begin = np.where(begins_at_top, highest.load, lowest.load)
-    passed = np.clip(np.abs(load - begin) / (highest.load - lowest.load), 0.0, 1.0)
+    start = np.where(begins_at_top, highest.load, lowest.load)
+    passed = np.clip(np.abs(load - start) / (highest.load - lowest.load), 0.0, 1.0)
     return Branches((branch + passed + (1 if first_is_top else 0)) / 2, rising, highest, lowest, noise)
 
 
