@@ -503,8 +503,7 @@ def fit_branches(
         if settled:
             break
     lowest, friction, terms = rows.best(friction, terms)
-    if friction < least * (1 + 1e-9):
-        friction = least * (1 + 1e-9)
+    friction = max(friction, least * (1 + 1e-9))
     low, high = math.log(least * (1 + 1e-9)), math.log(least * _WIDEST)
     spread = max(lowest / freedom, 1.0)
 
