@@ -110,7 +110,10 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     assert stated.noise == pytest.approx(step / np.sqrt(12))
 
 
-@pytest.mark.parametrize(("start", "closed"), [(0.0, True), (0.0, False), (0.37, True)])
+LONGER_WAVE = pytest.mark.xfail(strict=True, reason="one cycle from its peak fits a part of a larger triangle as well")
+
+
+@pytest.mark.parametrize(("start", "closed"), [pytest.param(0.0, True, marks=LONGER_WAVE), (0.0, False), (0.37, True)])
 def test_rows_of_a_load_that_varies_begin_anywhere(start, closed):
     shares, shift, load, work = steady_cycle(VARYING)
     places = np.mod(start + np.arange(240 + closed) / 240, 1.0)
