@@ -194,7 +194,7 @@ def add_to_log(folder: Path, text: str) -> Path:
 
 
 @contextmanager
-def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path, None, None]:
+def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()) -> Generator[Path, None, None]:
     """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing does after an error.
 
     Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
@@ -202,6 +202,13 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     not stand beside figures of another run; the others stay too. Of two runs that fill one folder at once, the one that
     moves its files last leaves all of them. Where `out` can't be filled in the end, all in it stays as it was, the new
     files are kept beside it, and the error says where that is.
+
+    Parameters
+    ----------
+    out : the folder
+    fresh : beginnings of the names of earlier files that are removed where they are not written again
+    solutions : names of files, each written in one go, that must outlive a fault in what is written after them. They move to
+        `out` alone, and a note of the error says so; where the disk itself fails they are kept beside `out`
 
     Raises
     ------
@@ -223,15 +230,48 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
             yield results
             moving = True
             _move(staging, folder, fresh, out)
-        except (OSError, InputError) as fault:
-            if moving:
-                at_the_end.pop_all()  # nothing is removed
-                kept = f"; what did not get there is kept in {_visible(staging) / results.name}"
-            elif isinstance(fault, InputError) or _is_about_another_file(fault, staging):
+        except InputError as fault:
+            if not moving:
                 raise
-            else:
-                kept = ""
-            raise InputError(f"{_unwritable(out, fault) if isinstance(fault, OSError) else fault}{kept}") from fault
+            at_the_end.pop_all()  # nothing is removed
+            raise InputError(f"{fault}{_kept_beside(staging)}") from fault
+        except OSError as fault:
+            of_this_folder = moving or not _is_about_another_file(fault, staging)
+            if not of_this_folder:
+                _move_solutions(staging, folder, fresh, out, solutions, fault)
+                raise
+            kept = ""
+            if moving or _leave_only(results, solutions):
+                at_the_end.pop_all()  # nothing is removed
+                kept = _kept_beside(staging)
+            raise InputError(f"{_unwritable(out, fault)}{kept}") from fault
+        except Exception as fault:
+            if not moving:
+                _move_solutions(staging, folder, fresh, out, solutions, fault)
+            raise
+
+
+def _kept_beside(staging: Path) -> str:
+    """Where files are that did not get to their folder, as the end of a sentence."""
+    return f"; what did not get there is kept in {_visible(staging) / 'results'}"
+
+
+def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
+    """Those of `names` that were written, all else in `results` removed."""
+    written = [name for name in names if (results / name).is_file()]
+    for name in set(_files(results)) - set(written):
+        (results / name).unlink()
+    return written
+
+
+def _move_solutions(
+    staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path, solutions: tuple[str, ...], fault: Exception
+) -> None:
+    """After `fault`: the solutions that were written go to their folder, and a note of the fault names them."""
+    with suppress(OSError, InputError):  # the fault itself is what has to be said
+        if written := _leave_only(staging / "results", solutions):
+            _move(staging, folder, fresh, out)
+            fault.add_note(f"the solutions are saved: {' and '.join(str(folder / name) for name in written)}")
 
 
 def _is_about_another_file(fault: OSError, staging: Path) -> bool:

@@ -578,7 +578,7 @@ def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
         from scenes import ConvergenceError, InputError
 
         if isinstance(fault, InputError):
-            return _refused(_one_line(str(fault)))
+            return _refused(f"{_one_line(str(fault))}{_notes_of(fault)}")
         if isinstance(fault, ConvergenceError):
             _refused(f"not converged: {_one_line(str(fault))}")
             return NOT_CONVERGED
@@ -586,11 +586,13 @@ def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
         return _refused(_misspelt(fault))
     if isinstance(fault, MemoryError):
         why = f" ({_one_line(str(fault))})" if str(fault) else ""
-        return _refused(f"there is not enough memory for this{why}; ask for a coarser mesh, fewer steps or fewer instants")
+        cure = "ask for a coarser mesh, fewer steps or fewer instants"
+        return _refused(f"there is not enough memory for this{why}; {cure}{_notes_of(fault)}")
     if isinstance(fault, OSError):  # that no door has words for
         where = f"{_one_line(os.fsdecode(fault.filename))}: " if isinstance(fault.filename, str | bytes) else "a file: "
         return _refused(
             f"cannot read or write {where}{fault.strerror or _one_line(str(fault))}; mend that and run the command again"
+            f"{_notes_of(fault)}"
         )
     # Compiled modules and locks make another error of Ctrl-C.
     return _interrupted("") if received else _internal(fault, tokens)
@@ -606,8 +608,13 @@ def _internal(fault: Exception, tokens: Sequence[str]) -> int:
     lines = [time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]), *traceback.format_exception(fault)]
     place = _kept("\n".join(line.rstrip("\n") for line in lines) + "\n")
     what = ": ".join(filter(None, (type(fault).__name__, textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip("."))))
-    _refused(f"internal error, a fault of halfplane: {what}; the traceback is {place}: please report it")
+    _refused(f"internal error, a fault of halfplane: {what}{_notes_of(fault)}; the traceback is {place}: please report it")
     return _INTERNAL
+
+
+def _notes_of(fault: Exception) -> str:
+    """What was saved before a fault, as notes of it say, to end a sentence with; empty without any."""
+    return "".join(f"; {_one_line(note)}" for note in getattr(fault, "__notes__", ()))
 
 
 def _kept(text: str) -> str:

@@ -71,7 +71,12 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             return work(Job(source, found, options, folder, stages))
         except InputError as fault:
             # One about an option or the file names that already, one of an engine does not.
-            raise fault if str(fault).startswith((source, "--")) else InputError(f"{source}: {fault}") from fault
+            if str(fault).startswith((source, "--")):
+                raise
+            named = InputError(f"{source}: {fault}")
+            for note in getattr(fault, "__notes__", ()):  # of what was saved
+                named.add_note(note)
+            raise named from fault
         except Interrupted as stop:
             solved = stop.partial
             if solved is None or len(solved.time) < 2:
@@ -317,28 +322,31 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
     begun = time.process_time()
     result = solve_finite_elements(job)
     with _kept_if_interrupted(result):
-        reference = _solve_half_plane(job, x=result.x, time=result.time)
-        # Of a thinned answer the steps are those of the path itself.
-        polygon: ContactSolution | None = reference
-        if not result.thinned:
-            with stages.stage("half-plane theory, on the polygon of the steps"):
-                polygon = theory_on_steps(result)
-        with stages.stage("comparison"):
-            from reports.comparison import Report, compare
+        with _saved_if_it_fails(result, job.folder):
+            reference = _solve_half_plane(job, x=result.x, time=result.time)
+            # Of a thinned answer the steps are those of the path itself.
+            polygon: ContactSolution | None = reference
+            if not result.thinned:
+                with stages.stage("half-plane theory, on the polygon of the steps"):
+                    polygon = theory_on_steps(result)
+            with stages.stage("comparison"):
+                from reports.comparison import Report, compare
 
-            found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
-            report = Report(replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found)
-        if measured:
-            plain = time.process_time() - begun
-            # Every run is a stage of its own.
-            refinements = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)
-            report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
-        if options.third:
-            from reports.third.calculix import solve_with_calculix
-            from reports.third.deck import DeckSettings
+                found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
+                report = Report(
+                    replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found
+                )
+            if measured:
+                plain = time.process_time() - begun
+                # Every run is a stage of its own.
+                refinements = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)
+                report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
+            if options.third:
+                from reports.third.calculix import solve_with_calculix
+                from reports.third.deck import DeckSettings
 
-            deck, scales = DeckSettings(**options.given(("steps_per_cycle",))), getattr(result, "scales", None)
-            report = replace(report, third=solve_with_calculix(scene, deck, stages=stages, scales=scales, command=command))
+                deck, scales = DeckSettings(**options.given(("steps_per_cycle",))), getattr(result, "scales", None)
+                report = replace(report, third=solve_with_calculix(scene, deck, stages=stages, scales=scales, command=command))
         with stages.stage("report"):
             from reports.field_output.files import instants_of
             from reports.page.writing import write
@@ -368,6 +376,17 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
         raise
     except KeyboardInterrupt as stop:
         raise Interrupted("interrupted after the finite elements were solved", result) from stop
+
+
+@contextmanager
+def _saved_if_it_fails(result: ContactSolution, folder: Path) -> Generator[None, None, None]:
+    """After a fault between the finite elements and the report their answer is saved, and a note of the fault names its file."""
+    try:
+        yield
+    except Exception as fault:
+        with suppress(Exception):  # the fault itself is what has to be said
+            fault.add_note(f"the finite elements' answer is saved: {write_solution(result, folder)}")
+        raise
 
 
 _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")

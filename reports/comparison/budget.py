@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from reports.comparison import Comparison, Report, compare
-from reports.comparison.metrics import Metric, are_half_planes, on_straight_steps
+from reports.comparison.metrics import Metric, PythonNumbers, are_half_planes, on_straight_steps
 from scenes import ContactSolution, ConvergenceError, InputError
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ _LEAST_RATIO = 1.2
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(PythonNumbers):
     """One run of a refinement study: one size changed, everything else fixed."""
 
     label: str  # "2h", "L/2": what is different from the run
@@ -71,7 +71,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class Refinements:
+class Refinements(PythonNumbers):
     """Every run by the term that it measures."""
 
     mesh: tuple[Run, ...]  # at h and coarser
@@ -200,7 +200,7 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
 
 
 @dataclass(frozen=True)
-class Term:
+class Term(PythonNumbers):
     """One source of error in one metric."""
 
     name: str  # "mesh", "step", ...
@@ -434,7 +434,7 @@ _ORDERS = (0.01, 16.0)
 
 
 @dataclass(frozen=True)
-class Refinement:
+class Refinement(PythonNumbers):
     """Values of one quantity from solutions of different size, everything else fixed."""
 
     sizes: tuple[float, ...]  # h > 0 of each solution, finest first, strictly growing
@@ -443,6 +443,7 @@ class Refinement:
     rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if len(self.sizes) != len(self.values) or not self.sizes:
             raise ValueError(f"{len(self.sizes)} sizes for {len(self.values)} values")
         if min(self.sizes) <= 0 or any(np.diff(self.sizes) <= 0):
@@ -466,7 +467,7 @@ def _plausible(order: float | None, formal: float) -> bool:
 
 
 @dataclass(frozen=True)
-class Extrapolation:
+class Extrapolation(PythonNumbers):
     """What a refinement study says."""
 
     order: float | None  # observed p; None where there is none

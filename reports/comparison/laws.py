@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.metrics import Verdict, bulk_work, energy_scale, last_cycle, name_of, verdict_on
+from reports.comparison.metrics import PythonNumbers, Verdict, bulk_work, energy_scale, last_cycle, name_of, verdict_on
 from reports.units import minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 
@@ -30,7 +30,7 @@ DERIVED = "derived"
 
 
 @dataclass(frozen=True, eq=False)
-class Certificate:
+class Certificate(PythonNumbers):
     """One law, checked at every instant of the whole path.
 
     Attributes
@@ -122,7 +122,7 @@ def _largest_pressure(solution: ContactSolution) -> float:
 
 # ------------------------------------------------------------------------------------------------------ expected numbers
 @dataclass(frozen=True)
-class Finding:
+class Finding(PythonNumbers):
     """An expected number and what was found in its place."""
 
     expected: Expected  # the number, its tolerance, engine and source

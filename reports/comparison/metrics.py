@@ -280,6 +280,30 @@ def are_half_planes(scene: Scene) -> bool:
 # ---------------------------------------------------------------------------------------------------------------- values
 
 
+def python_number(value: Any) -> Any:
+    """A scalar of numpy, or a tuple of them, as Python's own number; anything else as it is.
+
+    Page, JSON and tables take `True` for an index and `0.5` for a number; numpy's own scalars are neither everywhere.
+
+    >>> python_number(np.float64(0.5)), python_number((np.bool_(True), 1)), python_number("within")
+    (0.5, (True, 1), 'within')
+    """
+    if isinstance(value, np.generic):
+        return value.item()
+    return tuple(python_number(entry) for entry in value) if type(value) is tuple else value
+
+
+class PythonNumbers:
+    """A frozen record that leaves a computation for the page: its scalars become Python numbers when it is made.
+
+    Arrays of shape (k,) and more stay arrays.
+    """
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, python_number(value))
+
+
 class Verdict(StrEnum):
     """What an error and its uncertainty say of a tolerance."""
 
@@ -306,7 +330,7 @@ def verdict_on(error: float, tolerance: float, uncertainty: float | None = None)
 
 
 @dataclass(frozen=True)
-class _Scales:
+class _Scales(PythonNumbers):
     """What makes the comparison dimensionless."""
 
     normal_load: float  # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
@@ -439,7 +463,7 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Measured:
+class _Measured(PythonNumbers):
     """What the function of a metric finds.
 
     Attributes

@@ -75,6 +75,9 @@ if TYPE_CHECKING:
     from reports.scoring.study import Study
     from reports.third.calculix import ThirdSolver
 
+# Files of the solutions in a folder of a report: of the reference, of the result.
+SOLUTIONS = ("reference.nc", "result.nc")
+
 
 def write(
     found: Comparison | Report,
@@ -88,6 +91,8 @@ def write(
     log: Sequence[str] = (),
 ) -> Path:
     """Write the report and return the path of the page.
+
+    Both solutions are written first. Where the page fails they are in the folder, and a note of the error names their files.
 
     Parameters
     ----------
@@ -107,7 +112,9 @@ def write(
     """
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
-    with filled(out) as folder:
+    with filled(out, solutions=SOLUTIONS) as folder:
+        for name, solution in zip(SOLUTIONS, (comparison.reference, comparison.result), strict=True):
+            solution.save(folder / name)  # before the page: one that fails must not cost what took long to solve
         drawings = draw(report)
         if stress_instants:
             import halfplane_fe
@@ -120,8 +127,6 @@ def write(
         texts = {drawing.name: drawing.csv() for drawing in drawings}
         for name, text in texts.items():
             (folder / "figures" / f"{name}.csv").write_text(text, encoding="utf-8")
-        comparison.reference.save(folder / "reference.nc")
-        comparison.result.save(folder / "result.nc")
         (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
         (folder / "comparison.json").write_text(as_json(report, command, seconds) + "\n", encoding="utf-8")
         if vtu_instants is not None and len(vtu_instants):
