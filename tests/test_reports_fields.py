@@ -19,7 +19,10 @@ from problems import COARSE, FEW_STEPS, fe_run
 from reports.charts.templating import style_of
 from reports.cli import main
 from reports.cli.application import Options
+from reports.cli.field_output import _draw
 from reports.cli.field_output import named as named_by
+from reports.comparison.metrics import scales
+from reports.console import Stages
 from reports.field_output import fatigue
 from reports.field_output.files import (
     NO_PEAK,
@@ -367,3 +370,22 @@ class TestCommand:
         assert main(["fields", "cattaneo-mindlin", "--quiet"]) == 2
         assert "pictures can't be drawn here: no screen here" in capsys.readouterr().err
         assert everything(tmp_path) == set()
+
+
+def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Axes say x / a_ref, which is a(P_ref) and not the largest half-width."""
+    drawn = []
+
+    def picture_of(plates: Any, *_: Any) -> list[str]:
+        drawn.extend(plates)
+        return []
+
+    monkeypatch.setattr("reports.charts.publication.write_plots", picture_of)
+    answer = answer_of("blocks")
+    widths = answer.contact_half_width.copy()
+    widths[0] = 3 * widths.max()  # at no load: not that of the reference load
+    _draw(replace(answer, contact_half_width=widths), [], tmp_path, Stages(quiet=True))
+    (plate,) = drawn
+    half_width = scales(answer).half_width
+    outermost = max(float(np.max(np.abs(body.mesh.p))) for body in answer.bodies) / half_width
+    assert outermost < plate.panels[0].x.high - plate.panels[0].x.low < 2.5 * outermost

@@ -7,6 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -23,7 +24,8 @@ import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.cli import main
-from reports.comparison import Report
+from reports.cli.results import _score_shown
+from reports.comparison import Report, UnscoredFile
 from reports.comparison.metrics import missing
 from reports.console import Stages
 from reports.field_output.files import write_fields
@@ -514,6 +516,12 @@ def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_p
     assert one.comparison.result.engine == "run_h0.02.csv"
     assert told[1] == "Not scored: spoilt_h0.1.csv, line 2: shear = 'oops' is not a finite number of at most 1e+100."
     assert told[0].startswith("Not scored: junk_h0.2.vtu: ")
+    assert [file.name for file in one.unscored] == ["junk_h0.2.vtu", "spoilt_h0.1.csv"]
+    # What is printed is picked by its type, whatever its words are.
+    other = replace(
+        one, unscored=(UnscoredFile("a.csv", "a.csv: it holds no pressure"),), comparison=replace(one.comparison, notes=())
+    )
+    assert "Not scored: a.csv: it holds no pressure." in list(_score_shown(other, "page"))
     written(rows(exact(points=53)), tmp_path / "run_h0.04.csv")
     both = score_folder(tmp_path, Mapping(), scene, stages)
     assert both.study is not None

@@ -29,6 +29,7 @@ from reports.comparison.words import (
     question,
     summary_rows,
     tolerance_of,
+    uncertain_work,
     unit_of,
     unlike_materials,
     value_of,
@@ -117,7 +118,7 @@ WORDS = [
     (
         question,
         {"load": {"kind": "time_series", "rows": [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]]}},
-        ["what does the path dissipate?"],
+        ["what does the record dissipate?"],
         [],
     ),
     (question, {"units": "lbf, in, psi"}, ["E = 210000 psi"], []),
@@ -180,6 +181,42 @@ def bodies(work: float, pressure: float = 1.0, uncertainty: float | None = None,
     changed = {"dissipation": work * TRUTH.dissipation, "pressure": pressure * TRUTH.pressure}
     found = compare(theory, with_fields(theory, engine="halfplane_fe", **changed), tolerances=tolerances)
     return Report(replace(found, metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in found.metrics)))
+
+
+def test_theory_of_work_where_the_finite_elements_dissipate_nothing_is_no_share() -> None:
+    """FE/theory − 1 is −1 then, and theory/FE − 1 has no value, whatever the uncertainty."""
+    for uncertainty in (None, 6e-4):
+        said = headline(bodies(0.0, 1.005, uncertainty))
+        assert said.startswith("Half-plane theory has dissipation where the finite elements have none and underestimates the peak")
+
+
+# A load path, and the word for what its values are of.
+STRETCHES = {
+    "last cycle": {"kind": "polygon", "initial_loading": [[60.0, 0.0]], "cycle": [[60.0, 20.0], [60.0, -20.0]]},
+    "whole path": {"kind": "polygon", "initial_loading": [[60.0, 0.0], [60.0, 20.0]]},
+    "whole record": {"kind": "time_series", "rows": [[0.0, 0.0, 0.0], [1.0, 60.0, 0.0], [2.0, 60.0, 20.0], [3.0, 60.0, 5.0]]},
+}
+
+
+@pytest.mark.parametrize("words", STRETCHES)
+def test_page_terminal_and_file_say_what_the_dissipation_is_of(words: str, tmp_path: Path) -> None:
+    """A record that does not repeat, and a path that only grows, have no cycle."""
+    of = scene(load=STRETCHES[words], bodies={"lower": A_BLOCK, "upper": A_BLOCK})
+    theory = semi_analytic.solve(of)
+    known = replace(theory, engine="halfplane_fe", dissipation_uncertainty=1e-3 * theory.dissipation)
+    report = Report(compare(theory, known))
+    assert uncertain_work(report.comparison).startswith(f"Dissipation of the {words} by finite elements: ")
+    assert any(f"dissipation of the {words} [" in row[0] for row in summary_rows(theory))
+    text = write(report, tmp_path).read_text("utf-8")
+    shown = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
+    labels = " ".join(re.findall(r'(?:title|aria-label)="([^"]*)"', text))
+    assert f"W, {words}" in shown
+    metrics = json.loads((tmp_path / "comparison.json").read_text("utf-8"))["metrics"].values()
+    told = " ".join(f"{metric['norm']} {metric['region']} {metric['definition']}" for metric in metrics)
+    assert words in told
+    assert all(("cycle" in part) is (words == "last cycle") for part in (labels, told))
+    assert ("last cycle" in shown) is (words == "last cycle")
+    assert not re.search(r"whole (last|whole)", shown + told) or words == "last cycle"
 
 
 def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:

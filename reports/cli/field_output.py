@@ -163,10 +163,12 @@ def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snaps
         import numpy as np
 
         from reports.charts.publication import write_plots
+        from reports.comparison.metrics import scales as reference_scales
         from reports.field_output.pictures import mesh, scales_of, stress
 
-        edge = float(np.nanmax(solution.contact_half_width))
-        names = write_plots([mesh(solution.bodies, edge, edge, named=True)], folder, ("png",))
+        edge = float(np.nanmax(solution.contact_edges))
+        plate = mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True)
+        names = write_plots([plate], folder, ("png",))
         scales = scales_of([snapshot for _, snapshot in stills])
         for number, (instant, snapshot) in enumerate(stills):
             report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")

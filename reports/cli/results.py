@@ -117,7 +117,8 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         if metric.value is None and metric.note:
             reasons.setdefault(metric.note, []).append(metric.label)
     yield from (f"Not scored: {', '.join(labels)} ({reason})." for reason, labels in reasons.items())
-    yield from (note for note in report.comparison.notes if note.startswith("Not scored: "))  # a file of the folder
+    if report.study is None:  # whose own sentences name them
+        yield from (file.sentence for file in report.unscored)
     if report.diagnoses:
         yield "Likely causes:"
     for number, one in enumerate(report.diagnoses, 1):

@@ -1,6 +1,6 @@
 """What was compared: two solutions of one scene side by side, every metric with its uncertainty and verdict.
 
-Offered to the rest of reports, `Comparison` `Report` `compare` first:
+Offered to the rest of reports, `Comparison` `Report` `UnscoredFile` `compare` first:
 
     metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle` `Event` `events` `OF_BULK`;
                     the metrics, one table of words, needs, functions, tolerances: `METRICS` `Metric` `missing` `norm` `over`
@@ -14,7 +14,8 @@ Offered to the rest of reports, `Comparison` `Report` `compare` first:
                     mesh-refinement study of one value, its order and value at size zero: `Refinement` `Extrapolation` `extrapolate`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline` `lead` `verdict` `how_judged`
                     `standing` `uncertain_work` `question` `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
-                    `SUPPORT_WORDS` `sentence` `cost`; in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
+                    `SUPPORT_WORDS` `sentence` `cost` `stretch`;
+                    in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
                     `first_rows` `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
                     `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
@@ -125,6 +126,25 @@ class Comparison(Pair):
         return Report(self).summary()
 
 
+@dataclass(frozen=True)
+class UnscoredFile:
+    """A file of a folder of results that could not be scored.
+
+    Attributes
+    ----------
+    name : of the file, as it lies in the folder
+    reason : why, naming the file
+    """
+
+    name: str
+    reason: str
+
+    @property
+    def sentence(self) -> str:
+        """What a reader is told of it."""
+        return f"Not scored: {self.reason}."
+
+
 @dataclass(frozen=True, eq=False)
 class Report:
     """What a page is written of: a comparison, and what was worked out from it.
@@ -137,6 +157,7 @@ class Report:
     diagnoses : the likely causes of somebody else's difference, the strongest first
     study : what the result's own coarser meshes say, where it came as a folder of them
     third : the answer of another code to the same scene
+    unscored : files of the folder of results that could not be scored
     """
 
     comparison: Comparison
@@ -145,6 +166,7 @@ class Report:
     diagnoses: tuple[Diagnosis, ...] = ()
     study: Study | None = None
     third: ThirdSolver | None = None
+    unscored: tuple[UnscoredFile, ...] = ()
 
     def __repr__(self) -> str:
         """Who was compared, and the table of `summary`."""

@@ -29,7 +29,7 @@ from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import ContactSolution, Scene, Wave, sampled
+from scenes import ContactSolution, Scene, TimeSeriesLoad, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -45,6 +45,32 @@ SUPPORT_WORDS = {
 
 
 # ------------------------------------------------------------------------------------------------------- what is asked
+def stretch(scene: Scene) -> str:
+    """What values of a whole path are of: the "last cycle" where it repeats, else the "whole record" or the "whole path".
+
+    >>> from scenes import load_scene
+    >>> [stretch(load_scene(name)) for name in ("hertz-paper", "flight", "cattaneo-mindlin")]
+    ['last cycle', 'whole record', 'whole path']
+    """
+    if scene.load.path().period is not None:
+        return "last cycle"
+    return "whole record" if isinstance(scene.load, TimeSeriesLoad) else "whole path"
+
+
+def of_stretch(text: str, scene: Scene) -> str:
+    """`text` of a metric, whose rows speak of the last cycle, with the word for what this scene's values are of.
+
+    >>> from scenes import load_scene
+    >>> of_stretch("one value; last cycle", load_scene("flight")), of_stretch("over the cycle", load_scene("cattaneo-mindlin"))
+    ('one value; whole record', 'over the path')
+    """
+    found = stretch(scene)
+    if found == "last cycle":
+        return text
+    noun = found.split()[-1]
+    return text.replace("whole last cycle", found).replace("last cycle", found).replace("the cycle", f"the {noun}")
+
+
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
     return in_template("question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt(scene))
@@ -219,16 +245,26 @@ def _agreement(metric: Metric) -> tuple[str, str, str]:
 
 
 def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
-    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or "open" within its uncertainty."""
-    value, doubt = metric.value or 0.0, metric.uncertainty
-    if theory:
-        value, doubt = 1 / (1 + value) - 1 if value != -1 else math.inf, None if doubt is None else doubt / (1 + value) ** 2
-    percent = None if doubt is None else 100 * doubt
-    if doubt is not None and abs(value) <= doubt:
+    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or "open" within its uncertainty.
+
+    "over nothing": theory has something where the finite elements have nothing, and no share of nothing is a number.
+    """
+    value = metric.value or 0.0
+    uncertainty = metric.uncertainty
+    if theory:  # theory/FE - 1 from FE/theory - 1
+        ratio = 1 + value
+        if ratio == 0:
+            return "over nothing", _name(metric), ""
+        value = 1 / ratio - 1
+        if uncertainty is not None:
+            uncertainty = uncertainty / ratio**2
+    percent = None if uncertainty is None else 100 * uncertainty
+    if uncertainty is not None and abs(value) <= uncertainty:
         return "open", _name(metric), with_uncertainty(100 * value, percent)
-    if doubt is None and abs(value) < 1e-12:  # round-off error
+    if uncertainty is None and abs(value) < 1e-12:  # round-off error
         return "equal", _name(metric), ""
-    return "over" if value > 0 else "under", _name(metric), with_uncertainty(100 * abs(value), percent)
+    sense = "over" if value > 0 else "under"
+    return sense, _name(metric), with_uncertainty(100 * abs(value), percent)
 
 
 def _name(metric: Metric) -> str:
@@ -277,7 +313,8 @@ def uncertain_work(comparison: Comparison) -> str:
     if math.isnan(found.dissipation_uncertainty):
         return ""
     share = _shown(found.dissipation_uncertainty / found.dissipation, plus=False) if found.dissipation else ""
-    return in_template("uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene))
+    of = stretch(comparison.scene)
+    return in_template("uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene), of)
 
 
 def standing(comparison: Comparison) -> Verdict | None:
@@ -427,8 +464,6 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         dissipation += (
             f" ± {apart:.2g}{f' ({apart / solution.dissipation:.2%})' if solution.dissipation else ''}, by mesh and steps"
         )
-    # A path that does not repeat is one cycle.
-    cycle = "of the whole path" if scene.load.path().period is None else "of the last cycle"
     last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     rows = [
         ("engine", name_of(solution.engine)),
@@ -442,7 +477,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     if beside := _of_bulk(solution):
         ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
-    return [*rows, (f"dissipation {cycle} [{energy_unit(scene)}]", dissipation)]
+    return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
 
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
@@ -564,14 +599,17 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
 
 # What the JSON of a metric has of it, and of its row of the table, by the names there.
 _OF_A_METRIC = ("label", "value", "unit", "tolerance", "accurate", "verdict", "absolute", "amounts", "uncertainty", "elements")
-_OF_A_ROW = ("signed", "headline", "norm", "region")
+_OF_A_ROW = ("signed", "headline")
 
 
 def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
+    scene = report.comparison.scene
     return {
         **{name: getattr(metric, name) for name in (*_OF_A_METRIC, "spacings", "note", "series")},
         **{name: getattr(metric.definition, name) for name in _OF_A_ROW},
-        "definition": metric.definition.text,
+        "norm": of_stretch(metric.definition.norm, scene),
+        "region": of_stretch(metric.definition.region, scene),
+        "definition": of_stretch(metric.definition.text, scene),
         "finite": metric.value is None or math.isfinite(metric.value),
         "honest": _honest(report, metric),
         "worst_at": metric.time,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from reports.charts.plate import Axis, Curve, Panel, Plate, limits
 from reports.charts.templating import template
-from reports.comparison.words import bulk_and_tilt, first_rows
+from reports.comparison.words import bulk_and_tilt, first_rows, stretch
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
@@ -118,7 +118,9 @@ def loop_figure(solution: ContactSolution) -> Figure:
     axes.plot(solution.tangential_displacement[steps], solution.tangential_load[steps], color="black")
     axes.set_xlabel(f"relative tangential displacement U [{length}]")
     axes.set_ylabel(f"Q [{force}/{length}]")
-    work = f"W = {solution.dissipation:.4g} {force}·{length}/{length} per cycle" if np.isfinite(solution.dissipation) else ""
+    repeats = solution.scene.load.path().period is not None
+    of = "per cycle" if repeats else f"of the {stretch(solution.scene)}"
+    work = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {of}" if np.isfinite(solution.dissipation) else ""
     axes.set_title("\n".join(filter(None, (solution.scene.title or solution.scene.name, work))), loc="left")
     return figure
 

@@ -191,6 +191,7 @@ def render(
         budget=words.budget_table(report.budget) if report.budget else None,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
+        stretch=words.stretch(scene),
         measured=section(scene, (comparison.reference, comparison.result)),
         figures={drawing.name: drawing for drawing in drawings},
         engines=[(name_of(solution.engine), solution) for solution in (comparison.reference, comparison.result)],
@@ -315,6 +316,7 @@ def _cycle_data(shown: _Shown) -> dict[str, Any]:
         "instants": len(rows),
         "points": len(points),
         "of": [len(found.time), len(found.x)],
+        "stretch": shown.stretch,
         "rows": rows.tolist(),
         "x": [float(f"{v:.7g}") for v in shown.x[points]],
         "series": {name: [float(f"{v:.7g}") if np.isfinite(v) else None for v in values[rows]] for name, values in series.items()},
@@ -334,10 +336,10 @@ def _carried(data: dict[str, Any]) -> str:
     """How much of the cycle the slider moves through, in a sentence."""
     instants, points = data["of"]
     if (data["instants"], data["points"]) == (instants, points):
-        return "The slider moves through every instant and point of the last cycle."
+        return f"The slider moves through every instant and point of the {data['stretch']}."
     return (
         f"The slider moves through {data['instants']} of the {instants} instants and {data['points']} of the {points} points of "
-        "the last cycle (those near the contact); figures that stand still, and the CSV, hold all of them, but where their "
+        f"the {data['stretch']} (those near the contact); figures that stand still, and the CSV, hold all of them, but where their "
         "captions say less."
     )
 
@@ -379,6 +381,7 @@ class _Shown:
     chosen : the instants that have a number in every figure
     start : of these the one that a page shows first: with most points slipping, of equal ones the most loaded
     time, time_words : the axis of figures through the last cycle
+    stretch, noun : what the values are of, "last cycle", "whole record" or "whole path", and its last word
     x, wide : points over a_ref; the largest of them that is drawn, a little more than the largest contact of either
     """
 
@@ -386,6 +389,8 @@ class _Shown:
         expected, found = comparison.expected, comparison.found
         names = [name_of(solution.engine) for solution in (comparison.reference, comparison.result)]
         self.comparison, self.scene, self.scales = comparison, comparison.scene, comparison.scales
+        self.stretch = words.stretch(comparison.scene)
+        self.noun = self.stretch.split()[-1]
         self.expected, self.found = expected, found
         self.sides = (("r", expected, names[0]), ("f", found, names[1]))
         self.keys = [Key(f"{who} p", name) for who, _, name in self.sides]
@@ -581,7 +586,7 @@ def _state_map(shown: _Shown) -> Plate:
     table = {"time": np.repeat(found.time[written], len(inside)), "x": np.tile(found.x[inside], len(written))}
     table |= {f"state_reference ({codes})": expected.state[grid].ravel(), f"state_result ({codes})": found.state[grid].ravel()}
     kept, of = len(written), len(time)
-    return worded("state_map", panels, table, STATE_KEYS, columns=3, share=share, written=kept, instants=of)
+    return worded("state_map", panels, table, STATE_KEYS, columns=3, share=share, written=kept, instants=of, stretch=shown.stretch)
 
 
 def _dissipation_density(shown: _Shown) -> Plate | None:
@@ -610,6 +615,7 @@ def _dissipation_density(shown: _Shown) -> Plate | None:
         ),
         {"x": shown.found.x, "x/a_ref": x, f"w_reference/{unit}": theirs, f"w_result/{unit}": ours},
         (*shown.keys, Key("d p", "difference")),
+        stretch=shown.stretch,
         peak=f"{ours[peak]:.4g}",
         place=signed(float(x[peak])),
         stick=ends if np.isfinite(stick).all() else "",
@@ -635,7 +641,7 @@ def _half_widths(shown: _Shown) -> Plate:
     up = Axis(*limits(*apart.values(), zero=True, least=1e-12), "difference of half-widths / a_ref")
     marks: list[Mark] = [_ZERO, *(Curve(time, apart[kind], css, kind) for kind, css in (("contact", "d p"), ("stick", "d q")))]
     notes = [f"{kind}: {shown.largest(values, ' a_ref')}" for kind, values in apart.items()]
-    edges, title = Axis(*limits(*(line.y for line in lines)), _X), "Contact and stick edges through the cycle"
+    edges, title = Axis(*limits(*(line.y for line in lines)), _X), f"Contact and stick edges through the {shown.noun}"
     return worded(
         "half_widths",
         (
@@ -644,6 +650,7 @@ def _half_widths(shown: _Shown) -> Plate:
         ),
         table,
         (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick")),
+        stretch=shown.stretch,
         spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
     )
 
@@ -668,9 +675,11 @@ def _errors(shown: _Shown) -> Plate:
         lines.append(Note(float(time[-1]), 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
     most = min(max(1.0, largest), 8.0) if judged else largest or 1.0
     up = Axis(0.0, 1.08 * most, "|discrepancy| / tolerance" if judged else "|discrepancy|, %")
-    panel = _broad("errors", shown.over_time(8), up, lines, "Discrepancy through the cycle", time="x")
+    panel = _broad("errors", shown.over_time(8), up, lines, f"Discrepancy through the {shown.noun}", time="x")
     table = {"time": shown.found.time} | {m.key: np.asarray(m.series) for m in drawn}
-    return worded("errors", [panel], table, keys, columns=1, judged=bool(judged), cut=bool(judged) and largest > 8)
+    return worded(
+        "errors", [panel], table, keys, columns=1, judged=bool(judged), cut=bool(judged) and largest > 8, stretch=shown.stretch
+    )
 
 
 def _permanent_edges(solution: ContactSolution) -> Array:
@@ -714,7 +723,9 @@ def _slip_histories(shown: _Shown) -> Plate:
     notes = [f"result − reference at {named[point]}, where it is largest:", shown.largest(apart[:, point], f" {length}")]
     up = Axis(*limits(*slips, zero=True, least=1e-12 * shown.scales.half_width), f"slip since the start  [{length}]")
     panel = _broad("slip", shown.over_time(8), up, lines, "Slip of chosen points over time", 320.0, notes=notes, time="x")
-    return worded("slip_history", [panel], table, [Key(f"point-{k}", name) for k, name in enumerate(named)], columns=1)
+    return worded(
+        "slip_history", [panel], table, [Key(f"point-{k}", name) for k, name in enumerate(named)], columns=1, stretch=shown.stretch
+    )
 
 
 # ------------------------------------------------------------------------------------------------ the loads, and load over shift
@@ -748,7 +759,7 @@ def _load_path(shown: _Shown) -> Plate:
         keys += [Key(css, text) for css, text, _ in lines]
     part = [name for name in time for _ in time[name]]
     table: Table = {"time": np.concatenate([*time.values()]), "part": part, "P": normal, "Q": tangential}
-    return worded("load_path", panels, table, keys, columns=1, beside=len(panels) > 1)
+    return worded("load_path", panels, table, keys, columns=1, beside=len(panels) > 1, stretch=shown.stretch)
 
 
 def _beside_the_forces(shown: _Shown) -> Iterator[tuple[str, str, list[tuple[str, str, Array]]]]:
@@ -838,6 +849,7 @@ def _hysteresis(shown: _Shown) -> Plate | None:
         panels,
         table,
         shown.keys,
+        stretch=shown.stretch,
         slopes=" and ".join(signed(_loop_compliance(cycle)) for cycle in cycles),
         unit=f"{length} per {load}",
         periodic=scene.load.path().period is not None,

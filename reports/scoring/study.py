@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from meshes import collected_files
-from reports.comparison import Comparison, Report
+from reports.comparison import Comparison, Report, UnscoredFile
 from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
@@ -31,7 +31,6 @@ _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.
 # Sizes closer than this are one mesh twice.
 _DISTINCT = 1.02
 _ROUNDING = 1e-12
-_UNREAD = "Not scored"
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,12 +232,14 @@ def score_folder(
     if not levels:
         more = f" ({len(faults) - 1} other files of the folder can't be scored either)" if len(faults) > 1 else ""
         raise InputError(f"{next(iter(faults.values()))}{more}")
-    notes = (*left, *(f"{_UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
+    unscored = tuple(UnscoredFile(name, str(fault).replace(str(folder / name), name)) for name, fault in faults.items())
+    notes = (*left, *(file.sentence for file in unscored))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
+        noted = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):
-            return diagnosed(replace(report, comparison=replace(report.comparison, notes=(*notes, *report.comparison.notes))))
+            return diagnosed(replace(report, comparison=noted, unscored=unscored))
     known = study(levels, notes)
     with stages.stage("diagnosis"):
         finest = next(report for report in reports if report.comparison is known.levels[0].comparison)
-        return diagnosed(replace(finest, study=known))
+        return diagnosed(replace(finest, study=known, unscored=unscored))

@@ -439,7 +439,7 @@
     phase = now === count - 1 ? 0 : (series.t[now] - series.t[0]) / span;
     if (on) playing = requestAnimationFrame(frame);
     play.setAttribute("aria-pressed", String(on));
-    play.setAttribute("aria-label", on ? "Stop" : "Play the cycle");
+    play.setAttribute("aria-label", on ? "Stop" : `Play the ${(data.stretch ?? "cycle").split(" ").pop()}`);
   };
   const go = (k) => { setPlaying(false); show(k); };
   slider.max = count - 1;

@@ -24,7 +24,7 @@ from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
 from reports.charts.templating import template
 from reports.comparison import Comparison, Report
-from reports.comparison.words import strict, value_of
+from reports.comparison.words import stretch, strict, value_of
 from reports.console import Stages
 from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
@@ -219,9 +219,10 @@ def heads(third: ThirdSolver) -> tuple[str, str, str, str]:
 def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
     """Name, unit and function of the values that all three have."""
     _, length, stress = units(scene)
-    most = "the largest of the last cycle"
+    of = stretch(scene)
+    most = f"the largest of the {of}"
     return [
-        ("work of friction, last cycle", energy_unit(scene), lambda s: s.dissipation),
+        (f"work of friction, {of}", energy_unit(scene), lambda s: s.dissipation),
         (f"pressure, {most}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
         (f"shear, {most}", stress, lambda s: float(np.abs(s.shear[s.last_cycle]).max())),
         (f"contact half-width, {most}", length, lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle]))),
