@@ -1,6 +1,7 @@
 """Fields on disk, and in pictures: ParaView's collection, the record, what is drawn, the command."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 

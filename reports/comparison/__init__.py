@@ -141,7 +141,7 @@ class UnscoredFile:
 
     @property
     def sentence(self) -> str:
-        """What a reader is told of it."""
+        """The sentence for a reader."""
         return f"Not scored: {self.reason}."
 
 
