@@ -24,6 +24,10 @@ _LEAST_LOAD = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
 _LITTLE_LOAD = "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the half-plane engine can"
+_UNLOADED = (
+    "finite elements need P > 0 after the start, for unloaded bodies have no place; half-plane theory takes full unloading, "
+    "P = Q = 0: keep P > 0, or solve the scene by theory alone"
+)
 _SLIDING = (
     "finite elements need |Q| below f P (half-plane theory takes |Q| = f P too); lower the tangential load, raise the normal load "
     "or friction.coefficient"
@@ -165,6 +169,8 @@ def check_admissible(path: LoadPath, friction: float) -> None:
         if separated.any():
             worst = int(np.argmin(np.where(separated, p, np.inf)))
             rule = _LITTLE_LOAD if p[worst] > 0 else ""
+            if max(abs(p[worst]), abs(q[worst])) <= _ROUNDING_OF_LIMIT * scale:
+                rule = _UNLOADED
             raise InadmissibleLoadError("separation", times[worst], p[worst], q[worst], friction, rule=rule)
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)

@@ -107,6 +107,16 @@ def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
     return np.where((growth < 0) & (forward == reverse), _UNLOADS, np.where(forward, 1, np.where(reverse, -1, 0))).astype(np.int8)
 
 
+def _shortened(curve: Knot, part: float) -> Knot:
+    """The curve without the upper `part` < 1 of its uppermost line; the lowest line begins at 0, to the last digit."""
+    below, top, force, length, rise, depth = curve
+    left_length = (1 - part) * length
+    left_rise = (1 - part) * rise
+    if below is None:
+        return _knot(Knot, (None, left_length, left_rise, left_length, left_rise, depth))
+    return _knot(Knot, (below, top - part * length, force - part * rise, left_length, left_rise, depth))
+
+
 def _step(
     curve: Knot | None, side: int, load: float, force: float, normal: float, tangential: float, friction: float, records: Rows
 ) -> Knot | None:
@@ -122,6 +132,8 @@ def _step(
             one, other = curve.rise * length, rise * curve.length
             if abs(one - other) <= _STRAIGHT_ON * (abs(one) + abs(other)):
                 below, length, rise = curve.below, length + curve.length, rise + curve.rise
+        if below is None:
+            length = normal
         curve = _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1))
     records[0](curve)
     records[1]((0, load, normal, 0.0, 0.0, 0.0, 1.0, *(curve or _OPEN)[1:5]))
@@ -150,7 +162,7 @@ def _slip(
         slid = passed = curve[3]
         curve = curve[0]
     while curve is not None:
-        below, top, held, length, rise, depth = curve
+        below, top, held, length, rise, _ = curve
         needed = friction * length - s * rise
         # A front that meets a knot at the very end of the step, to rounding, has not passed it: what lies below may be at the limit
         # already, and the front would jump through it.
@@ -175,13 +187,11 @@ def _slip(
     last = (s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end)
     numbers((*last, *(curve or _OPEN)[1:5]))
     if part > 0:
-        left = 1 - part
-        if left > 0:
-            curve = _knot(Knot, (below, top - part * length, held - part * rise, left * length, left * rise, depth))
-        else:
-            curve = below
+        curve = _shortened(curve, part) if part < 1 else below
     if not slipped > 0:
         return curve
+    if curve is None:
+        slipped = normal
     return _knot(Knot, (curve, normal, tangential, slipped, s * friction * slipped, curve[5] + 1 if curve is not None else 1))
 
 
@@ -220,14 +230,14 @@ def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> 
     drop = rest = first[0] - last[0]
     begin = first
     while curve is not None and rest > 0 and begin is not last:
-        below, top, force, length, rise, depth = curve
+        below, top, force, length, rise, _ = curve
         part, rest = rest / length, rest - length
         after = 1 - max(rest, 0.0) / drop
         end = last if below is None or rest <= 0 else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
         records[0](curve)
         records[1]((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2], top, force, length, rise))
-        begin, left = end, 1 - part
-        curve = Knot(below, top - part * length, force - part * rise, left * length, left * rise, depth) if left > 0 else below
+        begin = end
+        curve = _shortened(curve, part) if part < 1 else below
     if begin is not last:
         records[0](curve)
         records[1]((0, begin[0], last[0], 0.0, 0.0, 0.0, last[2], *(curve or _OPEN)[1:5]))
@@ -251,6 +261,14 @@ class Records(NamedTuple):
     def take(self, some: NDArray[np.bool_] | Indices | slice) -> Records:
         """Some of them."""
         return Records._make(column[some] for column in self)
+
+    def with_front_in_contact(self) -> Records:
+        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading, the sum of lengths of lines
+        may be a last digit more than P.
+        """
+        slipped = np.minimum(self.slipped, self.load)
+        slipped_after = np.minimum(self.slipped_after, self.load_after)
+        return self._replace(slipped=slipped, slipped_after=slipped_after)
 
     def slipping(self) -> Records:
         """Those that slip."""
@@ -290,6 +308,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     lines: list[Knot | None] = []
     numbers, counts, alive = array("d"), [0], 0
     records = lines.append if curves else deque[Any](maxlen=0).append, numbers.extend
+    # A path that unloads fully may end below 0 by rounding.
+    rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     p, q = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
     collects = gc.isenabled()
@@ -297,6 +317,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     try:
         for (normal, tangential), side in zip(rows[1:].tolist(), sides_of(rows, friction).tolist(), strict=True):
             curve = _step(curve, side, p, q, normal, tangential, friction, records)
+            if normal == 0:
+                curve = None  # unloaded: a line that rounding left has no length
             p, q = normal, tangential
             counts.append(len(numbers))
             if curve is not None and curve.depth > alive:
@@ -306,7 +328,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
             gc.enable()
     table = np.frombuffer(numbers).reshape(-1, 11).T
     steps = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // 11)
-    return Block(rows, Records._make([*table[:7], steps]), lines, table[7:], curve, alive)
+    records = Records._make([*table[:7], steps]).with_front_in_contact()
+    return Block(rows, records, lines, table[7:], curve, alive)
 
 
 def knots_of(curve: Knot | None) -> Array:

@@ -805,7 +805,9 @@ def _errors(
         p, slip = contact.pressure(x, loads), np.abs(grids["slip"])
         # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
         top, size = (float(np.max(values, where=np.isfinite(values), initial=_TINY)) for values in (p, slip / unit))
-        along = {"shear": _largest(arcs["shear"]) / (friction * top) if friction else 0.0, "slip": _largest(arcs["slip"]) / size}
+        slips = size > _TINY
+        along = {"shear": _largest(arcs["shear"]) / (friction * top) if friction else 0.0}
+        along["slip"] = _largest(arcs["slip"]) / size if slips else 0.0
         if contact.closed_form or isinstance(contact, TiltedProfile):
             errors |= {name: value for name, value in along.items() if value > PROMISED}
         elif top > _TINY:
@@ -817,9 +819,9 @@ def _errors(
                 edges, fronts = (_at_edges(contact, request.distance, half, near) / top for half in halves)
                 errors[f"pressure{words}"] = kernel + edges
                 errors[f"shear{words}"] = along["shear"] + knots * kernel + edges + 2 * fronts
-            if "slip" in fields:
-                slips = _largest(contact.quadrature_error("slip_integral", x, loads))
-                errors["slip"] = along["slip"] + knots * friction * slips / size
+            if "slip" in fields and slips:
+                left = _largest(contact.quadrature_error("slip_integral", x, loads))
+                errors["slip"] = along["slip"] + knots * friction * left / size
     errors["slip"] = errors.get("slip", 0.0) + 8 * rounding_of_slip(found.slipped_share)
     if "tangential_displacement" in fields:
         shifts = series["tangential_displacement"] / unit
