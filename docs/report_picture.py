@@ -7,12 +7,17 @@ One run makes both: docs/figures/report.png, and docs/uncertainty.json, which `d
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
+
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 SCENE, HERE = "blocks", Path(__file__).parent
 
@@ -28,18 +33,27 @@ def measured(folder: Path) -> dict[str, dict[str, float]]:
 
 
 def main() -> None:
-    """Run the scene, keep its numbers, open the page, keep its first screen."""
+    """Run the scene, open the page, keep its numbers and its first screen."""
     from playwright.sync_api import sync_playwright
 
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as player:
         content = {SCENE: measured(Path(folder) / "run")}
-        (HERE / "uncertainty.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         browser = player.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1280, "height": 905})
         page.goto((Path(folder) / "run" / "report.html").as_uri())
         page.wait_for_timeout(1500)
-        page.screenshot(path=HERE / "figures" / "report.png")
+        picture = Image.open(io.BytesIO(page.screenshot()))
         browser.close()
+    keep(picture, content)
+
+
+def keep(picture: Image.Image, content: dict[str, Any]) -> None:
+    """Write the numbers and the picture, the same numbers in both: a picture of another run is seen by a test."""
+    text = json.dumps(content, indent=1)
+    (HERE / "uncertainty.json").write_text(text + "\n", encoding="utf-8")
+    words = PngInfo()
+    words.add_text("values", text)
+    picture.save(HERE / "figures" / "report.png", pnginfo=words)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ import nbclient
 import nbformat
 import numpy as np
 import pytest
+from PIL import Image
 
 from command_line import COARSE, halfplane
 from fuzzing import DOORS
@@ -116,6 +117,25 @@ def test_the_notebook_runs_and_shows_scene_solution_and_comparison(tmp_path: Pat
     streams = [output for output in outputs if output["output_type"] == "stream"]
     assert "0.0012117117" in "".join(output["text"] for output in streams if output["name"] == "stdout")
     assert not [output for output in streams if output["name"] == "stderr"]
+
+
+def test_the_picture_of_the_readme_shows_the_run_whose_numbers_the_readme_quotes() -> None:
+    """Both are written by one run, and the picture carries the numbers of its run."""
+    with Image.open(DOCS / "figures" / "report.png") as picture:
+        values = json.loads(picture.text["values"])
+    assert values == json.loads((DOCS / "uncertainty.json").read_text(encoding="utf-8"))
+
+
+def test_no_promise_is_kept_late() -> None:
+    """What is said to hold until a version is gone when that version is there."""
+    version = tuple(map(int, tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"].split(".")))
+    late = []
+    for folder in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports", "docs"):
+        for path in (path for kind in ("py", "md", "toml", "txt") for path in (ROOT / folder).rglob(f"*.{kind}")):
+            text = path.read_text(encoding="utf-8")
+            promised = [tuple(map(int, number.split("."))) for number in re.findall(r"until (?:version )?(\d+\.\d+)", text)]
+            late += [(path.name, number) for number in promised if number <= version]
+    assert late == []
 
 
 def test_the_notebook_is_kept_without_outputs() -> None:
