@@ -382,6 +382,7 @@ def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(tmp_path: Pat
         return []
 
     monkeypatch.setattr("reports.charts.publication.write_plots", picture_of)
+    monkeypatch.setattr("reports.field_output.pictures.scales_of", lambda _: ())  # there are no stills
     answer = answer_of("blocks")
     widths = answer.contact_half_width.copy()
     widths[0] = 3 * widths.max()  # at no load: not that of the reference load
