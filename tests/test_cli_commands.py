@@ -488,7 +488,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert all(one[name]["value"] > 0 for one in found["instants"] for name in ("largest_nodal_von_mises", "largest_nodal_tension"))
     assert "not peaks" in found["largest nodal stresses"]
 
-    code, found = said("export", "hertz-normal", "--to", "calculix", "--quiet")
+    code, found = said("export", "hertz-normal", "--quiet")
     deck = (tmp_path / found["file"]).read_text(encoding="utf-8")
     assert found["nodes"] > found["elements"] / 2 > 100
     assert (code, f"\n{found['nodes']}, " in deck) == (0, True)
