@@ -187,7 +187,7 @@ def _slip(
     last = (s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end)
     numbers((*last, *(curve or _OPEN)[1:5]))
     if part > 0:
-        curve = _shortened(curve, part) if part < 1 else below
+        curve = _shortened(curve, part) if curve is not None and part < 1 else below
     if not slipped > 0:
         return curve
     if curve is None:
@@ -328,8 +328,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
             gc.enable()
     table = np.frombuffer(numbers).reshape(-1, 11).T
     steps = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // 11)
-    records = Records._make([*table[:7], steps]).with_front_in_contact()
-    return Block(rows, records, lines, table[7:], curve, alive)
+    parts_of_steps = Records._make([*table[:7], steps]).with_front_in_contact()
+    return Block(rows, parts_of_steps, lines, table[7:], curve, alive)
 
 
 def knots_of(curve: Knot | None) -> Array:
