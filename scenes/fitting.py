@@ -197,7 +197,7 @@ def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.
 
 
 def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
-    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt found anew; None if unfit."""
+    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt found again; None if unfit."""
     fitted = profile.fitted
     x, h = fitted.rows.values[fitted.used_rows()].T
     request = FitRequest("smoothing_spline", centre=None if fitted.centre_fitted else 0.0)

@@ -369,6 +369,7 @@ SCENE_KEYS = TEXTS["scene-keys.md"]
 PLAIN = {"poisson_ratio", "coefficient", "friction", "exponent", "asymmetry", "value", "tolerance", "cycles", "average"}
 PLAIN |= {*Tolerances.model_fields, "freedom", "weight", "left_out"}
 PLAIN |= {"mean", "amplitude"}  # of a wave, in the unit of its key
+PLAIN |= {"row"}  # a count
 
 
 def test_the_table_of_scene_keys_is_what_the_models_say() -> None:
