@@ -156,7 +156,7 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
     assert "The column 'Tangential force (N)' is in N: times 1, over the thickness 12" in found.said
     assert score_loop(found, SCENE).agrees
     with pytest.raises(
-        InputError, match=r"state the thickness of the contact in a mapping, by which it is divided, or factors.load"
+        InputError, match=r"state factors.load in a mapping, by which it is multiplied, or the thickness of the contact"
     ):
         read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N/mm)"], 1e3 * u, q)

@@ -202,10 +202,10 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
                     over = f"times {times[name]:.9g}, over the thickness {mapping.thickness:.9g}"
                     said.append(f"The column {name!r} is in {inside}: {over}")
                     continue
-                by_thickness = "the thickness of the contact in a mapping, by which it is divided, or "
+                by_thickness = ", or the thickness of the contact, by which it is divided"
             raise InputError(
-                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state {by_thickness}factors.{key} in a "
-                "mapping, by which it is multiplied"
+                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state factors.{key} in a mapping, by "
+                f"which it is multiplied{by_thickness}"
             )
     count = len(table.values)
     if count < _FEWEST:
