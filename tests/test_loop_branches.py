@@ -9,6 +9,7 @@ from reports.scoring import loop_branches, loops
 from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError, load_scene
+from scenes.text_tables import text_table
 
 FRICTION, LOAD, SHARE = 0.55, 160.0, 0.7
 LARGEST = SHARE * FRICTION * LOAD
@@ -134,6 +135,14 @@ def test_what_is_no_loop_is_refused():
         score_loop(loop_of(u, q), SCENE)
 
 
+def test_rows_that_stand_still_are_refused():
+    u, q = rows_of("Q", "sine", 100)
+    with pytest.raises(InputError, match="U is the same in every row"):
+        score_loop(loop_of(0 * u, q), SCENE)
+    with pytest.raises(InputError, match="Q is the same in every row"):
+        score_loop(loop_of(u, 0 * q), SCENE)
+
+
 def test_the_area_is_that_of_the_polygon():
     shift, load = np.array([0.0, 1.0, 1.0, 0.0] * 10), np.array([0.0, 0.0, 1.0, 1.0] * 10)
     found = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
@@ -195,3 +204,14 @@ def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
     found = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
     assert loops.score_loop(found, SCENE).agrees
+
+
+def test_empty_cells_behind_the_rows_are_no_columns(tmp_path):
+    """A stylus export: settings above, one empty cell behind the headings and two behind the rows."""
+    rows = "".join(f"{x:.1f},{x * x:.4f},,\n" for x in np.arange(-20, 21) * 0.1)
+    text = f"Scan Parameters\nMode,Standard\n\nScan Data\nLateral,Height,\n{rows}"
+    (tmp_path / "trace.csv").write_text(text, encoding="utf-8")
+    for stated in ({"x": "Lateral", "h": "Height"}, {"x": 1, "h": 2}):
+        table = text_table(tmp_path / "trace.csv", ("x", "h"), stated=stated)
+        assert table.values.shape == (41, 2)
+        np.testing.assert_allclose(table.column("h"), table.column("x") ** 2, atol=1e-4)

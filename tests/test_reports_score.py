@@ -599,7 +599,7 @@ WIDE = CONSTANT.vary(
 def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0, start=0.2):
     """U and Q as a rig with `rig` times the compliance of the contact would write them; noise is a share of the amplitudes."""
     path, random = scene.load.path(), np.random.default_rng(seed)
-    places = np.linspace(0, 1, 14401)  # straight between: f by the memory curve sees the chords of 1,441
+    places = np.linspace(0, 1, 14401)  # straight between: chords of 1,441 show in f
     times = path.cycle_start + path.period * (1 + places)
     shift = semi_analytic.solve(
         scene.vary(friction=friction), x=0.0, time=times, fields="tangential_displacement"

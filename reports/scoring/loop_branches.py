@@ -53,6 +53,8 @@ _BELOW, _ABOVE = 0.2, 0.04
 _CHI = 3.841
 # Fits with the noise of the fit before: it changes by less than a part in ten then.
 _REWEIGHTED = 8
+# Distance from a branch, in sigma and over that from the other one, from which a row beside a turning point is the other's.
+_FAR = 4.0
 # Steps outwards to the end of an interval, each 1.3 times the one before, and halvings: to 1 % of the last step.
 _STEPS, _HALVED = 60, 6
 # Noise of rows that show none, over their largest value: f is not known better than theory's samples leave it.
@@ -452,6 +454,19 @@ class _Rows:
         at = placed(answer.x)
         return 2 * float(answer.cost), math.exp(at[0]), at[1:]
 
+    def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Rows:
+        """The rows beside a turning point on their other branch where that is far nearer: its place is known to a row alone."""
+        rising = self.branches.rising
+        changes = np.flatnonzero(rising[1:] != rising[:-1])
+        beside = np.unique(np.concatenate([changes, changes + 1]))
+        turned = rising.copy()
+        turned[beside] = ~rising[beside]
+        other = replace(self, branches=replace(self.branches, rising=turned))
+        here = np.abs(self.distances(friction, terms)[:-2])
+        there = np.abs(other.distances(friction, terms)[:-2])
+        moved = (rising != turned) & (here > _FAR * np.maximum(there, 1.0))
+        return replace(self, branches=replace(self.branches, rising=np.where(moved, turned, rising)))
+
     def sizes(self) -> Array:
         """Of Q_max, Q_min, C and U0."""
         loads, shifts = float(np.ptp(self.load)), float(np.ptp(self.shift))
@@ -496,6 +511,7 @@ def fit_branches(
     freedom = len(shift) - 4 - (compliance is None)
     for _ in range(_REWEIGHTED):
         lowest, friction, terms = rows.best(friction, terms)
+        rows = rows.with_rows_at_turns_moved(friction, terms)
         ratio = math.sqrt(float(np.sum(rows.distances(friction, terms)[:-2] ** 2)) / freedom)
         noises = max(ratio * rows.shift_noise, smallest[0]), max(ratio * rows.load_noise, smallest[1])
         settled = abs(noises[0] / rows.shift_noise - 1) < 0.05 and abs(noises[1] / rows.load_noise - 1) < 0.05

@@ -279,6 +279,9 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
             f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U hangs on where it is measured, "
             "and the loop's area is not the dissipation"
         )
+    for name, values in (("U", loop.shift), ("Q", loop.load)):
+        if not np.ptp(values) > 0:
+            raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
     fit = (_fit_by_branches if _is_one_loop(scene) else _fit_over_time)(loop, scene, rig_compliance)
     scale, share = fit.scale, fit.share
     least = _least_friction(scene)
