@@ -18,6 +18,7 @@ Its files and the answer::
     unit_words.py   words for units, their sizes, whether they are one set
     files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
     errors.py       what can go wrong, as sentences
+    arrays.py       arrays of real numbers from Python callers; the largest number that is admitted
     solution.py     the form of every answer
 """
 

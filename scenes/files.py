@@ -264,6 +264,9 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str)
                         f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
                         f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
                     )
+            for key, stored in data.variables.items():
+                if stored.dtype.kind == "c":
+                    raise InputError(f"{path}: {WHAT} can't be read: {key} holds complex numbers, and should hold real ones")
             return data.load()
     except InputError:
         raise

@@ -5,12 +5,13 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Self, TypeVar, cast
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -20,10 +21,17 @@ from pydantic import (
     TypeAdapter,
     ValidationError,
     WithJsonSchema,
+    field_validator,
 )
 from pydantic_core import CoreSchema, ErrorDetails
 
+from scenes.arrays import LARGEST
 from scenes.errors import InputError, shown
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 _NAMED = 4  # keys at fault beside the first that a refusal names
 
@@ -144,7 +152,37 @@ def _key(fault: ErrorDetails, data: Any) -> str:
     return ".".join(found)
 
 
-class Frozen(BaseModel):
+def _numbers(value: Any) -> Iterator[float]:
+    """Numbers in the value of a key or in its tuples; long tables check their own."""
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, tuple) and len(value) < 10_000:
+        for part in value:
+            yield from _numbers(part)
+
+
+def a_scale(number: float) -> float:
+    """A positive number as it is; ValueError where its square would be 0."""
+    if number < 1 / LARGEST:
+        raise ValueError(f"{number:g} is below {1 / LARGEST:g}, and its square would be 0: choose other units")
+    return number
+
+
+class _OneDoor(ModelMetaclass):
+    """The constructor refuses in one sentence, as every other door does.
+
+    With an `__init__` of our own pydantic would forget that it reads JSON.
+    """
+
+    def __call__(cls, *_nothing: Any, **data: Any) -> Any:
+        try:
+            return super().__call__(*_nothing, **data)
+        except ValidationError as faults:
+            sentence = refusal(faults, _plain(data), cast("type[Frozen]", cls))
+            raise InputError(f"{cls.__name__}: {sentence}") from faults
+
+
+class Frozen(BaseModel, metaclass=_OneDoor):
     """A frozen table of keys. Whatever is put into another table is checked again there, however it was made."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always")
@@ -153,6 +191,14 @@ class Frozen(BaseModel):
     """Where a user finds the keys."""
     written: ClassVar[tuple[str, ...]] = ()
     """Keys that were written with the others and are not right for other values."""
+
+    @field_validator("*")
+    @classmethod
+    def _can_be_squared(cls, value: Any) -> Any:
+        for number in _numbers(value):
+            if abs(number) > LARGEST:
+                raise ValueError(f"{number:g} is above {LARGEST:g}, and its square would be no number: choose other units")
+        return value
 
     def vary(self, /, **changes: Any) -> Self:
         """A checked copy with other values; the only way to change a scene, or a part of one, from Python.
@@ -215,7 +261,9 @@ class ShortForm:
         return {"anyOf": [handler(table), handler(TypeAdapter(self.form).core_schema)]}
 
 
-Positive = Annotated[float, Field(gt=0)]
+PositiveNumber = Annotated[float, Field(gt=0)]
+Positive = Annotated[PositiveNumber, AfterValidator(a_scale)]
+"""A scale: its square and the inverse of that are numbers."""
 
 
 def _function(value: Any) -> Any:

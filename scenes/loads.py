@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
@@ -33,7 +33,6 @@ from scenes.segments import (
     parabola_segment,
     straight_segments,
 )
-from scenes.text_tables import LARGEST
 from scenes.unit_words import Kind
 
 # Of the loads: difference within which two are one.
@@ -97,15 +96,6 @@ KEYS = (*_PAIRS["bulk"], *_PAIRS["turning"], "line_of_action")
 """Keys of bulk stress and tilt, of every load."""
 
 
-def _numbers(value: Any) -> Iterator[float]:
-    """Numbers in the value of a key or in its tuples; long tables check their own."""
-    if isinstance(value, float):
-        yield value
-    elif isinstance(value, tuple) and len(value) < 10_000:
-        for part in value:
-            yield from _numbers(part)
-
-
 class BulkAndTilt(Frozen, Generic[V]):
     """Keys of bulk stress and tilt. During initial loading they grow in proportion to P, to their values at the cycle's start.
 
@@ -127,14 +117,6 @@ class BulkAndTilt(Frozen, Generic[V]):
         None, description="moment of the pressure about x = 0 per unit thickness, in place of the tilt (library: N)"
     )
     line_of_action: LineOfAction | None = Field(None, description="where P and Q act on the upper body, in place of the moment")
-
-    @field_validator("*")
-    @classmethod
-    def _can_be_squared(cls, value: Any) -> Any:
-        for number in _numbers(value):
-            if abs(number) > LARGEST:
-                raise ValueError(f"{number:g} is above {LARGEST:g}, and its square would be no number: choose other units")
-        return value
 
     @model_validator(mode="after")
     def _can_be_followed(self) -> Self:

@@ -19,9 +19,10 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from scenes.arrays import LARGEST, real_numbers
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
-from scenes.text_tables import LARGEST, text_table
+from scenes.text_tables import text_table
 from scenes.unit_words import Kind, short_unit_in, unit_factor
 
 Array = NDArray[np.float64]
@@ -41,8 +42,8 @@ class Table:
     def of(cls, rows: ArrayLike | Table) -> Table:
         """A table from anything that makes a rectangle of finite numbers; ValueError with the row if it does not."""
         try:
-            values = np.asarray(rows.values, dtype=float) if isinstance(rows, Table) else np.array(rows, dtype=float)
-        except (TypeError, ValueError, OverflowError):  # the last: an integer of more digits than a number can have
+            values = rows.values if isinstance(rows, Table) else np.array(real_numbers(rows, "the table of rows"))
+        except InputError:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, PrivateAttr, TypeAdapter, Validation
 from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail, values_of
 from scenes.errors import InputError, RowError
 from scenes.fitting import FitRequest, fitted_keys
-from scenes.frozen import Frozen, Positive, PythonFunction, refusal
+from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 
 Array = NDArray[np.float64]
@@ -116,7 +116,7 @@ class ProfileFit(Frozen):
     kind: FitKind = Field(
         description="what is fitted: `hertz`, `flat_rounded`, `even_polynomial` (powers 2 to 8) or `smoothing_spline` (no formula)"
     )
-    noise: Positive | None = Field(
+    noise: PositiveNumber | None = Field(
         None, description="standard deviation of h, length units (library: mm); left out, that of the residuals"
     )
     centre: float | None = Field(
@@ -139,7 +139,7 @@ class Fitted(Frozen):
     kind: FitKind = Field(description="what was fitted")
     source: str = Field(description="file with the rows, or `points`")
     rows: Table = Field(description="the rows that were fitted, [x, h] each, length units (library: mm)")
-    noise: Positive = Field(description="standard deviation of h, length units (library: mm)")
+    noise: PositiveNumber = Field(description="standard deviation of h, length units (library: mm)")
     noise_stated: bool = Field(description="whether that was stated, or is that of the residuals")
     centre: float = Field(description="x of the middle, length units (library: mm)")
     centre_fitted: bool = Field(description="whether that was fitted")

@@ -13,14 +13,14 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
+from scenes.arrays import LARGEST
 from scenes.bodies import Bodies, Elastic, Materials, Pad
 from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
-from scenes.frozen import Frozen, Positive, ShortForm, checked, did_you_mean, validated
+from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.measured import READING, SCENE_UNITS
 from scenes.profiles import Profile
-from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
 Origin = Literal["paper", "benchmark", "made-up-record"]
@@ -106,6 +106,11 @@ class Friction(Frozen):
         if isinstance(data, bool) or not isinstance(data, Real):
             raise ValueError(f"{shown(data)} is neither a number nor a table with the key coefficient")
         return {"coefficient": data}
+
+    @field_validator("coefficient")
+    @classmethod
+    def _can_be_squared_if_any(cls, coefficient: float) -> float:
+        return a_scale(coefficient) if coefficient else coefficient
 
 
 # |E| admitted of the project's own engines, where half-plane theory is exact for the bodies: reasoned in tests/tolerances.py.

@@ -19,6 +19,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.arrays import LARGEST
 from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
@@ -33,8 +34,6 @@ _ENCODINGS = {"utf-8-sig": "UTF-8", "cp1252": "Windows-1252, since it is not UTF
 _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
 _LOOK, _START = 200, 50_000
-# Of a number: the square of a larger one, in whatever units, would be none.
-LARGEST = 1e100
 _REMARKS = ("#", "**", "%", "//")
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.

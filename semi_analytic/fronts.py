@@ -257,6 +257,8 @@ class Frozen:
                 left, right = (low[some] - b1[row])[:, None], (b2[row] - high[some])[:, None]
                 rows = np.repeat(row[:, None], weight.shape[1], axis=1)
                 found.append([rows, low[some, None] + up, weight, slope, up + left, down + right])
+        if not found:
+            raise NotOneStickInterval("load: the bulk stress leaves no stick zone whose edges could be followed")
         row, *parts = (np.concatenate([each.ravel() for each in part]) for part in zip(*found, strict=True))
         order = np.argsort(row, kind="stable")
         return Quadrature(row[order], *(part[order] for part in parts))

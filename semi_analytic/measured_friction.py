@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Elastic, EllipseLoad, InadmissibleLoadError, InputError, Materials, Profile, Scene, freeze, sampled
+from scenes.arrays import real_numbers
 from scenes.frozen import validated
 from semi_analytic.batches import DissipationBatch, dissipation
 from semi_analytic.solution import solve
@@ -169,7 +170,7 @@ def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]
         """What an argument is for some members, (k,)."""
         if name == "rises":
             return [of_members("", rise, which) for rise in value]
-        return value if name in ("kind", "fitted") else np.broadcast_to(np.asarray(value, dtype=float), shape).flat[which]
+        return value if name in ("kind", "fitted") else np.broadcast_to(real_numbers(value, name), shape).flat[which]
 
     def work(friction: Array, member: NDArray[np.intp]) -> Array:
         part = {name: of_members(name, value, member) for name, value in loads.items()}
@@ -233,10 +234,10 @@ def _inverse(
     """
     from scipy.optimize import elementwise  # noqa: PLC0415 - `scipy.optimize` alone does not load it
 
+    wanted = real_numbers(target, "dissipation")
     try:
-        wanted = np.asarray(target, dtype=float)
         whole = np.broadcast_shapes(wanted.shape, shape)
-    except (TypeError, ValueError) as fault:
+    except ValueError as fault:
         raise InputError(f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}") from fault
     count = len(least)
     some = np.isfinite(least) & (least > 0)

@@ -45,6 +45,7 @@ from scenes import (
     freeze,
     scene_of,
 )
+from scenes.arrays import LARGEST, real_numbers
 from semi_analytic.bulk_and_tilt import OneCurve, one_curve, steady_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.fields import Integrals
@@ -131,9 +132,12 @@ def vector(values: ArrayLike | None, name: str) -> Array | None:
     """Finite numbers (n,), one alone too, None where none are given; InputError with their `name` for anything else."""
     if values is None:
         return None
-    array = np.atleast_1d(np.array(values, dtype=float))
-    if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)):
+    array = np.atleast_1d(np.array(real_numbers(values, name)))
+    if array.ndim != 1 or not len(array):
         raise InputError(f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}")
+    wrong = array[~(np.abs(array) <= LARGEST)]
+    if len(wrong):
+        raise InputError(f"{name}: a list of finite numbers is needed, each at most {LARGEST:g}, and {wrong[0]} is none")
     return array
 
 

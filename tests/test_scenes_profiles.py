@@ -308,10 +308,13 @@ def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
     x, h = np.linspace(-1.5, 1.5, 61), np.linspace(-1.5, 1.5, 61) ** 2 / 2000
-    for rows in ((x, 1e95 * h), (x, 1e-95 * h), (1e95 * x, h), (1e-95 * x, h), (x + 1e6, h), (x, np.round(h, 4)), (x, np.abs(x))):
+    for rows in ((x, 1e95 * h), (x, 1e-95 * h), (1e45 * x, h), (1e-45 * x, h), (x + 1e6, h), (x, np.round(h, 4)), (x, np.abs(x))):
         for kind in KINDS:
             for noise in (None, 1e-12, 1e90):
                 assert fit_profile(np.column_stack(rows), kind, noise=noise).fitted.noise > 0
+    for scale, side in ((1e95, "above"), (1e-95, "below")):  # a radius of 1e193 or 1e-187
+        with pytest.raises(InputError, match=rf"is {side} .*choose other units"):
+            fit_profile(np.column_stack([scale * x, h]), "hertz")
     for heights in (x, np.cos(40 * x)):
         with pytest.raises(InputError, match=r"the middle|do not bend up"):
             fit_profile(np.column_stack([x, heights]), "hertz")

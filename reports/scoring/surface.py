@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, freeze
-from scenes.text_tables import LARGEST
+from scenes.arrays import LARGEST
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -1,0 +1,53 @@
+"""Arrays of real numbers from what a Python caller gives: the one door, so that nothing is read by a part of itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.errors import InputError, shown
+
+LARGEST = 1e100
+"""Largest number that is admitted, and the inverse of the smallest scale: their squares and products are numbers."""
+
+
+def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
+    """Numbers of any shape as an array of floats; what a masked array hides, and None, are NaN.
+
+    Parameters
+    ----------
+    name : of the argument, for the sentence
+
+    Raises
+    ------
+    InputError
+        For complex numbers, truth values, texts, dates, and what is no array of numbers.
+
+    >>> real_numbers(np.ma.masked_greater([1.0, 3.0], 2.0), "load").tolist()
+    [1.0, nan]
+    >>> real_numbers([1j], "load")
+    Traceback (most recent call last):
+    scenes.errors.InputError: load = [1j] is refused: real numbers are needed, not complex ones
+    """
+    try:
+        plain = np.asarray(np.ma.getdata(values))
+    except (TypeError, ValueError, OverflowError) as reason:  # rows of unequal length, for one
+        raise _refused(values, name, "an array of real numbers is needed") from reason
+    if plain.dtype.kind == "c":
+        raise _refused(values, name, "real numbers are needed, not complex ones")
+    if plain.dtype.kind == "O" and not any(isinstance(value, bool | np.bool_ | str | bytes) for value in plain.flat):
+        try:
+            plain = plain.astype(float)
+        except (TypeError, ValueError, OverflowError) as reason:
+            raise _refused(values, name, "real numbers are needed") from reason
+    if plain.dtype.kind not in "iuf":
+        raise _refused(values, name, "real numbers are needed")
+    numbers = plain.astype(float, copy=False)
+    hidden = np.ma.getmask(values)
+    return np.where(hidden, np.nan, numbers) if np.any(hidden) else numbers
+
+
+def _refused(values: Any, name: str, rule: str) -> InputError:
+    return InputError(f"{name} = {shown(values)} is refused: {rule}")
