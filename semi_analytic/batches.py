@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ValidationError
 
 from scenes import (
     Compound,
@@ -35,18 +34,22 @@ from scenes import (
     Profile,
     Wedge,
 )
+from scenes.arrays import LARGEST, real_numbers
 from scenes.frozen import Frozen, validated
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.memory import LAST_DIGITS, PROMISED
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import (
+    LEAST_LOAD,
     Ellipses,
     LamTable,
+    by_largest_load,
     careful_bracket,
     density_of,
-    dissipation_of,
+    dissipation_and_error,
     ellipses_of,
+    lam_error,
     quadrature_error,
     quick_bracket,
     works_by_lam,
@@ -198,10 +201,18 @@ def _parabola(x: Array, w: Array) -> tuple[Array, Array, Array]:
     return w[1] + slope * shift / 2, x[1] + shift, np.maximum(np.abs(first) * after, np.abs(second) * before)
 
 
+_LOADS = (
+    "mean_normal_load",
+    "normal_amplitude",
+    "mean_tangential_load",
+    "tangential_amplitude",
+    "phase",
+    "friction_coefficient",
+)
 _BLOCK = 16384
 # Shares of P0 that P - P_c must reach for the quick way to Lam, which there loses 6e-11 of W by formulas, 1e-12 by the table.
 _DEEP, _DEEP_ON_TABLE = 0.02, 0.04
-_LEAST = float(np.finfo(float).tiny)
+_LEAST = 1 / LARGEST
 _HALF = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
 
@@ -225,9 +236,12 @@ class DissipationBatch:
     value : forward and reverse slip together; NaN where `reason` is not 0
     forward, reverse : the two parts
     permanent_stick_load : P_T [force per thickness]
-    reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is not finite or not admitted (P0 > 0,
-        the rest of the loads >= 0, parameters by the rules of the profile), 4 the profile ends before the contact does,
-        5 the quadrature did not converge
+    reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is masked, NaN or not admitted (P0 > 0,
+        the rest of the loads >= 0, parameters by the rules of the profile; all of them, and P0 over E* and the height unit of the
+        profile, which is b^2/R of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the profile ends before
+        the contact does, 5 the quadrature did not converge
+    value_error : error of `value` from above [energy per unit thickness]: by quadrature and by round-off; NaN where `reason` is
+        not 0
     notes : what holds for all members and must not be missed: the coupling of unlike materials, which is neglected
     """
 
@@ -236,6 +250,7 @@ class DissipationBatch:
     reverse: Array
     permanent_stick_load: Array
     reason: NDArray[np.int8]
+    value_error: Array
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
@@ -289,15 +304,17 @@ def dissipation(
     Returns
     -------
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
-    A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
-    take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of
-    ln a(P): 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the parameters
-    are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
+    A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding
+    only. No member depends on the others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member,
+    flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of ln a(P) for all loads
+    within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where
+    the parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
     InputError
-        For a mapping of a kind whose parameters cannot vary, and for shapes that do not broadcast.
+        For a mapping of a kind whose parameters cannot vary, for shapes that do not broadcast, and for values that are no real
+        numbers: complex ones, truth values, texts.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -316,22 +333,27 @@ def dissipation(
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
 
     def works(block: Block) -> Array:
-        found = np.empty((4, len(block.mirrored)))
+        loops = block.ellipses
+        results = np.empty((3, len(block.mirrored)))
         if block.kind in ("hertz", "power_law"):
-            found[1:3] = works_by_lam(block.ellipses, quick_bracket, careful_bracket, _DEEP)
-            found[1:3] /= block.parameters[0] if block.kind == "power_law" else 2
+            results[:2] = works_by_lam(loops, quick_bracket, careful_bracket, _DEEP)
+            results[2] = lam_error(loops, results[0] + results[1], _DEEP, 1.0)
+            results /= block.parameters[0] if block.kind == "power_law" else 2
         elif block.kind == "flat_rounded":
-            found[1:3] = _works_on_table(block.ellipses, block.modulus * _UNITS[block.kind](*block.parameters)[1])
+            results[:] = _works_on_table(loops, block.modulus * _UNITS[block.kind](*block.parameters)[1])
         else:
-            for members, contact, loops, unit, _ in block.groups():
-                found[1:3, members] = dissipation_of(loops, contact) * unit * unit
-        found[0], found[3] = found[1] + found[2], block.ellipses.permanent
-        found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
-        return found
+            for members, contact, group, unit, _ in block.groups():
+                results[:, members] = dissipation_and_error(group, contact) * unit * unit
+        forward, reverse, error = results
+        value = forward + reverse
+        one_way = np.where(block.mirrored, reverse, forward)
+        other_way = np.where(block.mirrored, forward, reverse)
+        return np.stack([value, one_way, other_way, error, loops.permanent])
 
     material = _of_both(material)
-    (value, forward, reverse, stick), reason = _columns(profile, material, loads, works, 4)
-    return DissipationBatch(value, forward, reverse, stick, reason, notes=tuple(neglected_coupling(material)))
+    (value, forward, reverse, error, stick), reason = _columns(profile, material, loads, works, count=5, scaled=4)
+    notes = tuple(neglected_coupling(material))
+    return DissipationBatch(value, forward, reverse, stick, reason, error, notes=notes)
 
 
 def peak_dissipation(
@@ -376,22 +398,29 @@ def peak_dissipation(
         return found
 
     material = _of_both(material)
-    (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, 6)
+    (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, count=6, scaled=3)
     notes = tuple(neglected_coupling(material))
     return PeakBatch(value, place, fraction, reason, second, second_place, error, notes=notes)
 
 
 def _works_on_table(e: Ellipses, unit: Array) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2), (2, m), on flat and rounded faces whose unit of load is E* b^2/R, (m,)."""
+    """Forward and reverse part of W pi E*/(2 f^2) and the error of their sum, (3, m), on flat and rounded faces.
+
+    Parameters
+    ----------
+    unit : E* b^2/R, (m,)
+    """
     e = e.over(unit)
-    # Whole eights of octaves, so that the next block or call finds its table; what is 2^-40 of the largest load counts for nothing.
-    most = float(np.max(e.mean + e.amplitude))
-    first, last = (math.frexp(load)[1] - 1 for load in (max(float(np.min(e.permanent)), 2.0**-40 * most), most))
-    table = _table(first // 8 * 8, last // 8 * 8 + 7)
-    return np.array(works_by_lam(e, table.quick, table.careful, _DEEP_ON_TABLE)) * unit * unit
+    works = np.empty((3, len(unit)))
+    for members, first, last in by_largest_load(e):
+        table = _table(first, last)
+        loops = e.take(members)
+        forward, reverse = works_by_lam(loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD)
+        works[:, members] = forward, reverse, lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest)
+    return works * unit * unit
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _table(first: int, last: int) -> LamTable:
     return LamTable(_contact("flat_rounded", ()), first, last)
 
@@ -404,7 +433,7 @@ class Block:
     Attributes
     ----------
     kind : of their profiles
-    parameters : (m,) each, in the order of `_KEYS`; none for a table, a function or a whole polynomial
+    parameters : (m,) each, in the order of `_KEYS`; none for a table or a function
     whole : the contact of a profile that is given as such; None where its parameters may vary
     modulus : E*
     ellipses : their loops
@@ -438,10 +467,14 @@ def _columns(
     loads: tuple[ArrayLike, ...],
     results_of: Callable[[Block], Array],
     count: int,
+    scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
     """`count` results of each member, NaN where there are none, and its reason, in the broadcast shape and read-only.
 
-    `results_of` a block are (count, m), the first three over 2 f^2/(pi E*); the first one must be finite.
+    Parameters
+    ----------
+    results_of : results of a block, (count, m); the first one must be finite
+    scaled : how many of them, from the first on, are over 2 f^2/(pi E*)
 
     Raises
     ------
@@ -452,17 +485,17 @@ def _columns(
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
     kind, given = _parameters_of(profile)
+    arrays = [real_numbers(value, name) for name, value in zip(_LOADS, loads, strict=True)]
+    arrays += [real_numbers(value, f"profile: {name}") for name, value in given.items()]
     try:
-        arrays = [np.asarray(value, dtype=float) for value in (*loads, *given.values())]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    except (TypeError, ValueError) as reason:
-        raise InputError(f"the arrays of a batch must broadcast, and be of numbers: {reason}") from reason
+    except ValueError as reason:
+        raise InputError(f"the arrays of a batch must broadcast: {reason}") from reason
     modulus, most, whole = composite_modulus(material), math.inf, None
     if not isinstance(profile, Mapping):
         whole = contact_of(profile, material)
-        if kind in ("tabulated", "callable"):
-            end = profile.extent if kind == "callable" else profile.spline().x[-1]  # type: ignore[union-attr]
-            most = float(whole.load(end)) * (1 - 1e-12)
+        if whole.extent < math.inf:
+            most = float(whole.load(whole.extent)) * (1 - 1e-12)
     total = math.prod(shape)
     found, reasons = np.full((count, total), np.nan), np.zeros(total, dtype=np.int8)
     for first in range(0, total, _BLOCK):
@@ -471,6 +504,8 @@ def _columns(
         invalid = _invalid(*parts[: len(loads)])
         if whole is None:
             invalid |= _invalid_shapes(kind, parts[len(loads) :])
+        if kind in _UNITS:
+            invalid |= _beyond_units(kind, parts[len(loads) :], modulus, parts[0])
         if np.any(invalid):
             parts = [np.where(invalid, 1.0, part) for part in parts]
         mean, amplitude, force, tangential, phase, friction = parts[: len(loads)]
@@ -489,7 +524,7 @@ def _columns(
                 loops, mirrored, some_friction = loops.take(good), mirrored[good], some_friction[good]
                 parts = [part[good] for part in parts]
             results = results_of(Block(kind, parts[len(loads) :], whole, modulus, loops, mirrored))
-            results[:3] *= 2 / (math.pi * modulus) * some_friction**2
+            results[:scaled] *= 2 / (math.pi * modulus) * some_friction**2
             found[:, first + good] = results
             code[good[~np.isfinite(results[0])]] = Reason.UNSETTLED
         reasons[first:last] = code
@@ -508,9 +543,18 @@ def _part(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
 
 
 def _invalid(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array) -> NDArray[np.bool_]:
-    """Members (m,) with values that are not finite, or negative where they must not be."""
-    finite = np.logical_and.reduce([np.isfinite(values) for values in (mean, amplitude, force, tangential, phase, friction)])
-    return np.asarray(~finite | (mean <= 0) | (amplitude < 0) | (tangential < 0) | (friction < 0))
+    """Members (m,) with values that are NaN or too large to be squared, or negative where they must not be."""
+    numbers = (mean, amplitude, force, tangential, phase, friction)
+    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in numbers])
+    return np.asarray(~admitted | (mean < 1 / LARGEST) | (amplitude < 0) | (tangential < 0) | (friction < 0))
+
+
+def _beyond_units(kind: str, parameters: list[Array], modulus: float, mean: Array) -> NDArray[np.bool_]:
+    """Members (m,) whose P0 in units of E* and the profile's own height is no number that can be squared."""
+    with np.errstate(all="ignore"):
+        height = _UNITS[kind](*parameters)[1]
+        load = mean / modulus / height
+    return ~((load >= 1 / LARGEST) & (load <= LARGEST))
 
 
 def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
@@ -568,7 +612,9 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         For a kind whose parameters cannot vary, for a key too many or too few.
     """
     if not isinstance(profile, Mapping):
-        return profile.kind, {name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"}
+        numbers = {name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"}
+        rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
+        return profile.kind, numbers | {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
     # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for that.
     kind, given = profile.get("kind"), {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
     if kind not in _KEYS:
@@ -606,15 +652,16 @@ def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     """Members (m,) whose parameters their kind of profile does not admit."""
-    least = {"power_law": (1.0, _LEAST, _LEAST), "polynomial": (_LEAST, *[-np.inf] * (len(parameters) - 1))}
+    least = {"power_law": (1.0, _LEAST, _LEAST), "polynomial": (_LEAST, *[-LARGEST] * (len(parameters) - 1))}
     bounds = least.get(kind, (_LEAST,) * len(parameters))
-    wrong = ~np.logical_and.reduce([np.isfinite(one) & (one >= bound) for one, bound in zip(parameters, bounds, strict=True)])
+    inside = [(values >= bound) & (values <= LARGEST) for values, bound in zip(parameters, bounds, strict=True)]
+    wrong = ~np.logical_and.reduce(inside)
     if kind in ("polynomial", "compound"):
         # By the rules of the profile, and by those of one contact.
         some = np.flatnonzero(~wrong)
         for members, shape, *_ in _alike(kind, [values[some] for values in parameters]) if len(some) else ():
             try:
                 _contact(kind, shape)
-            except (ValidationError, InputError):
+            except InputError:
                 wrong[some[members]] = True
     return wrong

@@ -25,6 +25,7 @@ and so are the integrands in v. A series that is not resolved is halved; what it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -401,23 +402,47 @@ class PunchSuperposition:
         return {}
 
     def _primitive(self, kind: Kind, order: int, x: Array, advance: Array) -> tuple[Array, Array]:
-        """The integral of a kind at `x` up to `advance`, arrays that broadcast, and its error."""
-        top = float(np.max(advance, initial=0.0))
-        if top <= 0 or not np.size(x):
+        """The integral of a kind at `x` up to `advance`, arrays that broadcast, and its error.
+
+        A primitive has all its digits down to half the octaves below its top. Advances that lie further apart are taken in bands,
+        so that none has fewer digits beside a large one than alone.
+        """
+        positive = advance > 0
+        if not np.any(positive) or not np.size(x):
             nothing = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return nothing, nothing
+        top, least = float(np.max(advance)), float(np.min(advance, where=positive, initial=np.inf))
+        if top < least * self._band:
+            return self._primitive_of_band(kind, order, x, advance)
+        points, upto = np.broadcast_arrays(x, advance)
+        band = np.full(upto.shape, -1)
+        band[upto > 0] = np.log(top / upto[upto > 0]) / math.log(self._band)
+        value, error = np.zeros(upto.shape), np.zeros(upto.shape)
+        for number in range(int(band.max()) + 1):
+            here = band == number
+            if np.any(here):
+                value[here], error[here] = self._primitive_of_band(kind, order, points[here], upto[here])
+        return value, error
+
+    @property
+    def _band(self) -> float:
+        """Ratio of the largest to the least advance that one primitive serves with all its digits."""
+        return float(self.law.octave ** (_OCTAVES // 2))
+
+    def _primitive_of_band(self, kind: Kind, order: int, x: Array, advance: Array) -> tuple[Array, Array]:
+        """The same for advances of one band, and for zeros."""
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
             upto = np.broadcast_to(advance, np.broadcast_shapes(np.shape(x), np.shape(advance)))
             places = [slice(k, k + _POINTS) for k in range(0, np.shape(x)[-1], _POINTS)]
             parts = [self._primitive(kind, order, x[..., here], upto[..., here]) for here in places]
             value, error = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
             return value, error
+        top = float(np.max(advance))
         points, fold = np.unique(np.ravel(x), return_inverse=True)
         kept = self._primitives.setdefault((kind, order), [])
         for found in kept:
             number = np.minimum(np.searchsorted(found.x, points), len(found.x) - 1)
-            # Down to half the octaves below its own top a primitive has all its digits.
-            if top <= found.top < top * self.law.octave ** (_OCTAVES // 2) and np.array_equal(found.x[number], points):
+            if top <= found.top < top * self._band and np.array_equal(found.x[number], points):
                 break
         else:
             found, number = primitive(kind, order, points, top, self.law), np.arange(len(points))
@@ -426,7 +451,8 @@ class PunchSuperposition:
 
     def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
         advance = self.law.advance(load)
-        value, error = self._primitive("pressure", order, distance, advance)
+        inside = np.where(distance < self.least + advance, advance, 0.0)
+        value, error = self._primitive("pressure", order, distance, inside)
         if self._sharp and order == 0:
             # The tip of a sharp wedge: what lies below the least octave, int g/alpha, has no lower end but differences.
             with np.errstate(divide="ignore"):
@@ -437,8 +463,8 @@ class PunchSuperposition:
     def _outside(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
         """int W x/(alpha sqrt(x^2 - alpha^2)) and what integration by parts leaves at the upper end."""
         advance, outer = self.law.advance(load), self._beyond(distance)
-        value, error = self._primitive("outside", order, distance, advance)
         inner = np.minimum(advance, outer)
+        value, error = self._primitive("outside", order, distance, inner)
         force = np.minimum(load, self.law.load(outer))
         half = inner + self.least
         root = np.sqrt((outer - inner) * (outer + inner + 2 * self.least))
@@ -497,14 +523,29 @@ class Primitive:
 
     def __call__(self, point: Indices, advance: Array) -> tuple[Array, Array]:
         """The integral up to `advance` at the points of these numbers, arrays of one shape, and its error."""
-        panels, keys = self.panels, self.panels.point + self.first / (2 * self.top)
-        number = np.searchsorted(keys, point + advance / (2 * self.top), side="right") - 1
+        panels = self.panels
+        rank = np.searchsorted(self._firsts, advance, side="right")
+        number = np.searchsorted(self._keys, self._key(point, rank), side="right") - 1
         # Below its first panel a point has nothing yet.
         number = np.maximum(number, np.searchsorted(panels.point, point))
         v = _variable(self.kind, advance, self.beyond[point], panels.low[number], panels.scale[number])
         begin, end = panels.begin[number], panels.end[number]
         t = np.clip((2 * v - begin - end) / (end - begin), -1.0, 1.0)
         return clenshaw(self.coefficients, number, t), self.error[number]
+
+    @cached_property
+    def _firsts(self) -> Array:
+        """Every advance at which some panel begins, ascending."""
+        return np.unique(self.first)
+
+    @cached_property
+    def _keys(self) -> Indices:
+        """Of each panel, ascending: by its point, then by its first advance."""
+        return self._key(self.panels.point, np.searchsorted(self._firsts, self.first, side="right"))
+
+    def _key(self, point: Indices, rank: Indices) -> Indices:
+        """One whole number of a point and the rank of an advance: a sum of the two themselves would lose the digits of one."""
+        return point * (len(self._firsts) + 1) + rank
 
 
 def _variable(kind: Kind, advance: Array, beyond: Array, low: Array, scale: Array) -> Array:

@@ -34,7 +34,7 @@ table. Each course is cut at its own corners, and pieces crowd to their lower lo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -278,6 +278,8 @@ _BEHIND, _SHORT = tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24)), n
 # The same for the three last coefficients: they fall like a power where two corners are close, and leave 1e-3 of themselves; in
 # courses of loads so many times P0^2 of W are enough: they leave 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
 _SETTLED, _ENOUGH = 3e-8, 50.0
+# Of the check of a piece, how much its integral is wrong at most: where the piece has converged, and where W is too small for that.
+_LEFT, _ROUGHLY_LEFT = 1e-2, 4.0
 # Shares of P0 down to which P - P_c goes by L at P and at P_c, and by L between them: they keep 1e-10 of Lam.
 _DEEP, _SHALLOW = 0.002, 1e-6
 # Fewer members than these go by one rule, and so few without a table.
@@ -287,6 +289,26 @@ Kernel = Callable[[Array, Array], Array]
 """Lam from P and P - P_c, (nodes, pieces) each."""
 Pieces = tuple[Indices, Indices, Array, Array, Indices]
 """Group, member, begin, end and number of the rule of each piece, sorted by group."""
+
+
+# Of W, and of the last digits of loads and angles: how many of them their errors are.
+_RELATIVE, _DIGITS, _OF_SERIES = 2e-12, 1e-15, 1e-13
+# Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000 random loops.
+_OF_RULES = 5e-11
+
+
+def roundoff_error(e: Ellipses, work: Array) -> Array:
+    """Error of W pi E*/(2 f^2) from above that the last digits of the loads and angles leave, (m,).
+
+    u and v are differences of r and P1; where these, or the angles D and pi - D, are small so many digits less are right.
+    """
+    size = e.amplitude + (e.u + e.v) / 2
+    least, angle = np.minimum(e.u, e.v), np.minimum(e.turn, math.pi - e.turn)
+    # Nothing slips where one of them is 0.
+    lost = size / np.where(least > _TINY * size, least, np.inf) + math.pi / np.where(angle > _TINY, angle, np.inf)
+    # Where a difference has no digit left W may be anything that so small a slip dissipates.
+    slip = _DIGITS * size
+    return (_RELATIVE + _DIGITS * lost) * np.abs(work) + slip * slip
 
 
 def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
@@ -303,8 +325,30 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
-    works = _over_phases(e, contact, contact.dissipation_kernel, _GRADED, _CONVERGED)
-    return works[0], works[1]
+    forward, reverse, _ = _over_phases(e, contact, contact.dissipation_kernel, _GRADED, _CONVERGED)
+    return forward, reverse
+
+
+# Share of the mean load below which a load at the slip front is taken for that share: W changes by 1e-13 of A f^2 P0^2. Octaves
+# by which the tables of members differ, so that the next block or call finds its own.
+LEAST_LOAD, _STEP_OF_TABLES = 2.0**-48, 8
+# Nothing that rounds differently leaves a table.
+_MARGIN = 1e-12
+
+
+def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
+    """Members whose largest loads are within eight octaves, and the octaves [2^first, 2^(last + 1)) in which all their loads lie.
+
+    A member's table follows from its own loads alone, whoever else is in the batch. Loads below 2^-48 of the mean count as that.
+    """
+    most = (e.mean + e.amplitude) * (1 + _MARGIN)
+    least = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
+    group = (np.frexp(most)[1] - 1) // _STEP_OF_TABLES
+    first = (np.frexp(least)[1] - 1) // _STEP_OF_TABLES
+    for number in np.unique(group).tolist():
+        members = np.flatnonzero(group == number)
+        lowest = int(np.min(first[members]))
+        yield members, lowest * _STEP_OF_TABLES, (number + 1) * _STEP_OF_TABLES - 1
 
 
 def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
@@ -319,13 +363,25 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
     >>> round(float(works.sum()), 9), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9)  # theory, constant load
     (0.106967415, 0.106967415)
     """
-    works, share = np.empty((2, len(e.mean))), e.deepest / e.mean
+    return dissipation_and_error(e, contact)[:2]
+
+
+def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
+    """Forward and reverse part as in `dissipation_of`, and the error of their sum from above, (3, m)."""
+    works = np.empty((3, len(e.mean)))
+    for members, first, last in by_largest_load(e):
+        works[:, members] = _dissipation_of_group(e.take(members), contact, first, last)
+    total = works[0] + works[1]
+    works[2] += roundoff_error(e, total) + contact.noise * np.abs(total)
+    return works
+
+
+def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, last: int) -> Array:
+    """The same of members all of whose loads are between 2^first and 2^(last + 1), but for round-off of the loads."""
+    works, share = np.empty((3, len(e.mean))), e.deepest / e.mean
     table, least = None, _DEEP
     if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
-        # Whole octaves, so that the next block or call finds its series; what is 2^-40 of the largest load counts for nothing.
-        most, least = float(np.max(e.mean + e.amplitude)), _SHALLOW
-        first = math.frexp(max(float(np.min(e.permanent)), 2.0**-40 * most))[1] - 1
-        table = _log_half_width(contact, first // 8 * 8, math.frexp(most)[1])
+        table, least = _log_half_width(contact, first, last + 1), _SHALLOW
     edges, log = (table.edges, table) if table else (contact.break_loads, _log_of(contact))
     area = table.slip_area if table else contact.dissipation_kernel
     ways: tuple[tuple[NDArray[np.bool_], Callable[[Ellipses], Array]], ...] = (
@@ -336,6 +392,10 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
     for some, work in ways:
         if np.any(some):
             works[:, some] = work(e.take(some))
+    if table:
+        # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
+        by_series = (share > least) & (share <= _DEEP)
+        works[2, by_series] += _OF_SERIES / share[by_series] * np.abs(works[0] + works[1])[by_series]
     return works
 
 
@@ -356,8 +416,8 @@ def _over_phases(e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rul
             rate[:, some], slipped[:, some], load[:, some] = phase_of(name, e.take(member[some]), s[:, some])
         return rate * kernel(load, np.minimum(slipped, load))
 
-    works = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
-    return np.stack([works[1] + works[2], works[0]])
+    works, error = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
+    return np.stack([works[1] + works[2], works[0], error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -399,8 +459,9 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
             weight[:, some], load[:, some] = course_of(_COURSES[number], e.take(member[some]), angle[:, some])
         return weight * (log(load) - base[member])
 
-    works = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
-    return np.stack([works[1] + works[3] + works[4], works[0] + works[2]])
+    works, error = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
+    error += _DIGITS * np.square(e.mean + e.amplitude)
+    return np.stack([works[1] + works[3] + works[4], works[0] + works[2], error])
 
 
 def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
@@ -429,15 +490,15 @@ def _over_pieces(
     rules: tuple[Rule, ...],
     settled: float,
     least: float = 0.0,
-) -> Array:
-    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group, (groups, m).
+) -> tuple[Array, Array]:
+    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group, (groups, m), and errors, (m,).
 
     Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less than `least` of it.
     """
     group, member, begin, end, kind = (np.concatenate(part) for part in zip(*pieces, strict=True))
     if len(e.mean) < _SOME:  # every call counts, and not its length
         kind, least = np.full(len(kind), len(rules) - 1), 0.0
-    works, size = np.zeros((groups, len(e.mean))), np.zeros(len(e.mean))
+    works, size, left_out = np.zeros((groups, len(e.mean))), np.zeros(len(e.mean)), np.zeros(len(e.mean))
     for level in range(_HALVINGS + 1):
         value, error = np.empty(len(member)), np.empty(len(member))
         for number, rule in enumerate(rules):
@@ -448,8 +509,10 @@ def _over_pieces(
                 length = np.abs(high - low)
                 value[here], error[here] = rule.weight @ found * length, np.max(np.abs(rule.check @ found), axis=0) * length
         size = size if level else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
-        done = ~(error > settled * size[member]) | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
+        resolved = ~(error > settled * size[member])
+        done = resolved | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
         np.add.at(works, (group[done], member[done]), value[done])
+        np.add.at(left_out, member[done], (error * np.where(resolved, _LEFT, _ROUGHLY_LEFT))[done])
         # Halves side by side: groups stay in order.
         group, member, kind = (np.repeat(part[~done], 2) for part in (group, member, kind))
         begin, end = begin[~done], end[~done]
@@ -458,7 +521,7 @@ def _over_pieces(
         if not len(member):
             break
     works[group, member] = np.nan
-    return works
+    return works, left_out
 
 
 def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
@@ -476,10 +539,10 @@ class LogHalfWidth:
     """
 
     def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
-        """From the load 2^first to 2^last, or to where the profile ends."""
+        """From the load 2^first to 2^last, or to where the profile ends; below 2^first L is that of 2^first."""
         corners = contact.break_loads
         most = 2.0**last if contact.extent == math.inf else min(2.0**last, float(contact.load(contact.extent)))
-        begins = np.array([0.0, *corners[(corners > 0) & (corners < most)], most])
+        begins = np.array([0.0, *corners[(corners > 2.0**first) & (corners < most)], most])
         places, log = (
             np.append(0.0, np.cumsum(np.sqrt(np.diff(begins)))),
             _log_of(contact),
@@ -499,7 +562,8 @@ class LogHalfWidth:
     def _at(self, piece: Indices, v: Array) -> Array:
         """L by these series at v."""
         low = self._low[piece]
-        return self._log(np.broadcast_to(piece, v.shape), np.maximum((v - low) * (2 / (self._high[piece] - low)) - 1, -1.0))
+        place = (v - low) * (2 / (self._high[piece] - low)) - 1
+        return self._log(np.broadcast_to(piece, v.shape), np.clip(place, -1.0, 1.0))
 
     def __call__(self, load: Array) -> Array:
         """L of loads, (nodes, n); no column passes an edge."""
@@ -536,17 +600,18 @@ _RULES = (*(gauss(count) for count in _COUNTS), graded(0.0, 1.0))
 _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
 
 
-def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float) -> tuple[Array, Array]:
+def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float, least: float = _FLOOR) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each member by as many nodes as it needs.
 
     `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0; `careful` to rounding of itself.
+    The areas are asked for no load below the share `least` of P0, and for none above P0 + P1 but for rounding.
     """
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
     unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
     kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
     order = np.argsort(kind, kind="stable")
-    loops, found = _rows(e).take(order, axis=1), np.empty((3, len(order)))
+    loops, found = _rows(e, least).take(order, axis=1), np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
     # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
@@ -559,6 +624,21 @@ def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float) -> tuple[
     k = 4 * e.amplitude * e.sine
     early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
     return later * e.turn * e.u + early, reverse * e.turn * e.v
+
+
+def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Array:
+    """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has the last digits of P L.
+
+    Parameters
+    ----------
+    work : the sum, W pi E*/(2 f^2)
+    deep : as there
+    size : of L = ln a, (m,) or one for all
+    """
+    unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
+    quick = (e.deepest > deep * e.mean) & ~unlike
+    digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * size
+    return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(quick, digits, 0.0)
 
 
 def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
@@ -586,13 +666,13 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
     return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
 
 
-def _rows(e: Ellipses) -> Array:
-    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k."""
+def _rows(e: Ellipses, least: float) -> Array:
+    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k; no load below a share `least` of P0."""
     rows = np.empty((9, len(e.mean)))
     rows[0], rows[1] = e.turn / 2, (math.pi - e.turn) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never asked for.
-    np.maximum(e.permanent, _FLOOR * e.mean, out=rows[2])
-    np.maximum(e.mean - e.amplitude, _FLOOR * e.mean, out=rows[3])
+    np.maximum(e.permanent, least * e.mean, out=rows[2])
+    np.maximum(e.mean - e.amplitude, least * e.mean, out=rows[3])
     rows[4], rows[5] = e.u, e.v
     larger = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
     smaller = e.amplitude * e.sine / np.where(larger > 0, larger, 1.0)
@@ -681,11 +761,11 @@ class LamTable:
         Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln a = dJ/dP
         where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
 
-    The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13.
+    The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13. `largest` is the largest L.
     """
 
     def __init__(self, contact: Contact, first: int, last: int) -> None:
-        """From 2^first to 2^(last + 1)."""
+        """From 2^first to 2^(last + 1); a load beyond them is refused, never read from another cell."""
         self._first = (1023 + first) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
@@ -695,6 +775,7 @@ class LamTable:
         way = 1e-6 * load
         with np.errstate(all="ignore"):
             rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
+        self.largest = float(np.max(log))
         self._area, self._log, self._rate = (_TO_POWERS @ values.T for values in (area, log, rate))
 
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
@@ -705,6 +786,8 @@ class LamTable:
         inside |= _ONE
         cell = bits >> (52 - _CELL_BITS)
         cell -= self._first
+        if cell.size and (cell.min() < 0 or cell.max() >= self._area.shape[1]):
+            raise AssertionError("a load outside the table of Lam")
         return cell, inside.view(np.float64) - 1.5
 
     def quick(self, front: Array, slipped: Array, free: Array) -> Array:
@@ -726,7 +809,7 @@ class LamTable:
 
 
 def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
-    """Polynomials, rows from the lowest power on, columns for the cells; beyond the ends those of the first or last cell."""
+    """Polynomials, rows from the lowest power on, columns for the cells, all of which are columns of the table."""
     total, row = rows[-1].take(cell, mode="clip"), np.empty(cell.shape)
     for coefficients in rows[-2::-1]:
         total *= inside

@@ -8,7 +8,19 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, Materials, PowerLaw, Tabulated, Wedge, load_scene
+from scenes import (
+    CallableProfile,
+    Compound,
+    EvenPolynomial,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    PowerLaw,
+    Tabulated,
+    Wedge,
+    load_scene,
+)
 from semi_analytic import NoFriction, Reason, dissipation, friction_from, peak_dissipation, solve, steady_ellipse
 from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
@@ -498,3 +510,195 @@ def test_a_member_without_a_root_gets_one_reason():
     question = {"profile": Hertz(radius=1.0), "material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
     apart = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
     assert apart.reason[0] == NoFriction.LOADS
+
+
+# --------------------------------------------------------------------------------- a member is what it is alone
+def over_decades(count, seed, decades):
+    """Admissible loops whose P0 runs through so many decades about 1: P0, P1, Q0, Q1, phase; slips from 1e-6 to sliding."""
+    rng = np.random.default_rng(seed)
+    mean = 10 ** rng.uniform(-decades / 2, decades / 2, count)
+    ratio = rng.uniform(0.0, 0.95, count)
+    phase = rng.uniform(-math.pi, math.pi, count)
+    cosine = np.abs(np.cos(phase))
+    sliding = -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
+    share = 0.98 * 10 ** rng.uniform(-6, 0, count)
+    return mean, mean * ratio, np.zeros(count), mean * share * sliding, phase
+
+
+def some_members(profile, members):
+    """A profile's keys for some members of its arrays; a profile itself as it is."""
+    if not isinstance(profile, dict):
+        return profile
+    return {key: value[members] if isinstance(value, np.ndarray) else value for key, value in profile.items()}
+
+
+LENGTHS = 10 ** np.random.default_rng(11).uniform(-6, 6, 36)
+OVER_DECADES = {
+    "hertz": HERTZ,
+    "flat": FLAT,
+    "power law": PROFILES["power law"],
+    "compound": PROFILES["compound, outside blunter"],
+    "wedge": PROFILES["wedge"],
+    "polynomial": PROFILES["polynomial"],
+    "flats": {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": LENGTHS},
+    "wedges": {"kind": "wedge", "tip_radius": 1.0, "tip_half_length": LENGTHS},
+    "powers": {"kind": "power_law", "exponent": np.resize([1.0, 2.5], 36), "length": 1.0, "rise": LENGTHS},
+}
+
+
+@pytest.mark.parametrize("name", OVER_DECADES)
+def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
+    """Whole, permuted, split: where the largest load of a block set the table, small ones were 30 % to 1e10 times wrong."""
+    profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
+    found = batch(loads, profile=profile)
+    assert np.all(found.reason == Reason.NONE)
+    assert np.all(found.value > 0)
+    order = np.random.default_rng(3).permutation(36)
+    permuted = batch([column[order] for column in loads], profile=some_members(profile, order))
+    np.testing.assert_allclose(permuted.value, found.value[order], rtol=1e-10, atol=0)
+    half = slice(0, 18)
+    np.testing.assert_allclose(
+        batch([column[half] for column in loads], profile=some_members(profile, half)).value, found.value[half], rtol=1e-10, atol=0
+    )
+    for k in range(0, 36, 3):
+        member = slice(k, k + 1)
+        alone = batch([column[member] for column in loads], profile=some_members(profile, member))
+        assert abs(alone.value[0] - found.value[k]) <= 1e-10 * alone.value[0]
+        assert alone.value_error[0] == pytest.approx(found.value_error[k], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["compound", "polynomial"])
+def test_a_batch_by_series_is_its_members_by_the_kernel(name):
+    """Members enough for tables of ln a, over ten decades; each within the sum of both stated errors and 1e-10 of A f^2 P0^2."""
+    profile, loads = OVER_DECADES[name], over_decades(300, 8, 10)
+    found = batch(loads, profile=profile)
+    for k in range(0, 300, 30):
+        alone = batch([column[k : k + 1] for column in loads], profile=profile)
+        difference = abs(alone.value[0] - found.value[k])
+        assert difference <= alone.value_error[0] + found.value_error[k]
+        assert difference <= 1e-10 * max(alone.value[0], 2 / math.pi * loads[0][k] ** 2)
+
+
+@pytest.mark.parametrize("name", ["flats", "wedges", "powers"])
+def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
+    """Primitives looked up by the sum of a point's number and an advance took the panel of another advance."""
+    profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
+    few = np.arange(0, 36, 4)
+    few_loads, few_profiles = [column[few] for column in loads], some_members(profile, few)
+    found = batch(few_loads, peak_dissipation, few_profiles)
+    for k in range(0, len(few), 2):
+        member = slice(k, k + 1)
+        alone = batch([column[member] for column in few_loads], peak_dissipation, some_members(few_profiles, member))
+        assert found.value[k] == pytest.approx(alone.value[0], rel=1e-9, abs=2 * alone.value_error[0])
+
+
+def test_two_flats_fourteen_decades_apart_have_their_own_values():
+    """-0.44 stood for the second, with reason 0."""
+    profile = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": [1e-6, 10.0]}
+    found = dissipation(profile=profile, material=MATERIAL, friction_coefficient=1.0, **PAPER | {"mean_tangential_load": 0.0})
+    np.testing.assert_allclose(found.value, [0.2601684133471604, 0.027755517515796843], rtol=1e-12)
+
+
+def test_a_load_outside_a_table_is_never_read():
+    table = steady_ellipse.LamTable(contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL), 0, 7)
+    for load in (0.5, 256.0):
+        with pytest.raises(AssertionError, match="outside the table"):
+            table._place(np.array([2.0, load]))
+
+
+@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("flat_half_length", 1e-160), ("flat_half_length", 1e160), ("radius", 1e-160), ("loads", 3e200), ("loads", 1e-200)],
+)
+def test_numbers_that_cannot_be_squared_have_a_reason(call, key, value):
+    """An IndexError, inf and NaN with the reason of a quadrature that does not converge stood there; no warning either."""
+    keys = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": 1.0}
+    size = value if key == "loads" else 1.0
+    loads = (3.0 * size, size, 0.0, size, math.pi / 2)
+    for profile in (keys | ({key: value} if key != "loads" else {}), *([HERTZ] if key == "loads" else [])):
+        found = batch(loads, call, profile)
+        assert int(found.reason) == Reason.INVALID
+        assert np.isnan(found.value)
+
+
+@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
+def test_what_is_masked_has_a_reason_and_no_value(call):
+    masked = np.ma.masked_array([3.0, 3.0], mask=[False, True])
+    for argument in ("mean", "radius"):
+        loads = (masked if argument == "mean" else 3.0, 1.0, 1.1, 1.0, math.pi / 2)
+        profile = {"kind": "hertz", "radius": masked if argument == "radius" else 1.0}
+        found = batch(loads, call, profile)
+        assert found.reason.tolist() == [Reason.NONE, Reason.INVALID]
+        assert np.isnan(found.value[1])
+        assert found.value[0] > 0
+
+
+@pytest.mark.parametrize("value", [np.array([3 + 1j]), [True], ["3.0"], np.array(["2020"], dtype="datetime64[Y]"), [[1.0], 2.0]])
+def test_what_is_no_real_number_is_refused_by_name(value):
+    for call in (dissipation, peak_dissipation):
+        with pytest.raises(InputError, match="mean_normal_load = "):
+            batch((value, 1.0, 0.0, 1.0, 1.0), call)
+        with pytest.raises(InputError, match="radius = "):
+            batch((3.0, 1.0, 0.0, 1.0, 1.0), call, {"kind": "hertz", "radius": value})
+    with pytest.raises(InputError, match="dissipation = "):
+        friction_from(value, scene=load_scene("hertz-paper"))
+    with pytest.raises(InputError, match="x = "):
+        solve(load_scene("hertz-paper"), x=value)
+
+
+# ------------------------------------------------------------------------------------------------- error of the work
+def exact_hertz_work(mean, amplitude, tangential, phase):
+    """W pi E*/2 for f = 1 by int w' Lam dt in forty digits, of a given double phase."""
+    with mp.workdps(40):
+        p0, p1, r = mp.mpf(mean), mp.mpf(amplitude), mp.mpf(tangential)
+        along, across = r * mp.cos(mp.mpf(phase)), r * mp.sin(mp.mpf(phase))
+        u, v = mp.hypot(along - p1, across), mp.hypot(along + p1, across)
+        turn = mp.atan2(2 * p1 * across, (p1 - r) * (p1 + r))
+        start = mp.atan2(across, along - p1)
+        stick = p0 - (u + v) / 2
+
+        def lam(front, slipped):
+            load = front + slipped
+            return (load * mp.log(load / front) - slipped) / 2
+
+        def reverse(s):
+            return v * mp.sin(turn - s) * lam(stick + v * mp.sin((turn - s) / 2) ** 2, u * mp.sin(s / 2) ** 2)
+
+        def early(s):
+            slipped = 2 * p1 * mp.sin(start) * mp.sin(s)
+            return u * mp.sin(s) * lam(p0 - p1 * mp.cos(start + s) - slipped, slipped)
+
+        def later(s):
+            return u * mp.sin(s) * lam(stick + u * mp.sin(s / 2) ** 2, v * mp.sin((turn + s) / 2) ** 2)
+
+        return mp.quad(reverse, [0, turn]) + mp.quad(early, [0, mp.pi - turn]) + mp.quad(later, [0, turn])
+
+
+def test_stated_error_of_the_work_covers_forty_digits():
+    """Hertz, slips from 1e-6 of sliding on; the error is no blank cheque either."""
+    loads = over_decades(16, 21, 2)
+    found = batch(loads)
+    for k in range(16):
+        mean, amplitude, _, tangential, phase = (float(column[k]) for column in loads)
+        exact = 2 / math.pi * exact_hertz_work(mean, amplitude, tangential, phase % math.pi)
+        error = float(abs(mp.mpf(float(found.value[k])) - exact))
+        assert error <= found.value_error[k]
+        assert found.value_error[k] <= 1e-8 * float(exact) + 1e-15 * mean**2
+
+
+@pytest.mark.parametrize("name", [*PROFILES, "flat"])
+def test_stated_error_of_the_work_covers_the_graded_rule(name):
+    """Slips down to 1e-7; W below 1e-10 of A f^2 P0^2 had errors of 1.5e-8 of itself, and none was stated."""
+    profile = PROFILES.get(name, FLAT)
+    contact = contact_of(profile, MATERIAL)
+    rng = np.random.default_rng(31)
+    ratio, phase = rng.uniform(0.0, 0.95, 60), rng.uniform(0.01, math.pi - 0.01, 60)
+    cosine = np.abs(np.cos(phase))
+    force = 10 ** rng.uniform(-7, -0.01, 60) * (-ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2)))
+    loops = ellipses_of(np.ones(60), ratio, force, phase, np.ones(60))
+    found = batch((1.0, ratio, 0.0, force, phase), profile=profile)
+    exact = 2 / math.pi * sum(works_over_time(loops, contact))
+    assert np.all(np.abs(found.value - exact) <= found.value_error + 1e-13 * exact)
+    assert np.count_nonzero(found.value < 1e-10) > 10
+    assert np.median(found.value_error / exact) < 1e-8
