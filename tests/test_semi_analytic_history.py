@@ -12,7 +12,7 @@ from scenes import CallableLoad, InputError, LoadPath, StraightSegment, TimeSeri
 from semi_analytic import FIELDS, event, events, load_series, solution, solve
 from semi_analytic.history import Turn, follow, history_of
 from semi_analytic.load_series import knots_of
-from semi_analytic.memory import pieces, same, unload_to, values
+from semi_analytic.memory import Instant, instant, load_in_stick, pieces, same, slip_to, slipped_load, unload_to, values
 from semi_analytic_cases import LOADS, ellipse, extreme, make_scene, polygon
 from semi_analytic_oracle import LONG, Work, memory, phases_of
 
@@ -329,3 +329,27 @@ def test_what_is_alive_stays_small_however_many_steps_went_before():
         curve = load_series.follow(None, np.array([(0.0, 0.0), (1.0, 0.0), *loads]), 1.0).curve
         assert low <= len(knots_of(curve)[0]) <= high
         assert low <= sum(1 for _ in pieces(final_curve(loads))) <= high
+
+
+# ------------------------------------------------------------------------------------------- memory at its own boundaries
+def test_memory_at_joints_tops_and_no_load():
+    """M at both ends of each piece, unloading exactly to a joint, slip that reaches exactly a joint or all of the curve."""
+    leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    pressed = load_in_stick(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
+    back = StraightSegment(1.0, 2.0, (2.0, 1.0), (2.0, 0.4))
+    end = instant(back, 2.0)
+    slipped = float(slipped_load(pressed, -1, 0.7, back, 2.0))  # 0.6/(0.7 + 0.5)
+    curve = slip_to(pressed, -1, 0.7, end, slipped)
+    assert slipped == pytest.approx(0.5)
+    np.testing.assert_allclose(values(curve, [0.0, 1.5, 2.0]), [0.0, 0.75, 0.4], rtol=1e-14)
+    assert len(list(pieces(curve))) == 2
+    at_joint = unload_to(curve, 1.5)
+    assert [piece.top for piece in pieces(at_joint)] == [1.5]
+    assert unload_to(curve, 2.0) is curve
+    assert unload_to(curve, 0.0) is None
+    # A front that has come to no load leaves slip alone.
+    alone = slip_to(pressed, -1, 0.7, end, 2.0)
+    assert [piece.top for piece in pieces(alone)] == [2.0]
+    assert alone.bottom == 0
+    # Slip that has no extent adds no piece.
+    assert slip_to(pressed, -1, 0.7, Instant(back, 1.0, 2.0, 1.0), 0.0) is pressed
