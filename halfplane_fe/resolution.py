@@ -12,13 +12,16 @@ elements of a/16 to a/160 dissipate 0.024 to 0.04 (h/a)^2 A f^2 P^2.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import MeshSettings
-from scenes import Scene
+from meshes import MeshSettings, SurfaceGrading
+from scenes import Profile, Scene
 
 Array = NDArray[np.float64]
 
@@ -30,11 +33,54 @@ _TOLD = 0.05
 _LOADED = 0.3
 # Exponent of a power law below which the peak at its tip is lost: x^1.1 has p 23 % off on a coarse mesh, x^1.3 less than 5 %.
 _SHARP = 1.25
+# Halvings of an element at a tip: at most; share of the error of the pressure there that is to be left.
+_MOST_HALVINGS, _LEFT_AT_TIP = 16, 1 / 64
+# Further ones within a rounded tip: the peak of a wedge is off by 1e-3 with two elements there, by a tenth of that with eight.
+_WITHIN_TIP = 2
+# Power from which on a tip counts as smooth, and digits that a power has: rows and fitted curves are no exact parabolas.
+_SMOOTH, _DIGITS_OF_POWER = 1.99, 9
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
 _FLOOR = 0.04
 # Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo-Mindlin's cycle has 0.4 % at 3.4 elements,
 # 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing at 0.2.
 _FEW = 2.0
+
+
+def tip_power(profile: Profile, distance: float) -> float:
+    """Power of |x| that the gap follows from `distance` to twice that, of the sharper side.
+
+    Infinite where it is flat.
+
+    >>> from scenes import PowerLaw
+    >>> tip_power(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
+    1.5
+    """
+    powers = []
+    for side in (-1.0, 1.0):
+        lowest, near, far = profile.height(side * distance * np.arange(3)).tolist()
+        rises = near > lowest and far > near
+        powers.append(math.log2((far - lowest) / (near - lowest)) if rises else math.inf)
+    return round(min(powers), _DIGITS_OF_POWER)
+
+
+def tip_halvings(profile: Profile, size: float) -> int:
+    """How often elements of that size [length] are halved towards x = 0, where the profile has a tip.
+
+    Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
+    the tip goes with the element to the power n - 1. Elements are halved until a share
+    `_LEFT_AT_TIP` of it is left, or until there are some within a rounded tip.
+
+    >>> from scenes import PowerLaw
+    >>> [tip_halvings(PowerLaw(exponent=n, length=1.0, rise=1e-3), 0.04) for n in (1.1, 1.5, 1.9, 2.0, 4.0)]
+    [16, 12, 7, 0, 0]
+    """
+    count, left = 0, 1.0
+    while count < _MOST_HALVINGS and left > _LEFT_AT_TIP:
+        power = tip_power(profile, size / 2**count)
+        if power >= _SMOOTH:
+            return count + _WITHIN_TIP if count else 0
+        count, left = count + 1, left / 2 ** (power - 1)
+    return count
 
 
 def resolution_notes(
@@ -73,7 +119,7 @@ def resolution_notes(
             f"largest), {element:.3g} each on the coarser side: {words}; make edge_element_size of that side less than "
             f"1/{enough:.0f} of the half-width there"
         )
-    exponent = getattr(scene.profile, "exponent", 2.0)
+    exponent = tip_power(scene.profile, element / 2**_MOST_HALVINGS)
     if exponent < _SHARP:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at the tip: no mesh here follows "
@@ -118,6 +164,12 @@ _SHARES = {"corrected": (1.0, 0.15, 0.1, 0.0), "moving": (1.0, 0.0, 1.0, 1e-4), 
 # Share of W over the fourth power of the growth of elements away from the edges, the order of quadratic elements: on four scenes
 # 1e-6 to 3e-6 at 0.12, 1e-5 to 2.5e-5 at 0.2, 1e-4 to 3.3e-4 at 0.4.
 _GROWN = 0.01875
+# Safety factor of a difference whose order is known (Roache 1994).
+_SAFETY = 1.25
+# Share of p0 h^2/(a d), d from the peak to the edge, that edges between nodes move it by: up to 0.6
+# for Hertz, 0.4 for x^5. Share of p0 (H/a)^2 (b/a)^4 that the elements H of the middle leave where
+# they reach to b, near the edge: 0.07 at b = 0.8 a.
+_PEAK_BY_EDGES, _PEAK_BY_MIDDLE = 0.8, 0.15
 # Refinement from the coarse run below which their difference says nothing.
 _LEAST_REFINEMENT = 1.4
 
@@ -151,6 +203,72 @@ def uncertainty(
         + placed
         + _GROWN * mesh.growth**4 * dissipation
     )
+
+
+class Place(NamedTuple):
+    """Where the mesh makes an error of a known order: elements there over those of the coarse run, and the order."""
+
+    refinement: float
+    order: float
+
+    def share_left(self) -> float:
+        """Error of the run over its difference from the coarse run, 1/|r^p - 1|; infinite where the elements are alike.
+
+        With errors C h^p and C H^p, r = H/h the refinement, the difference is C h^p (r^p - 1).
+
+        >>> Place(refinement=4.0, order=0.5).share_left(), Place(refinement=0.5, order=1.0).share_left()
+        (1.0, 2.0)
+        """
+        apart = abs(self.refinement**self.order - 1)
+        return 1 / apart if apart else math.inf
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest pressure of a run.
+
+    Attributes
+    ----------
+    value : [stress]
+    difference : by how much that of the coarse run is off it [stress]
+    half_width : of the contact then [length]
+    to_edge : distance of the peak from the nearer edge of contact [length]
+    """
+
+    value: float
+    difference: float
+    half_width: float
+    to_edge: float
+
+
+def peak_uncertainty(peak: Peak, profile: Profile, coarse: float, fine: SurfaceGrading, plain: bool) -> float:
+    """Uncertainty of the largest pressure [stress].
+
+    u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact do to it. Where the profile has
+    a tip, the difference is made there: of order n - 1 where the gap rises as |x|^n with n < 2, of
+    order 1 where the elements resolve that it is rounded. Elsewhere it is made by the edges of
+    contact: of order 2, or 1 where the curvature of the profile jumps in their zone. NaN where the
+    elements there are like those of the coarse run.
+
+    Parameters
+    ----------
+    coarse : element of the coarse run [length]
+    fine : surface of the run, of the coarser side
+    plain : linear elements or a penalty layer: the whole difference counts
+    """
+    power = tip_power(profile, coarse)
+    if power < _SMOOTH:
+        resolved = tip_power(profile, fine.tip_size) >= _SMOOTH
+        place = Place(coarse / fine.tip_size, 1.0 if resolved else power - 1)
+    else:
+        place = Place(coarse / fine.edge_size, 1.0 if profile.kinks else 2.0)
+    if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT or not peak.to_edge > 0:
+        return math.nan
+    share = max(place.share_left(), 1.0 if plain else 0.0)
+    a = peak.half_width
+    of_edges = _PEAK_BY_EDGES * fine.edge_size**2 / (a * peak.to_edge)
+    of_middle = _PEAK_BY_MIDDLE * (fine.size / a) ** 2 * (fine.inner / a) ** 4
+    return _SAFETY * peak.difference * share + (of_edges + of_middle) * peak.value
 
 
 def uncertainty_note(dissipation: float, uncertain: float, tolerance: float, coarse: float) -> Iterator[str]:

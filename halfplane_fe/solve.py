@@ -6,7 +6,7 @@ import platform
 import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
@@ -34,14 +34,21 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.mirror import half, whole
 from halfplane_fe.path import check_admissible
-from halfplane_fe.resolution import resolution_notes, uncertainty, uncertainty_note
+from halfplane_fe.resolution import (
+    Peak,
+    peak_uncertainty,
+    resolution_notes,
+    tip_halvings,
+    uncertainty,
+    uncertainty_note,
+)
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, on_half, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, freeze, scene_of
+from scenes import ContactSolution, ConvergenceError, InputError, Profile, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
 
@@ -76,8 +83,8 @@ class FiniteElementSolution(ContactSolution):
     normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure acts along it
     scales : what the coarse run found; with E* the units of `states`
     penalty : what the layer of the penalty method costs
-    largest_pressure_uncertainty : of the largest pressure at the points, a quarter of its difference from the
-        coarse run, or one and a half times that where the elements below the peak are not finer than there [stress]
+    largest_pressure_uncertainty : of the largest pressure at the points, see `resolution.peak_uncertainty`; NaN where the
+        elements at the edges are like those of the coarse run [stress]
     contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from the true one, by the mesh alone
         [length]; see `edges`
     """
@@ -142,7 +149,7 @@ def _solve(
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
-    bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales))
+    bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales, scene.profile))
     watch.lap("mesh")
     # A datum inside the contact would lift the faces towards the load: no compliance that can be factorised.
     datum = max(scene.profile.datum_length, scales.reach)
@@ -193,7 +200,7 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
     with threadpool_limits(limits=1, user_api="blas"):
         scales = find_scales(scene, Counter())
     for name, shape, ratio in (("lower", scene.bodies.lower, 1.0), ("upper", scene.bodies.upper, settings.upper_ratio)):
-        check(name, shape, scene.profile, surface_grading(settings, scales, ratio), settings)
+        check(name, shape, scene.profile, surface_grading(settings, scales, scene.profile, ratio), settings)
 
 
 def _check_loads(scene: Scene) -> None:
@@ -218,19 +225,23 @@ class _Watch:
         self.seconds[stage], self._last = now - self._last, now
 
 
-def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of any revolution to just outside the largest contact; sizes times `ratio`."""
+def surface_grading(mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0) -> SurfaceGrading:
+    """Fine from just inside the innermost edge of any revolution to just outside the largest contact; sizes times `ratio`.
+
+    Finer still at x = 0 where the profile has a tip, see `tip_halvings`.
+    """
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
     a = scales.half_width
     inner = scales.inner - 0.06 * a
     outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
-    return SurfaceGrading(
+    grading = SurfaceGrading(
         inner=inner if inner > 4 * mesh.element_size * a else 0.0,
         outer=outer,
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
         radius=max(mesh.far_radius * a, _BEYOND * outer),
     )
+    return replace(grading, halvings=tip_halvings(profile, grading.innermost))
 
 
 def _contact_problem(
@@ -282,7 +293,6 @@ def _solution(
     watch: _Watch,
 ) -> FiniteElementSolution:
     arrays = answer_arrays(scene, problem, run, scales)
-    apart = abs(float(np.max(arrays["pressure"])) - scales.largest_pressure)
     uncertain = float("nan") if run.failure is not None else _uncertainty(scene, mesh, settings, scales, run)
     uncertain = (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
     states = tuple(run.states[index] for index in run.kept)
@@ -295,7 +305,7 @@ def _solution(
         "normals": problem.interface.normals,
         "scales": scales,
         "penalty": audit,
-        "largest_pressure_uncertainty": apart * (1.5 if mesh.element_size > scales.element else 0.25),
+        "largest_pressure_uncertainty": _peak_uncertainty(scene, mesh, settings, scales, arrays),
     }
     grading = condensed[0].body.grading
     tolerance = scene.tolerances.limit("dissipation") or 0.0
@@ -347,6 +357,21 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
         else run.column("step_error")[first:].sum()
     )
     return float(steps) + unit * uncertainty(found / unit, abs(found - coarse) / unit, scales.element, mesh, scatter, plain)
+
+
+def _peak_uncertainty(
+    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, arrays: Mapping[str, Any]
+) -> float:
+    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without contact."""
+    pressure = arrays["pressure"]
+    step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
+    value = float(pressure[step, node])
+    to_edges = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
+    half_width = float(arrays["contact_half_width"][step])
+    peak = Peak(value, abs(value - scales.largest_pressure), half_width, float(np.min(to_edges)))
+    fine = surface_grading(mesh, scales, scene.profile, max(mesh.upper_ratio, 1.0))
+    plain = mesh.order == 1 or settings.method == "penalty"
+    return peak_uncertainty(peak, scene.profile, scales.element * scales.half_width, fine, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:

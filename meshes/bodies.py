@@ -90,6 +90,7 @@ class SurfaceGrading:
     """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x| < inner [length].
 
     `outer` bounds the nodes that may touch; `radius` is that of the half-disc, infinite for a body with a size of its own.
+    `halvings` counts how often the innermost element of each side is halved towards x = 0, where the profile has a tip.
     """
 
     inner: float
@@ -97,6 +98,18 @@ class SurfaceGrading:
     size: float
     edge_size: float
     radius: float = math.inf
+    halvings: int = 0
+
+    @property
+    def innermost(self) -> float:
+        """Size of the elements at x = 0 [length], before they are halved towards a tip."""
+        end, size = (self.inner, self.size) if self.inner > 0 else (self.outer, self.edge_size)
+        return end / max(round(end / size), 1)
+
+    @property
+    def tip_size(self) -> float:
+        """Size of the elements at x = 0 [length]."""
+        return self.innermost / 2**self.halvings
 
     def drawn_for(self, cells: Cells) -> SurfaceGrading:
         """What is drawn before elements are cut: for quadrilaterals twice the size, which cutting in four halves again."""
@@ -127,6 +140,8 @@ class BodyMesh:
 # Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit. Nodes of a body: about 10 kB each
 # while it is assembled and factorised.
 MOST_CONTACT_NODES, MOST_NODES = 8_000, 500_000
+# Growth of the elements inside the body with the distance from a tip.
+_TIP_GROWTH = 0.5
 # A body that ends somewhere has less of what is coarse; a radius for it, over the contact's.
 _FAR = 1000.0
 
@@ -134,7 +149,7 @@ _FAR = 1000.0
 def contact_nodes(grading: SurfaceGrading, order: int) -> int:
     """Nodes on |x| <= outer."""
     elements = 2 * (grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size)
-    return round(elements) * order + 1
+    return round(elements + 2 * grading.halvings) * order + 1
 
 
 def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
@@ -179,14 +194,16 @@ def rounded(values: ArrayLike) -> Array:
 def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
     """The grading in other units of length, rounded."""
     values = np.array([grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius])
-    return SurfaceGrading(*rounded(values * factor).tolist())
+    return SurfaceGrading(*rounded(values * factor).tolist(), grading.halvings)
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
-    """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`."""
+    """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`, halved towards a tip at x = 0."""
     inside = np.linspace(0, grading.inner, max(round(grading.inner / grading.size), 1) + 1 if grading.inner > 0 else 1)
     outside = np.linspace(grading.inner, grading.outer, max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1)
-    return np.concatenate([inside[:-1], outside])
+    points = np.concatenate([inside[:-1], outside])
+    towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
+    return np.concatenate([points[:1], towards_tip, points[1:]])
 
 
 def size_formula(grading: SurfaceGrading, growth: float) -> str:
@@ -196,4 +213,9 @@ def size_formula(grading: SurfaceGrading, growth: float) -> str:
     """
     outer, inner = grading.outer, grading.inner
     fine = f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 + y^2)"
-    return f"Min({fine}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))" if inner > 0 else fine
+    if inner > 0:
+        fine = f"Min({fine}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))"
+    if grading.halvings:
+        # The elements of the surface are as long as they are far from the tip.
+        fine = f"Min({fine}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
+    return fine

@@ -230,7 +230,7 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
         order=1,
         cells="quadrilaterals",
     )
-    meshes = meshed_pair(scene, cut, partial(surface_grading, cut, scales))
+    meshes = meshed_pair(scene, cut, partial(surface_grading, cut, scales, scene.profile))
     lower = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
     profile = None if scene.bodies.faces_are_true else scene.profile
     upper = _body("UPPER", meshes[1], _upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
