@@ -194,7 +194,8 @@ def rounded(values: ArrayLike) -> Array:
 def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
     """The grading in other units of length, rounded."""
     values = np.array([grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius])
-    return SurfaceGrading(*rounded(values * factor).tolist(), grading.halvings)
+    inner, outer, size, edge_size, radius = rounded(values * factor).tolist()
+    return SurfaceGrading(inner, outer, size, edge_size, radius, grading.halvings)
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
