@@ -256,13 +256,15 @@ def peak_uncertainty(peak: Peak, profile: Profile, coarse: float, fine: SurfaceG
     fine : surface of the run, of the coarser side
     plain : linear elements or a penalty layer: the whole difference counts
     """
+    if not (peak.half_width > 0 and peak.to_edge > 0):
+        return math.nan  # nothing touches: the first increment failed
     power = tip_power(profile, coarse)
     if power < _SMOOTH:
         resolved = tip_power(profile, fine.tip_size) >= _SMOOTH
         place = Place(coarse / fine.tip_size, 1.0 if resolved else power - 1)
     else:
         place = Place(coarse / fine.edge_size, 1.0 if profile.kinks else 2.0)
-    if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT or not peak.to_edge > 0:
+    if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
     share = max(place.share_left(), 1.0 if plain else 0.0)
     a = peak.half_width
