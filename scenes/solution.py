@@ -301,17 +301,64 @@ class ContactSolution:
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
-        """(k,) indices of the steps of the last whole cycle, both its ends included; all steps for a path that is not periodic, and
-        for a foreign result that states in `work.skipped` that it holds no "whole_cycle".
+        """(k,) indices of the steps of the last whole cycle, both its ends included.
+
+        All steps for a path that is not periodic, and for a foreign result that states in
+        `work.skipped` that it holds no "whole_cycle". See `last_whole_cycle`.
         """
         path = self.scene.load.path()
         if path.period is None or "whole_cycle" in self.work.skipped:
             return np.arange(len(self.time))
-        tolerance = 1e-9 * path.period
-        cycles = np.floor((self.time[-1] - path.cycle_start + tolerance) / path.period)
-        end = path.cycle_start + cycles * path.period
-        inside = (self.time >= end - path.period - tolerance) & (self.time <= end + tolerance)
-        return np.flatnonzero(inside)
+        return last_whole_cycle(self.time, path.period, path.cycle_start)[0]
+
+
+def last_whole_cycle(
+    time: Array, period: float, cycle_start: float
+) -> tuple[NDArray[np.intp], bool]:
+    """(k,) indices of the last cycle of ascending instants, both its ends included; whether it is whole.
+
+    It begins where a cycle of the path begins. Instants that hold no such cycle, but go round
+    once from elsewhere, give the last period before their end. Where neither is there, the
+    indices are of the part that the instants have of the cycle of the path that ends last.
+
+    Parameters
+    ----------
+    time : (n_steps,)
+    period, cycle_start : of the load path, in the unit of `time`
+
+    >>> elsewhere = np.array([1.3, 1.8, 2.3])
+    >>> indices, whole = last_whole_cycle(elsewhere, period=1.0, cycle_start=1.0)
+    >>> indices.tolist(), whole
+    ([0, 1, 2], True)
+    """
+    rounding = 1e-9 * period
+    cycles = np.floor((time[-1] - cycle_start + rounding) / period)
+    end_of_path = cycle_start + cycles * period
+    for end in (end_of_path, time[-1]):
+        first = _instant_at(time, end - period, rounding)
+        last = _instant_at(time, end, rounding)
+        if first is not None and last is not None and first < last:
+            begin = np.searchsorted(time, time[first] - rounding, side="left")
+            beyond = np.searchsorted(time, time[last] + rounding, side="right")
+            return np.arange(begin, beyond), True
+    inside = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
+    return np.flatnonzero(inside), False
+
+
+# Of the distance to the next instant: one that misses an end of the cycle by less is taken for the
+# end. What is left out of the cycle, or counted twice, is then this share of one step at most.
+_MISSED_SHARE = 0.02
+
+
+def _instant_at(time: Array, wanted: float, rounding: float) -> int | None:
+    """Index of the instant at the time wanted, to rounding or to a small share of its distance
+    from its neighbours; None where there is none.
+    """
+    nearest = int(np.argmin(np.abs(time - wanted)))
+    neighbours = time[max(nearest - 1, 0) : nearest + 2]
+    steps = np.diff(neighbours)
+    step = float(steps.min()) if len(steps) else 0.0
+    return nearest if abs(time[nearest] - wanted) <= max(rounding, _MISSED_SHARE * step) else None
 
 
 FORMAT = "halfplane solution 2"

@@ -363,6 +363,8 @@ def share_of(text: str) -> float:
 def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
     """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance KEY=VALUE`, the last of a key.
 
+    `KEY=none` is an infinite one: the metric is not judged.
+
     Raises
     ------
     InputError
@@ -383,10 +385,14 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
         if equals and key not in METRICS:
             known = list(METRICS)
             raise InputError(f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are {', '.join(known)}")
-        value = share_of(text)
-        if not 0 < value < math.inf:
-            raise InputError(f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%")
-        if value >= 1 and not text.endswith("%"):
+        unjudged = bool(equals) and text.strip() == "none"
+        value = math.inf if unjudged else share_of(text)
+        if not unjudged and not 0 < value < math.inf:
+            raise InputError(
+                f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%; "
+                "dissipation=none leaves it unjudged"
+            )
+        if not unjudged and value >= 1 and not text.endswith("%"):
             ways = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
             raise InputError(f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %; write {ways}")
         found |= dict.fromkeys([key] if equals else _COMMON, value)

@@ -476,10 +476,14 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
 
 
 def exit_code(comparison: Comparison) -> int:
-    """0 if the comparison passed, else 1; where that is for undecided metrics alone, the last line on stderr says so."""
-    from reports.comparison.words import standing
-
-    if standing(comparison) == "undecided":
+    """0 if the comparison passed, else 1; where that is for undecided or unscored metrics, the last lines on stderr say so."""
+    if comparison.unscored:
+        keys = ", ".join(metric.key for metric in comparison.unscored)
+        complain(
+            f"halfplane: {comparison.scene.name}: not scored, though a tolerance judges it: {keys}: exit code {OUTSIDE} "
+            "(--tolerance KEY=none leaves a metric out)"
+        )
+    if comparison.admissible and comparison.verdict == "undecided":
         keys = ", ".join(metric.key for metric in comparison.metrics if metric.verdict == "undecided")
         complain(f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit code {OUTSIDE}")
     return WITHIN if comparison.passed else OUTSIDE

@@ -95,9 +95,14 @@ class Comparison(Pair):
         return all(check.holds for check in (*self.reference_certificates, *self.result_certificates))
 
     @property
+    def unscored(self) -> tuple[Metric, ...]:
+        """The metrics that have a tolerance and no value, for want of what they need."""
+        return tuple(metric for metric in self.metrics if metric.lacking and metric.tolerance is not None)
+
+    @property
     def passed(self) -> bool:
-        """Accurate and admissible."""
-        return self.accurate and self.admissible
+        """Accurate and admissible, with a value for every metric that has a tolerance."""
+        return self.accurate and self.admissible and not self.unscored
 
     @property
     def headlines(self) -> tuple[Metric, ...]:
@@ -180,7 +185,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether the comparison is accurate and admissible."""
+        """Whether the comparison is accurate and admissible, and nothing with a tolerance is unscored."""
         return self.comparison.passed
 
     def metric(self, key: str) -> Metric:

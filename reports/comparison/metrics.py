@@ -38,7 +38,8 @@ class Cycle:
     """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included."""
 
     time: Array  # (k,), the solution's own times
-    fraction: Array  # (k,), 0 at the start of the cycle and 1 at its end
+    # (k,), 0 at the start of the path's cycle and 1 at its end; up to 2 where the instants start elsewhere
+    fraction: Array
     x: Array  # (n,) [length]
     # pressure, shear, slip, state: (k, n)
     pressure: Array
@@ -81,7 +82,17 @@ def last_cycle(solution: ContactSolution) -> Cycle:
             f"{solution.time[-1]:.6g}); solve at least one revolution"
         )
     time = solution.time[steps]
-    return _cycle(solution, steps, (time - time[0]) / (time[-1] - time[0]), whole=True)
+    fraction = (time - time[0]) / (time[-1] - time[0])
+    return _cycle(solution, steps, fraction + _start_of_cycle(solution, time[0]), whole=True)
+
+
+def _start_of_cycle(solution: ContactSolution, time: float) -> float:
+    """Share of a period by which a cycle that starts at `time` is behind one of the load path."""
+    path = solution.scene.load.path()
+    if path.period is None:
+        return 0.0
+    behind = float(np.mod((time - path.cycle_start) / path.period, 1.0))
+    return 0.0 if min(behind, 1 - behind) < 1e-9 else behind
 
 
 def _instants(solution: ContactSolution) -> Cycle:
@@ -132,6 +143,8 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
         Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
     """
     error: dict[str, float] = {}
+    if like.fraction[-1] > cycle.fraction[-1] + 1e-9 and cycle.whole and like.whole:
+        return _sample_from_elsewhere(cycle, like, engine)
     if len(cycle.fraction) != len(like.fraction) or not np.allclose(cycle.fraction, like.fraction, rtol=0, atol=1e-9):
         cycle, error = _resampled(cycle, "fraction", like.fraction, (*_FIELDS, *_EDGES, *cycle.series))
         cycle = replace(cycle, time=like.time)
@@ -146,6 +159,19 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
         cycle, in_x = _resampled(cycle, "x", like.x, (*_FIELDS, "dissipation_density"))
         error = {name: error.get(name, 0.0) + value for name, value in in_x.items()}
     return replace(cycle, interpolation=error)
+
+
+def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+    """`cycle` on the points and instants of `like`, which starts later in the path's cycle."""
+    later = like.fraction - np.where(like.fraction > 1 + 1e-9, 1.0, 0.0)
+    order = np.argsort(later, kind="stable")
+    sampled = sample(cycle, replace(like, fraction=freeze(later[order]), time=freeze(like.time[order])), engine)
+    back = np.argsort(order, kind="stable")
+    over_time: dict[str, Any] = {
+        name: freeze(getattr(sampled, name)[back], getattr(sampled, name).dtype)
+        for name in (*_FIELDS, "state", *_EDGES, *sampled.series)
+    }
+    return replace(sampled, time=like.time, fraction=like.fraction, **over_time)
 
 
 def _resampled(cycle: Cycle, along: str, to: Array, names: Iterable[str]) -> tuple[Cycle, dict[str, float]]:
@@ -218,10 +244,13 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
             # The first instant, to rounding: the end of a cycle repeats its start.
             found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
     found = found or {0: "the only instant" if len(normal) == 1 else "between"}
-    while len(found) < min(len(wanted), len(normal) - 1):
+    for _ in range(min(len(wanted), len(normal) - 1) - len(found)):
         apart = np.abs(cycle.fraction[:, None] - cycle.fraction[list(found)])
         nearest = (np.minimum(apart, 1 - apart) if cycle.whole else apart).min(axis=1)  # the end of a cycle is its start
-        found[int(np.argmax(nearest))] = "between"
+        farthest = int(np.argmax(nearest))
+        if nearest[farthest] <= 0:  # instants may share one time, where a result was placed on the path by its loads
+            break
+        found[farthest] = "between"
     return tuple(Event(index, found[index]) for index in sorted(found))
 
 
@@ -247,6 +276,8 @@ _SIDES = ("left", "right")
 _FULL_STICK = 2
 # What a metric needs beside fields of a solution: a whole cycle, friction.
 WHOLE_CYCLE, FRICTION = "whole_cycle", "friction"
+# What a contact that carries no shear has no part of.
+OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
 
 _ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
 
@@ -532,10 +563,14 @@ def _row_of(key: str) -> _Definition:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Metric(_Measured):
-    """One discrepancy: what was measured, its row of the table, and the largest |value| admitted (None: not judged)."""
+    """One discrepancy: what was measured, its row of the table, and the largest |value| admitted (None: not judged).
+
+    `lacking`: a solution does not hold what the metric needs; with a tolerance it is then unscored.
+    """
 
     definition: _Definition
     tolerance: float | None = None
+    lacking: bool = False
 
     @property
     def key(self) -> str:
@@ -585,28 +620,41 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     """
     lacking = [(name_of(solution.engine), missing(solution)) for solution in (pair.result, pair.reference)]
     found = []
+
+    def admitted(row: _Definition) -> float | None:
+        return tolerances.get(row.key, tolerances.get(row.judged_by))
+
     for row in sorted(METRICS.values(), key=lambda row: not row.headline):
         if not row.exists(pair):
             continue
         absent = [(quantity, engine, why[quantity]) for engine, why in lacking for quantity in row.needs if quantity in why]
-        if absent:
+        frictionless = not pair.result.scene.friction.coefficient
+        shearless = not (np.abs(np.nan_to_num(pair.expected.shear)) > _NO_SHEAR * pair.scales.shear).any()
+        if FRICTION in row.needs and frictionless:
+            found.append(Metric(definition=row, value=None, note="frictionless: nothing sticks and nothing resists slip"))
+        elif absent:
             quantity, engine, reason = absent[0]
             words = "pointwise dissipation" if quantity == "dissipation_density" else quantity.replace("_", " ")
-            found.append(Metric(definition=row, value=None, note=f"{words}: {reason} ({engine})"))
-        elif FRICTION in row.needs and not pair.result.scene.friction.coefficient:
-            found.append(Metric(definition=row, value=None, note="frictionless: nothing sticks and nothing resists slip"))
+            note = f"{words}: {reason} ({engine})"
+            # Of a contact that carries no shear a lacking shear or slip leaves nothing open.
+            tolerance = None if shearless and set(row.needs) & set(OF_FRICTION) else admitted(row)
+            found.append(Metric(definition=row, value=None, note=note, tolerance=tolerance, lacking=True))
         else:
             measured = row.measure(pair)
-            tolerance = None if measured.value is None else tolerances.get(row.key, tolerances.get(row.judged_by))
+            tolerance = None if measured.value is None else admitted(row)
             amounts = measured.amounts if row.headline else None
             found.append(Metric(definition=row, tolerance=tolerance, **{**vars(measured), "amounts": amounts}))
     return tuple(found)
 
 
 def tolerances_of(scene: Scene, exact: bool, given: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Key -> largest |E| admitted: `given`, else the scene's, else the engines' own where theory is `exact` for the bodies."""
+    """Key -> largest |E| admitted: `given`, else the scene's, else the engines' own where theory is `exact` for the bodies.
+
+    A given one that is infinite leaves the metric unjudged.
+    """
     stated = {key: value for key, value in scene.tolerances.model_dump().items() if value is not None}
-    return {**(OWN_TOLERANCES if exact else {}), **stated, **(given or {})}
+    admitted = {**(OWN_TOLERANCES if exact else {}), **stated, **(given or {})}
+    return {key: value for key, value in admitted.items() if value < math.inf}
 
 
 def markdown() -> str:

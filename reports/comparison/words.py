@@ -288,7 +288,15 @@ def verdict(report: Report) -> str:
     judged = sum(metric.tolerance is not None and metric.value is not None for metric in comparison.metrics)
     work = comparison.metric("dissipation")
     differs, shearless = None if work.value is None else value_of(work), np.isnan(comparison.result.shear).all()
-    return in_template("verdict", _names(comparison), listed, judged, differs, broken, shearless)
+    verdicts = in_template("verdict", _names(comparison), listed, judged, differs, broken, shearless)
+    return f"{verdicts} {not_scored(comparison)}".strip()
+
+
+def not_scored(comparison: Comparison) -> str:
+    """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the rest of the first table."""
+    judged = [_name(metric) for metric in comparison.unscored]
+    headlines = [_name(metric) for metric in comparison.headlines if metric.lacking and metric.tolerance is None]
+    return in_template("not_scored", judged, headlines)
 
 
 def how_judged(report: Report) -> str:
@@ -318,8 +326,15 @@ def uncertain_work(comparison: Comparison) -> str:
 
 
 def standing(comparison: Comparison) -> Verdict | None:
-    """The verdict as a colour: of a comparison in which a law of contact is violated, outside; None where nothing is judged."""
-    return comparison.verdict if comparison.admissible else Verdict.OUTSIDE
+    """The verdict as a colour; None where nothing is judged.
+
+    Outside where a law of contact is violated, undecided where all that has a value is within and something with a tolerance has none.
+    """
+    if not comparison.admissible:
+        return Verdict.OUTSIDE
+    if comparison.unscored and comparison.verdict in (Verdict.WITHIN, None):
+        return Verdict.UNDECIDED
+    return comparison.verdict
 
 
 def sentence(text: str) -> str:
@@ -559,11 +574,12 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     # The solutions that hold every instant of the scene: beside a foreign result both have its few only.
     whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
     verdicts = {name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")}
+    unscored = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,
         **said(report),
         "profile_fit": fit_content(comparison.scene),
-        "verdict": {**verdicts, "judged": how_judged(report), "honest": report.honest, "sentence": verdict(report)},
+        "verdict": {**verdicts, "unscored": unscored, "judged": how_judged(report), "honest": report.honest, "sentence": verdict(report)},
         "scales": {
             "P_ref": scales.normal_load,
             "a_ref": scales.half_width,

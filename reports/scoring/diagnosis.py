@@ -37,7 +37,8 @@ from halfplane_fe.dundurs import dundurs
 from reports.comparison import Comparison
 from reports.comparison.metrics import Verdict, norm, over, shares, verdict_on
 from reports.measured import noise_of
-from scenes import InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
+from reports.scoring.surface import spikes
+from scenes import STICK, InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -48,6 +49,8 @@ Tractions = Array
 _LEAST_EXPLAINED = 0.5
 # What explains this much is exact but for rounding and the points taken; and for the rounding alone.
 _CLEAR, _EXACT = 0.999, 1 - 1e-12
+# Steps of one search: golden sections alone narrow its interval to 1e-6 in thirty.
+_MOST_STEPS_OF_SEARCH = 60
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
 _ROUNDS = 3
 # A rival this much weaker than the winner is not worth a line.
@@ -55,6 +58,22 @@ _LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
 _REST = 2.0
 UNKNOWN, NOISE = "unknown", "noise"
+# Faults that change the resultant of the pressure by their factor. Where it has moved by less than
+# this share of the change, none of them is there.
+_OF_LOAD = ("units", "traction_factor", "pressure_factor", "loads", "half_model")
+_UNMOVED = 1 / 3
+# Elements over the half-width below which the mesh itself is the first cause to look at, and those
+# that an engineer should take.
+_FEWEST_ELEMENTS, _ENOUGH_ELEMENTS = 4.0, 10
+# Of f p, below which a point sticks for certain; of the largest step of the slip, below which it rests.
+_STICKS, _AT_REST = 0.9, 1e-3
+# Share of the creep that is proportional to the change of the shear, where a penalty makes it; over
+# the largest step of slip, below which nobody need know; fewest points and instants that show it.
+_PROPORTIONAL, _NO_CREEP, _FEWEST_CREEPING = 0.9, 3e-3, 20
+# Share of the points that should stick and lie on the Coulomb limit, where nothing sticks.
+_ALL_SLIP = 0.9
+# Over P, to which the pressures of a mesh of any size add up: they are nodal forces over the elements.
+_SAME_RESULTANT = 0.02
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law still be kept.
 _BY_NOISE = 5.0
 # A steady cycle has some ten features (turning points, ends of full stick); three instants to each are enough to tell faults apart.
@@ -65,6 +84,8 @@ _NEAR, _NEAR_OF_UNITS = 0.02, 0.25
 # Below this a factor is no fault of a file: modulus, radius or loads explain it better. A factor of p alone has no rival: no
 # elastic contact has another pressure and the same width and shear.
 _LEAST_FACTOR, _LEAST_OF_PRESSURE = 0.01, 1e-3
+# A fitted factor of the question that is nearer to 1 is the error of a mesh, and no other question.
+_FITTED_FACTORS, _LEAST_OF_FIT = ("stiffness", "loads", "friction"), 0.005
 # Of the discrepancy, where a prediction has no solution: finite, for the parabolas of a search.
 _NOTHING = 1e30
 # Logarithms of the factors of E*/R or of the loads that are looked at first, and of f; those of f at which next to nothing slips: a
@@ -122,8 +143,29 @@ class Discrepancy:
 
     @property
     def fraction(self) -> Array:
-        """(k,) of the cycle."""
-        return self.comparison.found.fraction[self.rows]
+        """(k,) of the cycle of the load path, from its start."""
+        return fraction_of_cycle(self.comparison)[self.rows]
+
+    @property
+    def on_cycle(self) -> bool:
+        """Whether the path repeats, and every instant lies on its cycle."""
+        path = self.scene.load.path()
+        return path.period is not None and bool(self.comparison.found.time[0] >= path.cycle_start)
+
+    @property
+    def normal_load(self) -> Array:
+        """(k,) P of the reference [force / thickness]."""
+        return self.comparison.expected.normal_load[self.rows]
+
+    @property
+    def resultants(self) -> Array:
+        """(k,) integral of the pressure found over x [force / thickness]."""
+        return np.asarray(np.trapezoid(self.found[0], self.x, axis=1))
+
+    @property
+    def loaded(self) -> NDArray[np.bool_]:
+        """(k,) instants with more than a hundredth of the largest P."""
+        return self.normal_load > 0.01 * self.comparison.scales.normal_load
 
     @property
     def unsymmetric(self) -> bool:
@@ -175,6 +217,18 @@ class Discrepancy:
         return all(verdict_on(*pair) is Verdict.WITHIN for pair in zip(self.errors(), limits, strict=True))
 
 
+def fraction_of_cycle(comparison: Comparison) -> Array:
+    """(k,) share of a period at each instant, from the start of the path's cycle.
+
+    From 0 to 1, or from somewhere between to one period later. Of instants that are no whole
+    cycle each counts from the start of its own revolution. The time itself where nothing repeats.
+    """
+    path, found = comparison.scene.load.path(), comparison.found
+    if path.period is None or found.whole:
+        return found.fraction
+    return np.asarray(np.mod((found.time - path.cycle_start) / path.period, 1.0))
+
+
 def _pair(of_pressure: float, of_shear: float) -> Array:
     """(2, 1, 1): a factor for each of the tractions."""
     return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
@@ -191,6 +245,7 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     if not sheared:  # a file without shear: it counts for nothing
         found[1] = np.nan_to_num(expected[1])
     known = np.isfinite(expected).all(axis=0) & np.isfinite(found).all(axis=0)
+    known &= ~(spikes(comparison.found.pressure) | spikes(comparison.found.shear))[rows]
     if not known.any():
         return None
     weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
@@ -241,7 +296,8 @@ def _fitted(
     if not seen:
         return None
     bounds = tries[max(best - 1, 0)], tries[min(best + 1, len(tries) - 1)]
-    minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": close * (tries[-1] - tries[0])})
+    closeness = {"xatol": close * (tries[-1] - tries[0]), "maxiter": _MOST_STEPS_OF_SEARCH}
+    minimize_scalar(left, bounds=bounds, method="bounded", options=closeness)
     figure = min(seen, key=lambda figure: seen[figure][0])
     return figure, seen[figure][1]
 
@@ -332,7 +388,7 @@ def _question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
     if scene.friction.coefficient and np.any(what.expected[1]):
         yield from _history_faults(what)
-    if path.period is not None and len(what.rows) >= 4:  # so much of a period late
+    if path.period is not None and what.on_cycle and len(what.rows) >= 4:  # so much of a period late
         start, period = path.cycle_start + 2 * path.period, path.period
 
         def late(delay: float) -> Tractions:
@@ -384,8 +440,9 @@ def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         contact = contact_of(scene.profile, scene.material)
         shear = np.sign(tangential) * f * (contact.pressure(what.x, normal) - contact.pressure(what.x, stuck))
         yield Hypothesis("memoryless", np.array([what.expected[0], shear]))
-    if path.period is not None:
-        time = path.cycle_start + np.minimum(what.fraction, 1 - 1e-12) * path.period
+    if path.period is not None and what.on_cycle:
+        later = np.where(what.fraction > 1, what.fraction - 1, what.fraction)
+        time = path.cycle_start + np.minimum(later, 1 - 1e-12) * path.period
         yield Hypothesis("not_steady", theory(what, scene, time))
         with contextlib.suppress(InputError):  # straight lines, which not every bulk stress and tilt has
             yield from _long_steps(what, path.period)
@@ -400,7 +457,8 @@ def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
     path, own, whole = what.scene.load.path(), what.comparison.found, what.comparison.result.time
     times, wanted, steps = whole[whole <= own.time[-1]], what.time, {"steps": float(len(own.time) - 1)}
     if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
-        cycles = [path.cycle_start + (turn + own.fraction) * period for turn in (0, 1)]
+        fraction = fraction_of_cycle(what.comparison)
+        cycles = [path.cycle_start + (turn + fraction) * period for turn in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
         wanted = path.cycle_start + (1 + what.fraction) * period
     times = np.unique(times[times > path.start])
@@ -501,14 +559,28 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     whole = discrepancy(comparison)
     if whole is None:
         return ()
+    outliers = _outliers(comparison)
+    signatures = [*outliers, *_full_slip(whole), *_elastic_slip(whole)]
     if whole.within():
-        return tuple(_by_work(comparison))
+        return (*signatures, *(() if signatures else _by_work(comparison)))
+    causes = _causes(whole)
+    known = {one.fault for one in signatures}
+    others = [one for one in causes if one.fault not in known]
+    if len(signatures) > len(outliers):  # what has no trace of its own is no cause beside what has
+        others = [one for one in others if one.fault not in (UNKNOWN, "coupling", "friction")]
+    return (*signatures, *others)
+
+
+def _causes(whole: Discrepancy) -> tuple[Diagnosis, ...]:
+    """Likely causes by what they explain of the discrepancy, the strongest first; never none."""
     found: list[Diagnosis] = []
     rest, winners, left = whole, list[Hypothesis](), list[float]()
     for number in range(_ROUNDS):
         taken = {one.fault for one in found}
         ranked = _ranked(rest, taken)
         best, winner = ranked[0]
+        if number == 0 and whole.explained(winner.predicted) < _CLEAR and (mesh := _too_coarse(whole)):
+            return (mesh,)
         if best < _LEAST_EXPLAINED:
             break
         winners.append(winner)
@@ -532,6 +604,103 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         words = "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft penalties, bodies too small"
         first = replace(first, evidence=(*first.evidence, words))
     return (first, *others)
+
+
+# ------------------------------------------------------------------------------ causes with a trace of their own
+def _outliers(comparison: Comparison) -> list[Diagnosis]:
+    """Single values that stand out of all others, the largest with its place."""
+    found = comparison.found
+    traces = [("pressure", spikes(found.pressure)), ("shear", spikes(found.shear))]
+    words = [
+        f"{name} {getattr(found, name)[k, i]:.6g} at time {found.time[k]:.6g}, x = {found.x[i]:.6g}"
+        for name, mask in traces
+        for k, i in np.argwhere(mask)
+    ]
+    if not words:
+        return []
+    sentence = _WORDS["others"]["outlier"].format(count=len(words), first=words[0])
+    return [Diagnosis("outlier", sentence, tuple(words[1:6]), 1.0)]
+
+
+def _too_coarse(what: Discrepancy) -> Diagnosis | None:
+    """The mesh, where too few elements lie over the contact to tell anything else, and the pressure adds up to P."""
+    half_width = what.comparison.scales.half_width
+    inside = what.x[np.abs(what.x) <= 1.5 * half_width]
+    spacing = float(np.median(np.diff(inside if len(inside) > 1 else what.x)))
+    elements = half_width / spacing
+    if elements >= _FEWEST_ELEMENTS or not what.loaded.any():
+        return None
+    ratios = what.resultants[what.loaded] / what.normal_load[what.loaded]
+    farthest = float(np.max(np.abs(ratios - 1)))
+    if farthest > _SAME_RESULTANT:
+        return None
+    carrying = int(np.max(np.sum(what.found[0] > 1e-3 * np.max(what.found[0]), axis=1)))
+    wanted = half_width / _ENOUGH_ELEMENTS
+    sentence = _WORDS["others"]["coarse_mesh"].format(
+        elements=elements, carrying=carrying, wanted=wanted, enough=_ENOUGH_ELEMENTS
+    )
+    evidence = f"the sum of the pressures differs from P by {farthest:.2g} of it at most: no load, unit or thickness is wrong"
+    return Diagnosis("coarse_edge", sentence, (evidence,), 1.0)
+
+
+def _full_slip(what: Discrepancy) -> Iterator[Diagnosis]:
+    """A result that lies on the Coulomb limit at the points that stick in the reference."""
+    comparison, friction = what.comparison, what.comparison.scene.friction.coefficient
+    if not friction or not what.sheared:
+        return
+    found, expected = comparison.found, comparison.expected
+    pressed = (found.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[:, None]
+    should_stick = pressed & (expected.state == STICK) & (np.abs(expected.shear) < _STICKS * friction * expected.pressure)
+    at_limit = np.abs(found.shear) >= 0.99 * friction * found.pressure
+    count = int(should_stick.sum())
+    if not count or at_limit[pressed].mean() < _ALL_SLIP:
+        return
+    share = float((should_stick & at_limit).sum()) / count
+    if share < _ALL_SLIP:
+        return
+    width = float(np.nanmax(np.diff(expected.stick_edges, axis=1))) / 2
+    sentence = _WORDS["others"]["full_slip"].format(width=width / comparison.scales.half_width)
+    evidence = f"|q| is f p at {share:.0%} of the {count} points and instants at which the reference sticks"
+    yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
+
+
+def _elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
+    """Creep of points that stick, in proportion to the shear: a penalty of stiffness k moves them by dq/k.
+
+    Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
+    result and in the reference, whose slip rests in the reference.
+    """
+    comparison, friction = what.comparison, what.comparison.scene.friction.coefficient
+    found, expected = comparison.found, comparison.expected
+    if not friction or not what.sheared or len(found.time) < 2:
+        return
+    if not (np.isfinite(found.slip).all() and np.isfinite(expected.slip).all()):
+        return
+    pressed = comparison.judged[:, None] & ~spikes(found.shear)
+    for side in (found, expected):
+        pressed &= side.pressure > 0.01 * comparison.scales.pressure
+        pressed &= np.abs(side.shear) < _STICKS * friction * side.pressure
+    moved, moved_in_reference = np.diff(found.slip, axis=0), np.diff(expected.slip, axis=0)
+    sheared = np.diff(found.shear, axis=0)
+    touching = (found.pressure[1:] > 0) & (found.pressure[:-1] > 0)
+    largest = float(np.max(np.abs(moved), where=touching, initial=0.0))
+    sticks = pressed[1:] & pressed[:-1] & (np.abs(moved_in_reference) <= _AT_REST * largest)
+    creep, change = moved[sticks], sheared[sticks]
+    if len(creep) < _FEWEST_CREEPING or not change.any():
+        return
+    compliance = float(creep @ change / (change @ change))
+    proportional = 1 - float(np.sum((creep - compliance * change) ** 2) / (creep @ creep)) if creep.any() else 0.0
+    size = float(np.sqrt(np.mean(creep**2))) / largest
+    if compliance <= 0 or proportional < _PROPORTIONAL or size < _NO_CREEP:
+        return
+    scales = comparison.scales
+    stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
+    evidence = (
+        f"{len(creep)} steps of points that stick: the slip moves by {size:.2g} of the largest step, {proportional:.0%} of it "
+        "in proportion to the shear",
+        f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
+    )
+    yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, proportional)
 
 
 def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
@@ -565,6 +734,10 @@ def _ranked(what: Discrepancy, taken: set[str]) -> list[tuple[float, Hypothesis]
     best: dict[str, tuple[float, Hypothesis]] = {}
     odd = () if taken & {"coarse_edge", "coupling", "steps"} else _unlike_bodies(what)
     for one in chain(_file_faults(what), _question_faults(what), [_coarse_edge(what)], odd):
+        if one.fault in _OF_LOAD and _contradicted(what, one.figures["factor"]):
+            continue
+        if one.fault in _FITTED_FACTORS and abs(one.figures["factor"] - 1) < _LEAST_OF_FIT:
+            continue
         explained = what.explained(one.predicted)
         pair = explained - _COST * _FITTED.get(one.fault, 0), one
         best[one.fault] = max(best.get(one.fault, pair), pair, key=lambda pair: pair[0])
@@ -573,11 +746,25 @@ def _ranked(what: Discrepancy, taken: set[str]) -> list[tuple[float, Hypothesis]
     return sorted(best.values(), key=lambda pair: -pair[0])
 
 
+def _contradicted(what: Discrepancy, factor: float) -> bool:
+    """Whether the sum of the pressures speaks against loads, units or a thickness of that factor.
+
+    The pressure of a result adds up to `factor` P where they are wrong, and to P where they are not,
+    on whatever mesh.
+    """
+    if not what.loaded.any():
+        return False
+    ratio = float(np.median(what.resultants[what.loaded] / what.normal_load[what.loaded]))
+    return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
+
+
 def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
     """The likely cause, and what to do."""
     material, figures = what.comparison.scene.material, dict(one.figures)
     if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
-        return str(_WORDS["others"]["own_coupling"].format(own=own, **figures))
+        in_reference = what.comparison.reference.engine == "halfplane_fe"
+        which = "coupling_of_reference" if in_reference else "own_coupling"
+        return str(_WORDS["others"][which].format(own=own, **figures))
     likely = ""
     if one.fault == "stiffness":
         factor, nu = figures["factor"], material.upper.poisson_ratio

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.scoring.surface import SurfaceResult
-from scenes import InputError, LoadPath, Scene
+from scenes import InputError, LoadPath, Scene, freeze
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -20,6 +20,7 @@ Loads = tuple[Array, Array]
 _STATED, _INTEGRATED = 0.005, 0.05
 _CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
 _PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
+_PRINTED_LOAD = 1e-5  # of the largest load: those printed to six digits miss one another by less
 _SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
 _PLACES = 64  # at which one instant may lie
@@ -47,6 +48,13 @@ def resultants(result: SurfaceResult) -> Loads:
     """int p dx and int q dx by the trapezoidal rule, (n_steps,) each [force / thickness]."""
     normal, tangential = (np.asarray(np.trapezoid(field, result.x, axis=1)) for field in (result.pressure, result.shear))
     return normal, tangential
+
+
+def without_tangential_load(scene: Scene) -> bool:
+    """Whether Q is 0 throughout the path of the scene, so that P alone says which instant is which."""
+    path = scene.load.path()
+    normal, tangential = path.at(_samples(path, 1))
+    return float(np.max(np.abs(tangential))) <= _SAME * float(np.max(normal))
 
 
 def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
@@ -82,11 +90,15 @@ def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
     import semi_analytic
 
     by = "the integrals of its pressure and shear over x"
-    if not result.sheared:
+    alone = not result.sheared
+    if alone and not without_tangential_load(scene):
         raise InputError(
             f"{result.source}: without a shear the pressure alone does not say which instant is which: state the times of the "
             "scene's path, by a column or by times of a mapping, or P and Q"
         )
+    if alone:
+        by = "the integral of its pressure over x, with Q = 0 as throughout the scene"
+        result = replace(result, shear=freeze(np.zeros_like(result.pressure)))
     normal, tangential = resultants(result)
     normal, integrated = (normal, 1.0) if result.normal_load is None else (result.normal_load, 0.0)
 
@@ -189,6 +201,7 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
             break
     assert best is not None
     off, time = best
+    time = _closed(time, scene, loads, off * size)
     normal, tangential = path.at(time)
     if off > limit:
         step = int(np.flatnonzero(_distance(path, time, loads) / size > limit)[0])
@@ -207,6 +220,29 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
     if path.period is None and len(time) > 1:
         notes.append("where the path passes the same loads more than once between two instants, the wrong pass may have been taken")
     return History(time, normal, tangential, tuple(notes))
+
+
+def _closed(time: Array, scene: Scene, loads: Loads, apart: float) -> Array:
+    """Times of which the last is a whole period after an earlier one, where its loads are the same.
+
+    Next to a turning point a small error of a load is a large one of the time. Loads are the same
+    where they differ by no more than the instants lie `apart` from the path, or by what six
+    printed digits leave open [force / thickness].
+    """
+    path = scene.load.path()
+    if path.period is None or len(time) < 3:
+        return time
+    earlier = int(np.argmin(np.abs(time[:-1] - (time[-1] - path.period))))
+    closed = time[earlier] + path.period
+    across = loads[0][-1] - loads[0][earlier]
+    up = loads[1][-1] - loads[1][earlier]
+    printed = _PRINTED_LOAD * float(np.max(np.abs(loads)))
+    same = np.hypot(across, up) <= max(2 * apart, printed)
+    step = time[-1] - time[-2]
+    end_of_path = path.cycle_start + scene.cycles * path.period
+    if not same or not time[-2] < closed <= end_of_path or abs(time[-1] - closed) > step / 2:
+        return time
+    return np.append(time[:-1], closed)
 
 
 def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:

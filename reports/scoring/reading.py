@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import cast
@@ -77,13 +78,33 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
     )
     if wide := _frames(source, table, mapping):
-        return _rows(source, mapping, *wide)
+        return _placed(_rows(source, mapping, *wide), table, mapping)
     columns = {}
     for quantity in _ROWS:
         name = find_column(mapping, quantity, table.names, source, needed=quantity in ("x", "pressure"))
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
-    return _rows(source, mapping, columns, [])
+    return _placed(_rows(source, mapping, columns, []), table, mapping)
+
+
+def _placed(result: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:
+    """`result` with line, column and figure of the file for each of its outliers."""
+    if not result.outliers:
+        return result
+    size = np.abs(table.values)
+    placed = []
+    for outlier in result.outliers:
+        # The cell whose figure is the outlier's, but for the factor that all cells of its field have.
+        field = np.abs(getattr(result, outlier.quantity))
+        columns = [k for k, name in enumerate(table.names) if _head(name, mapping)[0] == outlier.quantity]
+        cells = size[:, columns]
+        factor = float(field.max() / cells.max())
+        row, column = np.unravel_index(np.argmin(np.abs(cells * factor - abs(outlier.value))), cells.shape)
+        name = table.names[columns[column]]
+        place = f"line {table.lines[row]}, column {name!r} ({outlier.place})"
+        figure = float(table.values[row, columns[column]])
+        placed.append(replace(outlier, place=place, figure=figure))
+    return replace(result, outliers=tuple(placed))
 
 
 def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]) -> SurfaceResult:

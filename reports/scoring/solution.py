@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from reports.comparison.laws import DERIVED, derived
 from reports.comparison.metrics import WHOLE_CYCLE, missing
-from reports.scoring.history import matched, resultants
+from reports.scoring.history import History, matched, resultants
 from reports.scoring.mapping import Mapping
-from reports.scoring.surface import TOUCHES, SurfaceResult
+from reports.scoring.surface import TOUCHES, SurfaceResult, without_spikes
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, InputError, Record, Scene, Work, freeze
+from scenes.solution import last_whole_cycle
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -64,8 +65,7 @@ def contact_solution(
         For a history that is not the scene's.
     """
     scene = whole.scene
-    result, guesses = _guessed(result, mapping, whole)
-    history = matched(result, scene, sure_of_times=sure_of_times)
+    result, history, guesses = _placed_on_path(result, mapping, whole, sure_of_times=sure_of_times)
     skipped = _skipped(result, history.time, _instants_of_cycle(scene, history.time))
     if history.guess:
         guesses = (*guesses, history.guess)
@@ -113,6 +113,32 @@ def contact_solution(
     said = (*result.notes, *history.notes, how, *notes)
     solution = replace(solution, record=replace(solution.record, notes=said))
     return solution, (*guesses, *_oddities(result, history.tangential_load, scene))
+
+
+def _placed_on_path(
+    result: SurfaceResult, mapping: Mapping, whole: ContactSolution, *, sure_of_times: bool
+) -> tuple[SurfaceResult, History, tuple[str, ...]]:
+    """`result` in the scene's units and our signs, its instants on the load path, and what was guessed.
+
+    A single cell that stands out of all others tells nothing of units and instants: they are found
+    without it, and it is put back.
+    """
+    plain = replace(
+        result, pressure=without_spikes(result.pressure), shear=without_spikes(result.shear)
+    )
+    guessed, guesses = _guessed(plain, mapping, whole)
+    history = matched(guessed, whole.scene, sure_of_times=sure_of_times)
+    if not result.outliers:
+        return guessed, history, guesses
+    fields = {"pressure": guessed.pressure.copy(), "shear": guessed.shear.copy()}
+    for outlier in result.outliers:
+        # The factor and the sign that its field was given.
+        before, after = getattr(plain, outlier.quantity), getattr(guessed, outlier.quantity)
+        largest = np.unravel_index(np.argmax(np.abs(before)), before.shape)
+        factor = float(after[largest] / before[largest]) if before[largest] else 1.0
+        fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
+    spiked = replace(guessed, **{name: freeze(values) for name, values in fields.items()})
+    return spiked, history, (*(outlier.sentence for outlier in result.outliers), *guesses)
 
 
 def _ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:
@@ -202,11 +228,8 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
         tolerance = 1e-6 * (path.initial_loading[-1].end - path.start)
         whole = time[0] <= path.start + tolerance and time[-1] >= path.initial_loading[-1].end - tolerance
         return len(time) if whole else 0
-    tolerance = 1e-9 * path.period
-    end = path.cycle_start + np.floor((time[-1] - path.cycle_start + tolerance) / path.period) * path.period
-    inside = time[(time >= end - path.period - tolerance) & (time <= end + tolerance)]
-    whole = len(inside) and inside[0] <= end - path.period + tolerance and inside[-1] >= end - tolerance
-    return len(inside) if whole else 0
+    steps, whole = last_whole_cycle(time, path.period, path.cycle_start)
+    return len(steps) if whole else 0
 
 
 def _skipped(result: SurfaceResult, time: Array, steps: int) -> dict[str, tuple[int, str]]:

@@ -13,6 +13,7 @@ from scenes.arrays import LARGEST
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 # Of the largest pressure; below it a point counts as open.
 TOUCHES = 1e-3
@@ -20,6 +21,68 @@ TOUCHES = 1e-3
 _SAME_PLACE = 0.1
 # Places that differ by less than this share of the mesh's extent are one: text files carry six digits.
 SAME = 1e-6
+
+
+# A spike is so many times as large as its neighbours in x and in time, and so many times as large as
+# all other values of its field: a traction may be singular at an edge, but not at one point of one
+# instant alone.
+_OVER_NEIGHBOURS, _OVER_ALL = 5.0, 3.0
+# Points with a value at the instant of a spike: of a contact of fewer a mesh knows no form.
+_FEWEST_BESIDE = 6
+
+
+def spikes(values: Array) -> Mask:
+    """Where single values of a field stand out of all others: (n_steps, n_points) -> mask.
+
+    >>> field = np.full((1, 9), 2.0)
+    >>> field[0, 4] = 900.0
+    >>> np.flatnonzero(spikes(field)[0]).tolist()
+    [4]
+    """
+    size = np.abs(np.nan_to_num(values))
+    padded = np.pad(size, 1)
+    left, right = padded[1:-1, :-2], padded[1:-1, 2:]
+    before, after = padded[:-2, 1:-1], padded[2:, 1:-1]
+    beside = np.maximum.reduce([left, right, before, after])
+    lonely = (size > 0) & (size > _OVER_NEIGHBOURS * beside)
+    lonely &= np.sum(size > 0, axis=1, keepdims=True) > _FEWEST_BESIDE
+    others = float(np.max(size, where=~lonely, initial=0.0))
+    return np.asarray(lonely & (size > _OVER_ALL * others))
+
+
+def without_spikes(values: Array) -> Array:
+    """`values`, (n_steps, n_points), with the mean of both neighbours in x in place of a spike."""
+    mask = spikes(values)
+    if not mask.any():
+        return values
+    mended = values.copy()
+    for row, column in np.argwhere(mask):
+        beside = [k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]]
+        mended[row, column] = np.mean(values[row, beside]) if beside else 0.0
+    return freeze(mended)
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A spike of a result: its field, the indices of its instant and point, its value, where it stands in the file.
+
+    `figure` is the value as the file has it, in the file's unit and sign.
+    """
+
+    quantity: str  # "pressure" or "shear"
+    instant: int
+    point: int
+    value: float
+    place: str
+    figure: float
+
+    @property
+    def sentence(self) -> str:
+        """Row, column and value, and what was done."""
+        return (
+            f"{self.place}: {self.quantity} {self.figure:.9g} stands out of all values around it; "
+            "it is scored as it is, and left out where units, instants and causes are looked for: mend this cell"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +102,7 @@ class SurfaceResult:
     normal_load: Array | None = None  # per unit thickness
     tangential_load: Array | None = None
     notes: tuple[str, ...] = ()  # what a reader must not miss: factors guessed, signs turned, frames left out
+    outliers: tuple[Outlier, ...] = ()
 
     @property
     def sheared(self) -> bool:
@@ -101,7 +165,19 @@ def surface_result(
         said.append("the points were not in the order of x and were sorted")
     known = {"shear": freeze(np.full(shape, np.nan))} | {name: freeze(values[:, order]) for name, values in grids.items()}
     known |= {name: freeze(values) for name, values in lines.items()}
-    return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), **known)
+    outliers = tuple(
+        Outlier(
+            quantity=name,
+            instant=int(k),
+            point=int(i),
+            value=float(known[name][k, i]),
+            place=f"instant {k + 1}, x = {places[order][i]:.6g}",
+            figure=float(known[name][k, i]),
+        )
+        for name in ("pressure", "shear")
+        for k, i in np.argwhere(spikes(known[name]))
+    )
+    return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), outliers=outliers, **known)
 
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
