@@ -312,9 +312,7 @@ class ContactSolution:
         return last_whole_cycle(self.time, path.period, path.cycle_start)[0]
 
 
-def last_whole_cycle(
-    time: Array, period: float, cycle_start: float
-) -> tuple[NDArray[np.intp], bool]:
+def last_whole_cycle(time: Array, period: float, cycle_start: float) -> tuple[NDArray[np.intp], bool]:
     """(k,) indices of the last cycle of ascending instants, both its ends included; whether it is whole.
 
     It begins where a cycle of the path begins. Instants that hold no such cycle, but go round

@@ -34,6 +34,8 @@ _ENCODINGS = {"utf-8-sig": "UTF-8", "cp1252": "Windows-1252, since it is not UTF
 _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
 _LOOK, _START = 200, 50_000
+# How a file begins that is JSON, XML or HTML: no heading does.
+_MARKUP = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
 _REMARKS = ("#", "**", "%", "//")
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
@@ -41,15 +43,48 @@ _GROUPED = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
 
 # Names under which programs write them, compared by `plain`.
 ALIASES: dict[str, tuple[str, ...]] = {
-    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime"),
-    "frame": ("frame", "increment", "inc", "step"),
-    "normal_load": ("normal_load", "P", "normal force", "Fn", "RF2", "load", "normal", "contact force", "clamping force"),
-    "tangential_load": ("tangential_load", "Q", "tangential force", "shear force", "Ft", "RF1", "friction force", "tangential"),
+    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime", "Zeit"),
+    "frame": ("frame", "increment", "inc", "step", "Inkrement"),
+    "normal_load": (
+        "normal_load",
+        "P",
+        "normal force",
+        "Fn",
+        "RF2",
+        "load",
+        "normal",
+        "contact force",
+        "clamping force",
+        "Normalkraft",
+    ),
+    "tangential_load": (
+        "tangential_load",
+        "Q",
+        "tangential force",
+        "shear force",
+        "Ft",
+        "RF1",
+        "friction force",
+        "tangential",
+        "Tangentialkraft",
+        "Querkraft",
+    ),
     "x": ("x", "X", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "point x", "position"),
     "y": ("y", "Y", "COORD2", "COOR2", "Y coordinate", "points:1", "point y"),
-    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "normal_contact_stress"),
-    "shear": ("shear", "q", "CSHEAR1", "CSHEAR", "tangential_contact_stress", "contact_shear", "shear traction", "traction"),
-    "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip"),
+    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "normal_contact_stress", "Kontaktdruck", "Kontaktpressung"),
+    "shear": (
+        "shear",
+        "q",
+        "CSHEAR1",
+        "CSHEAR",
+        "tangential_contact_stress",
+        "contact_shear",
+        "shear traction",
+        "traction",
+        "Schubspannung",
+        "Kontaktschub",
+    ),
+    "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip", "Schlupf", "Gleitweg"),
     "height": ("h", "height", "gap", "z", "profile", "profile height"),
 }
 # Of the columns that a scene asks for.
@@ -237,6 +272,8 @@ def _layout(
     wanted = f"{len(columns)} columns {listed}" if columns else "a line of names and rows of numbers"
     if not bare:
         raise InputError(f"{path}: the file is empty; {wanted} are needed")
+    if _MARKUP.match(bare[0][1]):
+        raise InputError(f"{path}: this is JSON, XML or HTML and no table: write {wanted}, separated by commas")
     least = max(len(columns), 1)
     by_number = bool(columns) and all(isinstance(stated.get(name), int) for name in columns)
     # Where no columns are asked for: a line with two known headings, else the first line of two words or more.
@@ -399,7 +436,9 @@ def _numbers(
             yield row.replace(",", ".") if comma else row
 
     if next(rows(), None) is None:
-        raise InputError(f"{path}: no row of numbers below the names {', '.join(layout.names[k] for k in layout.used)}")
+        headings = ", ".join(layout.names[k] for k in layout.used[:6])
+        more = ", ..." if len(layout.used) > 6 else ""
+        raise InputError(f"{path}: no row of numbers below the names {headings}{more}")
     try:
         values = np.loadtxt(even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used)
     except InputError:

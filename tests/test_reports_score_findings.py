@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from command_line import halfplane
 
 import semi_analytic
-from reports.scoring.against import score_file
+from reports.cli.application import requested_tolerances
+from reports.cli.results import _folder_of
+from reports.cli.solving import exit_code
+from reports.comparison import compare
+from reports.comparison.metrics import events
+from reports.comparison.words import lead, verdict
+from reports.scoring.against import diagnosed, score, score_file
+from reports.scoring.diagnosis import Hypothesis, discrepancy, sentence_of
 from reports.scoring.mapping import Mapping
-from scenes import ContactSolution, Scene, load_scene
+from reports.scoring.surface import spikes
+from scenes import ContactSolution, InputError, Materials, Scene, load_scene
 from scenes.solution import last_whole_cycle
 
 STEPS = 20
@@ -74,8 +83,6 @@ def test_a_cycle_that_starts_at_the_top_of_a_sine_is_whole(tmp_path: Path) -> No
 
 def test_finite_elements_on_their_own_instants_are_a_reference_for_a_cycle_from_elsewhere() -> None:
     """The reference is put on the result's instants by the phase of the path, not by the time since the first of them."""
-    from reports.comparison import compare
-
     reference, result = cycle_from(0.0, steps=600), cycle_from(0.4)
     found = compare(reference, result)
     assert found.metric("shear").value < 0.02
@@ -102,17 +109,176 @@ def test_the_last_whole_cycle_of_instants() -> None:
 
 
 # ------------------------------------------------------------------------------------------- what could not be scored
-def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_with_1(tmp_path: Path) -> None:
+def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_with_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = frames(cycle_from(0.0), "%.6g", "CSLIP1", "P", "Q")
+    part = written(table[table["frame"] < STEPS - 2], tmp_path / "part.csv")
+    found = score_file(part, Mapping(), CATTANEO)
+    assert (found.comparison.verdict, found.passed) == ("within", False)
+    assert [metric.key for metric in found.comparison.unscored] == ["dissipation"]
+    assert exit_code(found.comparison) == 1
+    assert "not scored, though a tolerance judges it: dissipation: exit code 1" in capsys.readouterr().err
+    assert lead(found) == "Within tolerance as far as it was scored."
+    assert "Not scored, though a tolerance judges it: dissipation." in verdict(found)
+    left_out = score_file(part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"]))
+    assert (exit_code(left_out.comparison), lead(left_out)) == (0, "Within tolerance.")
+    assert "dissipation" in verdict(left_out)
+
+
+def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_path: Path) -> None:
+    scene, x = load_scene("hertz-normal"), np.linspace(-1.1, 1.1, 61)
+    pressure = semi_analytic.solve(scene, x=x, time=[1.0]).pressure[0]
+    table = written(pd.DataFrame({"x": x, "CPRESS": pressure}), tmp_path / "pressure.csv")
+    found = score_file(table, Mapping(), scene)
+    assert found.passed
+    assert abs(found.metric("peak_pressure").value) < 1e-9
+    assert found.comparison.found.time.tolist() == pytest.approx([1.0])
+    with pytest.raises(InputError, match="without a shear the pressure alone does not say which instant is which"):
+        score_file(table, Mapping(), CATTANEO)
+
+
+def test_german_headings_and_decimal_commas_are_read(tmp_path: Path) -> None:
+    solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 61), time=[4.5])
+    rows = zip(solution.x, solution.pressure[0], solution.shear[0], strict=True)
+    lines = [
+        "x [mm];Kontaktdruck [MPa];Schubspannung [MPa]",
+        *(";".join(f"{v:.4f}" for v in row).replace(".", ",") for row in rows),
+    ]
+    path = tmp_path / "werte.csv"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    found = score_file(path, Mapping(), CATTANEO)
+    assert abs(found.metric("shear").value) < 1e-3
+
+
+@pytest.mark.parametrize("text", ['{"x": [0, 1], "p": [1, 2]}', '[{"x": 1, "p": 2}]', "[\n [1, 2]]", "<html><p>x</p></html>"])
+def test_what_is_no_table_is_one_short_sentence(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "result.csv"
+    path.write_text(text * 200, encoding="utf-8")
+    with pytest.raises(InputError) as fault:
+        score_file(path, Mapping(), CATTANEO)
+    assert "this is JSON, XML or HTML and no table" in str(fault.value)
+    assert len(str(fault.value)) < 300
+
+
+def test_two_results_of_one_stem_do_not_share_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = _folder_of(Path("x.csv"), False)
+    assert folder == Path("out/score-x")
+    folder.mkdir(parents=True)
+    (folder / "comparison.json").write_text(json.dumps({"command": "halfplane score x.csv --scene hertz-paper --out out/score-x"}))
+    assert _folder_of(Path("x.csv"), False) == folder
+    for other, loop in ((Path("x.rpt"), False), (Path("b/x.csv"), False), (Path("x.csv"), True)):
+        with pytest.raises(InputError, match=r"it holds the score of x\.csv, which this one would replace; name a folder"):
+            _folder_of(other, loop)
+
+
+# ------------------------------------------------------------------------------------------- single cells that stand out
+def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_nothing_else(tmp_path: Path) -> None:
     solution = cycle_from(0.0)
-    table = frames(solution, "%.6g", "CSLIP1", "P", "Q")
-    written(table[table["frame"] < STEPS - 2], tmp_path / "part.csv")
-    asked = ["score", "part.csv", "--scene", "cattaneo-mindlin", "--quiet"]
-    done = halfplane(tmp_path, *asked)
-    assert done.returncode == 1
-    words = " ".join(done.stdout.split())
-    assert "Within tolerance as far as it was scored." in words
-    assert "Not scored, though a tolerance judges it: dissipation." in words
-    assert "not scored, though a tolerance judges it: dissipation: exit code 1" in done.stderr
-    left_out = halfplane(tmp_path, *asked, "--tolerance", "dissipation=none")
-    assert left_out.returncode == 0
-    assert "Within tolerance. " in left_out.stdout
+    table = frames(solution, "%.6g", "P", "Q")
+    row = 7 * len(solution.x) + 25
+    table.loc[row, "CPRESS"] = "1e5"
+    found = score_file(written(table, tmp_path / "spiked.csv"), Mapping(), CATTANEO)
+    assert found.guesses[0].startswith(f"line {row + 2}, column 'CPRESS' (instant 8, x = {solution.x[25]:.6g}): pressure 100000")
+    assert not any("multiplied by" in sentence for sentence in found.guesses)  # no unit is guessed from it
+    assert found.comparison.verdict == "outside"  # it is scored as it is
+    (only,) = diagnosed(found).diagnoses
+    assert only.fault == "outlier"
+
+
+def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) -> None:
+    solution = cycle_from(0.0, steps=12)
+    columns = {"X": solution.x}
+    for k in range(len(solution.time)):
+        columns |= {f"CPRESS_{k + 1}": solution.pressure[k], f"CSHEAR1_{k + 1}": solution.shear[k]}
+    table = pd.DataFrame(columns)
+    table.loc[30, "CPRESS_3"] = 1e5
+    mapping = Mapping(times=tuple(solution.time.tolist()))
+    found = score_file(written(table, tmp_path / "wide.csv"), mapping, CATTANEO)
+    assert found.guesses[0].startswith("line 32, column 'CPRESS_3' (instant 3")
+
+
+def test_neither_an_edge_nor_a_contact_of_one_point_stands_out() -> None:
+    flat = semi_analytic.solve(load_scene("flat-rounded-paper"), x=np.linspace(-1.1, 1.1, 400), fields=("pressure", "shear"))
+    assert not spikes(flat.pressure).any()
+    assert not spikes(flat.shear).any()
+    lonely = np.zeros((1, 11))
+    lonely[0, 5] = 900.0
+    assert not spikes(lonely).any()
+
+
+def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -> None:
+    """It went on for ever: where all instants are equally near, one that was chosen came out again."""
+    found = score_file(written(frames(cycle_from(0.0), "%.6g", "P", "Q"), tmp_path / "cycle.csv"), Mapping(), CATTANEO)
+    cycle = found.comparison.found
+    still = replace(cycle, whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time))
+    assert 1 <= len(events(still, 0.5)) <= 6
+
+
+# ------------------------------------------------------------------------------------------- causes with a trace of their own
+ROLLER = Scene.model_validate(
+    {
+        "material": {"young_modulus": 205e3, "poisson_ratio": 0.3},
+        "profile": {"kind": "hertz", "radius": 30.0},
+        "friction": 0.0,
+        "load": {"kind": "polygon", "initial_loading": [(12.0, 0.0)]},
+    }
+)
+
+
+def averaged(half_width: float, peak: float, size: float, count: int = 5) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of elements of one size, and nodal forces of Hertz' pressure over it: their sum is P."""
+    nodes = size * np.arange(-count, count + 1)
+    fine = np.linspace(-half_width, half_width, 20001)
+    pressure = peak * np.sqrt(np.maximum(1 - (fine / half_width) ** 2, 0.0))
+    shape = np.maximum(1 - np.abs(fine - nodes[:, None]) / size, 0.0)
+    return nodes, np.trapezoid(shape * pressure, fine, axis=1) / size
+
+
+@pytest.mark.parametrize("elements", [0.5, 2.0])
+def test_a_mesh_too_coarse_for_the_contact_is_the_mesh_and_no_load_unit_or_modulus(elements: float) -> None:
+    theory = semi_analytic.solve(ROLLER, x=[0.0], time=[1.0])
+    half_width, peak = float(theory.contact_half_width[0]), float(theory.pressure[0, 0])
+    x, pressure = averaged(half_width, peak, half_width / elements)
+    found = score(x, pressure, None, scene=ROLLER, time=[1.0])
+    assert [one.fault for one in found.diagnoses] == ["coarse_edge"]
+    assert "The pressures add up to the load" in found.diagnoses[0].sentence
+    # A wrong load on the same mesh is no matter of the mesh.
+    wrong = score(x, 1.15 * pressure, None, scene=ROLLER, time=[1.0])
+    assert not any("add up to the load" in one.sentence for one in wrong.diagnoses)
+
+
+def test_a_result_on_the_coulomb_limit_where_the_reference_sticks_is_a_fault_of_the_result() -> None:
+    solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 121), time=[1.5])
+    found = score(solution.x, solution.pressure, 0.5 * solution.pressure, scene=CATTANEO, time=[1.5])
+    assert found.diagnoses[0].fault == "full_slip"
+    assert "fault of the result" in found.diagnoses[0].sentence
+
+
+def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation() -> None:
+    unlike = {"upper": {"young_modulus": 2500.0, "poisson_ratio": 0.35}, "lower": {"young_modulus": 200e3, "poisson_ratio": 0.3}}
+    scene = CATTANEO.vary(material=Materials.model_validate(unlike))
+    exact = semi_analytic.solve(scene, x=np.linspace(-12, 12, 121), time=np.linspace(4, 7, 13))
+    comparison = compare(exact, exact)
+    what = discrepancy(comparison)
+    assert what is not None
+    coupling = Hypothesis("coupling", what.found)
+    assert "no fault of the result" in sentence_of(coupling, what)
+    against = replace(what, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe")))
+    assert "It is a fault of the result" in sentence_of(coupling, against)
+    assert "--against fe" not in sentence_of(coupling, against)
+
+
+@pytest.mark.parametrize(("stiffness", "named"), [(3.0, True), (30.0, True), (1e5, False)])
+def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_adds(stiffness: float, named: bool) -> None:
+    """The pressure is as wrong as that of a mesh, which hid the penalty."""
+    solution = cycle_from(0.0, steps=30)
+    half_width, modulus = 1.0, 210e3 / (2 * (1 - 0.3**2))
+    creep = np.where(solution.pressure > 0, solution.shear / (stiffness * modulus / half_width), 0.0)
+    coarse = solution.pressure * (1 + 0.02 * np.cos(60 * solution.x))
+    found = score(solution.x, coarse, solution.shear, scene=CATTANEO, time=solution.time, slip=solution.slip + creep)
+    faults = [one.fault for one in found.diagnoses]
+    assert (faults[:1] == ["elastic_slip"]) == named
+    if named:
+        assert any(f"stiffness of {stiffness:.2g} E*/a_ref" in words for words in found.diagnoses[0].evidence)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
@@ -32,7 +33,7 @@ def score(result: str | None, options: Options) -> Answer:
         raise InputError("score: name the result to score, a file or a folder of files")
     if options.scene is None:
         raise InputError(f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes` lists the library")
-    from reports.folder import claim, default_folder
+    from reports.folder import claim
     from reports.scoring.mapping import load_mapping
 
     path, loop = Path(result), options.as_ == "loop"
@@ -48,7 +49,7 @@ def score(result: str | None, options: Options) -> Answer:
     if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
         raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
     tolerances = requested_tolerances(options.tolerance)
-    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
+    folder = claim(options.out or _folder_of(path, loop))
     command = options.command("score", result, folder)
     try:
         if loop:
@@ -58,6 +59,34 @@ def score(result: str | None, options: Options) -> Answer:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
         return Answer(NOT_CONVERGED, (), lambda: {"passed": False, "error": sentence, "file": None}, scene.name)
+
+
+def _folder_of(path: Path, loop: bool) -> Path:
+    """out/score-<stem>, unless that holds the score of another result.
+
+    Raises
+    ------
+    InputError
+        Where it does: x.csv and x.rpt have one stem, and so have a/x.csv and b/x.csv.
+    """
+    from reports.folder import default_folder
+    from scenes import InputError
+    from scenes.files import parsed_json, text_of
+
+    folder = default_folder(f"score-{path.resolve().stem}")
+    for name, of_loop in (("comparison.json", False), ("loop.json", True)):
+        try:
+            stored = parsed_json(text_of(folder / name, "the score"))
+            words = shlex.split(stored["command"])
+            earlier = Path(words[words.index("score") + 1])
+        except (OSError, InputError, ValueError, KeyError, IndexError, TypeError):
+            continue  # not there, or not of a score
+        if of_loop != loop or earlier.resolve() != path.resolve():
+            kind = "the loop" if of_loop else "the score"
+            raise InputError(
+                f"{folder}: it holds {kind} of {earlier}, which this one would replace; name a folder for {path} by --out"
+            )
+    return folder
 
 
 def _scored(

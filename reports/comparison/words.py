@@ -328,7 +328,8 @@ def uncertain_work(comparison: Comparison) -> str:
 def standing(comparison: Comparison) -> Verdict | None:
     """The verdict as a colour; None where nothing is judged.
 
-    Outside where a law of contact is violated, undecided where all that has a value is within and something with a tolerance has none.
+    Outside where a law of contact is violated; undecided where all that has a value is within and
+    something with a tolerance has none.
     """
     if not comparison.admissible:
         return Verdict.OUTSIDE
@@ -579,7 +580,13 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "format": _FORMAT,
         **said(report),
         "profile_fit": fit_content(comparison.scene),
-        "verdict": {**verdicts, "unscored": unscored, "judged": how_judged(report), "honest": report.honest, "sentence": verdict(report)},
+        "verdict": {
+            **verdicts,
+            "unscored": unscored,
+            "judged": how_judged(report),
+            "honest": report.honest,
+            "sentence": verdict(report),
+        },
         "scales": {
             "P_ref": scales.normal_load,
             "a_ref": scales.half_width,

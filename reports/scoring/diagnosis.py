@@ -636,9 +636,7 @@ def _too_coarse(what: Discrepancy) -> Diagnosis | None:
         return None
     carrying = int(np.max(np.sum(what.found[0] > 1e-3 * np.max(what.found[0]), axis=1)))
     wanted = half_width / _ENOUGH_ELEMENTS
-    sentence = _WORDS["others"]["coarse_mesh"].format(
-        elements=elements, carrying=carrying, wanted=wanted, enough=_ENOUGH_ELEMENTS
-    )
+    sentence = _WORDS["others"]["coarse_mesh"].format(elements=elements, carrying=carrying, wanted=wanted, enough=_ENOUGH_ELEMENTS)
     evidence = f"the sum of the pressures differs from P by {farthest:.2g} of it at most: no load, unit or thickness is wrong"
     return Diagnosis("coarse_edge", sentence, (evidence,), 1.0)
 

@@ -123,9 +123,7 @@ def _placed_on_path(
     A single cell that stands out of all others tells nothing of units and instants: they are found
     without it, and it is put back.
     """
-    plain = replace(
-        result, pressure=without_spikes(result.pressure), shear=without_spikes(result.shear)
-    )
+    plain = replace(result, pressure=without_spikes(result.pressure), shear=without_spikes(result.shear))
     guessed, guesses = _guessed(plain, mapping, whole)
     history = matched(guessed, whole.scene, sure_of_times=sure_of_times)
     if not result.outliers:
