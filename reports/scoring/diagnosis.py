@@ -70,8 +70,9 @@ _STICKS, _AT_REST = 0.9, 1e-3
 # Share of the creep that is proportional to the change of the shear, where a penalty makes it; over
 # the largest step of slip, below which nobody need know; fewest points and instants that show it.
 _PROPORTIONAL, _NO_CREEP, _FEWEST_CREEPING = 0.9, 3e-3, 20
-# Share of the points that should stick and lie on the Coulomb limit, where nothing sticks.
-_ALL_SLIP = 0.9
+# Share of the points that should stick and lie on the Coulomb limit, where nothing sticks; of f p, how
+# near to the limit is on it: shear beyond it is another fault.
+_ALL_SLIP, _ON_LIMIT = 0.9, 0.01
 # Over P, to which the pressures of a mesh of any size add up: they are nodal forces over the elements.
 _SAME_RESULTANT = 0.02
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law still be kept.
@@ -610,7 +611,7 @@ def _causes(whole: Discrepancy) -> tuple[Diagnosis, ...]:
 def _outliers(comparison: Comparison) -> list[Diagnosis]:
     """Single values that stand out of all others, the largest with its place."""
     found = comparison.found
-    traces = [("pressure", spikes(found.pressure)), ("shear", spikes(found.shear))]
+    traces = [(name, spikes(getattr(found, name))) for name in ("pressure", "shear", "slip")]
     words = [
         f"{name} {getattr(found, name)[k, i]:.6g} at time {found.time[k]:.6g}, x = {found.x[i]:.6g}"
         for name, mask in traces
@@ -649,7 +650,8 @@ def _full_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     found, expected = comparison.found, comparison.expected
     pressed = (found.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[:, None]
     should_stick = pressed & (expected.state == STICK) & (np.abs(expected.shear) < _STICKS * friction * expected.pressure)
-    at_limit = np.abs(found.shear) >= 0.99 * friction * found.pressure
+    limit = friction * found.pressure
+    at_limit = np.abs(np.abs(found.shear) - limit) <= _ON_LIMIT * limit
     count = int(should_stick.sum())
     if not count or at_limit[pressed].mean() < _ALL_SLIP:
         return
@@ -684,10 +686,10 @@ def _elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     largest = float(np.max(np.abs(moved), where=touching, initial=0.0))
     sticks = pressed[1:] & pressed[:-1] & (np.abs(moved_in_reference) <= _AT_REST * largest)
     creep, change = moved[sticks], sheared[sticks]
-    if len(creep) < _FEWEST_CREEPING or not change.any():
+    if len(creep) < _FEWEST_CREEPING or not change.any() or not creep.any():
         return
     compliance = float(creep @ change / (change @ change))
-    proportional = 1 - float(np.sum((creep - compliance * change) ** 2) / (creep @ creep)) if creep.any() else 0.0
+    proportional = 1 - float(np.sum((creep - compliance * change) ** 2) / (creep @ creep))
     size = float(np.sqrt(np.mean(creep**2))) / largest
     if compliance <= 0 or proportional < _PROPORTIONAL or size < _NO_CREEP:
         return

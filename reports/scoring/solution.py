@@ -123,20 +123,24 @@ def _placed_on_path(
     A single cell that stands out of all others tells nothing of units and instants: they are found
     without it, and it is put back.
     """
-    plain = replace(result, pressure=without_spikes(result.pressure), shear=without_spikes(result.shear))
+    fields = {"pressure": result.pressure, "shear": result.shear}
+    if result.slip is not None:
+        fields["slip"] = result.slip
+    without: dict[str, Any] = {name: without_spikes(values) for name, values in fields.items()}
+    plain = replace(result, **without)
     guessed, guesses = _guessed(plain, mapping, whole)
     history = matched(guessed, whole.scene, sure_of_times=sure_of_times)
     if not result.outliers:
         return guessed, history, guesses
-    fields = {"pressure": guessed.pressure.copy(), "shear": guessed.shear.copy()}
+    spiked = {name: getattr(guessed, name).copy() for name in fields}
     for outlier in result.outliers:
         # The factor and the sign that its field was given.
         before, after = getattr(plain, outlier.quantity), getattr(guessed, outlier.quantity)
         largest = np.unravel_index(np.argmax(np.abs(before)), before.shape)
         factor = float(after[largest] / before[largest]) if before[largest] else 1.0
-        fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
-    spiked = replace(guessed, **{name: freeze(values) for name, values in fields.items()})
-    return spiked, history, (*(outlier.sentence for outlier in result.outliers), *guesses)
+        spiked[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
+    put_back: dict[str, Any] = {name: freeze(values) for name, values in spiked.items()}
+    return replace(guessed, **put_back), history, (*(outlier.sentence for outlier in result.outliers), *guesses)
 
 
 def _ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:

@@ -69,7 +69,7 @@ class Outlier:
     `figure` is the value as the file has it, in the file's unit and sign.
     """
 
-    quantity: str  # "pressure" or "shear"
+    quantity: str  # "pressure", "shear" or "slip"
     instant: int
     point: int
     value: float
@@ -174,7 +174,8 @@ def surface_result(
             place=f"instant {k + 1}, x = {places[order][i]:.6g}",
             figure=float(known[name][k, i]),
         )
-        for name in ("pressure", "shear")
+        for name in ("pressure", "shear", "slip")
+        if name in known
         for k, i in np.argwhere(spikes(known[name]))
     )
     return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), outliers=outliers, **known)
