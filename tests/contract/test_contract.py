@@ -56,10 +56,16 @@ def test_half_plane_theory_gives_the_frozen_values(name: str) -> None:
         assert now["values"]["dissipation"] == pytest.approx(float(kept["reference"]), rel=allowed("dissipation"), abs=1e-300)
 
 
+# An increment whose error is at the tolerance is halved or not by the last bits of the BLAS kernel: on one processor 279 increments,
+# on another 283, W apart by 5.9e-6 and nothing by more.
+HALVED_BY_ROUNDING = {"flat-rounded-paper": 1e-5}
+
+
 @pytest.mark.parametrize("name", some(FINITE_ELEMENTS, ("cattaneo-mindlin", "flat-rounded-paper", "blocks")))
 def test_finite_elements_give_the_frozen_values(name: str) -> None:
     # 1e-15 is round-off of a loop that encloses nothing: the closed integral of Q dU where no node slips.
-    assert not list(differences(frozen("finite_elements")[name], fe_values(finite_elements(name)), lambda _: FE_AGREES, 1e-15))
+    allowed = HALVED_BY_ROUNDING.get(name, FE_AGREES)
+    assert not list(differences(frozen("finite_elements")[name], fe_values(finite_elements(name)), lambda _: allowed, 1e-15))
 
 
 @pytest.mark.parametrize("name", some(COMPARED, ("cattaneo-mindlin", "blocks")))
