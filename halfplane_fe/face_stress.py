@@ -47,7 +47,7 @@ _DEGREE = 2
 # Other rims, shares of the nodes behind them, and degrees, whose answers say how uncertain the tension
 # is. A parabola lacks the higher powers that p^2 has above a flat bottom: half as many nodes, or one
 # degree more, leave about half of what that makes, and as coarse meshes fit fewer nodes, so do other
-# rims. The tension may be off by so many times the largest difference: 1.6 to 2.5 on 22 profiles.
+# rims. The error of the tension may be so many times the largest difference: 1.6 to 2.5 on 22 profiles.
 _OTHER_RIMS = ((2, 0.7, _DEGREE), (4, 1.0, _DEGREE), (_RIM, 0.5, _DEGREE), (_RIM, 1.0, _DEGREE + 1))
 _BY_OTHERS = 2.5
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of the profile is among them.
