@@ -35,7 +35,8 @@ _LOADED = 0.3
 _SHARP = 1.25
 # Halvings of an element at a tip: at most; share of the error of the pressure there that is to be left.
 _MOST_HALVINGS, _LEFT_AT_TIP = 16, 1 / 64
-# Further ones within a rounded tip: the peak of a wedge has an error of 1e-3 with two elements there, by a tenth of that with eight.
+# Further ones within a rounded tip: the peak of a wedge has an error of 1e-3 with two elements there,
+# and of a tenth of that with eight.
 _WITHIN_TIP = 2
 # Power from which on a tip counts as smooth, and digits that a power has: rows and fitted curves are no exact parabolas.
 _SMOOTH, _DIGITS_OF_POWER = 1.99, 9

@@ -56,8 +56,8 @@ def test_half_plane_theory_gives_the_frozen_values(name: str) -> None:
         assert now["values"]["dissipation"] == pytest.approx(float(kept["reference"]), rel=allowed("dissipation"), abs=1e-300)
 
 
-# An increment whose error is at the tolerance is halved or not by the last bits of the BLAS kernel: on one processor 279 increments,
-# on another 283, W apart by 5.9e-6 and nothing by more.
+# An increment whose error is at the tolerance is halved or not by the last bits of the BLAS kernel: on one processor
+# 279 increments, on another 283, W apart by 5.9e-6 and nothing by more.
 HALVED_BY_ROUNDING = {"flat-rounded-paper": 1e-5}
 
 
