@@ -437,8 +437,8 @@ def _numbers(
 
     if next(rows(), None) is None:
         headings = ", ".join(layout.names[k] for k in layout.used[:6])
-        more = ", ..." if len(layout.used) > 6 else ""
-        raise InputError(f"{path}: no row of numbers below the names {headings}{more}")
+        rest = ", ..." if len(layout.used) > 6 else ""
+        raise InputError(f"{path}: no row of numbers below the names {headings}{rest}")
     try:
         values = np.loadtxt(even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used)
     except InputError:
