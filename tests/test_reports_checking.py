@@ -594,7 +594,9 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
         for quantity in ("x", "time", "pressure", "shear"):
             np.testing.assert_allclose(getattr(found, quantity), getattr(exact, quantity), rtol=1e-5, atol=1e-5, err_msg=name)
         report = score_file(tmp_path / name, Mapping(times=made.TIMES), scene)
-        assert report.comparison.passed
+        # Three instants hold no cycle: the dissipation has a tolerance and no value, so the whole has not passed.
+        assert "outside" not in {metric.verdict for metric in report.comparison.metrics}
+        assert report.comparison.admissible
         assert abs(report.metric("peak_pressure").value) < 1e-5
     field = read(tmp_path / "field.rpt", Mapping())
     assert field.time.tolist() == list(made.TIMES)
