@@ -123,7 +123,10 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     for key in ("shear", "stick_edge", "stick_edge_left", "state", "permanent_stick", "dissipation", "resultant_tangential"):
         assert comparison.metric(key).value is None, key
         assert "not in the result" in comparison.metric(key).note
-    assert (comparison.passed, diagnosed(report).diagnoses) == (True, ())
+    # Not passed: shear, stick and dissipation have tolerances and no values.
+    assert not comparison.passed
+    assert "outside" not in {metric.verdict for metric in comparison.metrics}
+    assert diagnosed(report).diagnoses == ()
     assert [check.name for check in comparison.result_certificates] == ["tension"]
     assert verdict(report).endswith("No law of contact is violated, as far as a pressure without a shear can show.")
     wrong = score_file(path, Mapping(times=few.time.tolist(), factors={"stress": 1.1}), few.scene)
