@@ -102,7 +102,8 @@ def kernels(contact, truth, a):
             yield "dissipation_kernel", (load, slipped), truth.total(lambda alpha, c=c: np.log1p((alpha - c) / c), c, a)
 
 
-# Known disagreement: on some processors the pressure at x = 0 of steep powers states a half to a fifth of its error, of the last digits.
+# Known disagreement: on some processors the pressure at x = 0 of steep powers states a half to a fifth of its error, of
+# the last digits.
 UNDERSTATED = 10.0
 
 
