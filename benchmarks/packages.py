@@ -152,7 +152,6 @@ COMMANDS = {
     "scenes hertz-paper": 0,
     "schema": 0,
     "doctor": 0,
-    "completion bash": 0,
     "exact plain.toml --out exact --quiet": 0,
     f"fe plain.toml --out fe {COARSE}": 0,
     f"run plain.toml --out run {COARSE}": 1,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import resource
 import signal
@@ -14,6 +15,7 @@ import traceback
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -149,6 +151,12 @@ def refused(folder: Path, *words: str) -> str:
     line = sentence(halfplane(folder, *words))
     assert everything(folder) == before
     return line
+
+
+def answer_schema() -> dict[str, Any]:
+    """The JSON schema of every answer: the envelope, and for each command what `result` holds."""
+    schema: dict[str, Any] = json.loads((resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8"))
+    return schema
 
 
 def raising(fault: BaseException) -> Callable[..., None]:

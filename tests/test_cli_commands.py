@@ -21,10 +21,10 @@ import pandas as pd
 import pytest
 
 import semi_analytic
-from command_line import COARSE, ROOT, Done, everything, forked, halfplane, raising, refused, sentence, start
+from command_line import COARSE, ROOT, Done, answer_schema, everything, forked, halfplane, raising, refused, sentence, start
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.cli.application import FORMAT, answer_schema, app
+from reports.cli.application import FORMAT, app
 from reports.cli.machine import Finding
 from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft, say, show_table

@@ -20,7 +20,7 @@ from rainflow import count_cycles
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import COARSE, ROOT, halfplane, refused
+from command_line import COARSE, ROOT, answer_schema, halfplane, refused
 from reports import checking
 from reports.checking import (
     bulk_and_tilt,
@@ -32,7 +32,6 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
-from reports.cli.application import answer_schema
 from reports.maps.advice import parts_of
 from reports.measured import check_record, counted, load_cycles, noise_of, record_in_words, with_work
 from reports.scoring.against import score_file

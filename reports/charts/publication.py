@@ -71,19 +71,6 @@ def drawn(plate: Plate, formats: Sequence[str]) -> dict[str, bytes]:
     return found
 
 
-def pixels_of(plate: Plate) -> NDArray[np.uint8]:
-    """The picture of a figure, (height, width, 3), at 108 dots an inch: nine eighths of the page's."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    with mpl.rc_context(_FONTS):
-        figure = figure_of(plate)
-        figure.set_dpi(108)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
-
-
 def figure_of(plate: Plate) -> Figure:
     """The SVG document of a figure, drawn in one pair of axes whose units are those of the document."""
     from matplotlib.figure import Figure

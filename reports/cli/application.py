@@ -342,12 +342,6 @@ class Answer:
     command: str = ""  # whose answer it is, where not that of the command given
 
 
-def answer_schema() -> dict[str, Any]:
-    """The JSON schema of every answer: the envelope, and for each command what `result` holds."""
-    found: dict[str, Any] = json.loads((resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8"))
-    return found
-
-
 # What a tolerance without a key is for: W, p0, a and c.
 _COMMON = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
 
