@@ -104,7 +104,7 @@ bench: $(STAMP) ## error against time, peers, growth, start-up, into docs/perfor
 
 stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/stress.md
 	@echo "==> stress"
-	@$(ONE_THREAD) HALFPLANE_CACHE=off $(PY) benchmarks/stress.py
+	@$(ONE_THREAD) $(PY) benchmarks/stress.py
 
 numbers: $(STAMP) ## measure every promised number, into docs/numbers.md (SECTIONS='"Finite*" Time': some of them)
 	@echo "==> numbers"

@@ -99,7 +99,7 @@ def budgets() -> Iterator[Row]:
     worst = max(ratios, key=ratios.__getitem__)
     yield Row("budget, twice the default sizes: cost over the plain run, worst scene", ratios[worst], None, worst)
     for name in ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper"):
-        how = "CPU time; default mesh; nothing read from the store"
+        how = "CPU time; default mesh; every body condensed anew"
         yield Row(f"budget of {name}: cost over the plain run", budgeted(scenes[name], MESH).cost, 4.0, how)
     # The far-field runs stand on 4 h: doubling L there and on the run's mesh.
     for label, factor in (("h", 1.0), ("4h", 4.0)):

@@ -1,7 +1,7 @@
 """Claims of the finite elements: errors against theory, error and time, growth of the cost, real bodies.
 
-Times are CPU times of one thread with everything in them: the coarse run, mesh, condensation, every increment; nothing is read from
-the store.
+Times are CPU times of one thread with everything in them: the coarse run, mesh, condensation, every increment; every body is
+condensed anew.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ tests/test_halfplane_fe_mutations.py holds each fault to its checks.
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib import import_module
@@ -22,6 +21,7 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity
+from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
@@ -227,8 +227,8 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
 def solved(fault: Fault | None, mesh: MeshSettings | None = None) -> FiniteElementSolution | str:
     """The answer with the fault in it, or what the engine itself says and stops."""
     fault = fault or Fault("none", ())
-    # Bodies of the store were condensed without the fault.
-    with mock.patch.dict(os.environ, HALFPLANE_CACHE="off"), fault.plant():
+    # Cached bodies were condensed without the fault.
+    with mock.patch.object(BODIES, "bound_bytes", 0), fault.plant():
         try:
             return halfplane_fe.solve(load_scene("hertz-paper"), mesh, SolverSettings(**fault.settings))
         except (ConvergenceError, InputError, ArithmeticError) as reason:

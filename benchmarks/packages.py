@@ -34,7 +34,7 @@ REQUIREMENTS: list[str] = PROJECT["dependencies"]
 def run(*words: str | Path, cwd: Path | None = None) -> str:
     """What a command prints; an error with its last lines where it fails."""
     outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    outside |= {"HALFPLANE_CACHE": "off", "MPLBACKEND": "Agg"}
+    outside |= {"MPLBACKEND": "Agg"}
     done = subprocess.run([str(word) for word in words], cwd=cwd, env=outside, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{' '.join(map(str, words))} ended with {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}")

@@ -5,8 +5,9 @@ In the order in which a scene passes through::
     settings.py                            method and step control
     path.py                                turning points of the loads, increments, inadmissible paths
     scales.py                              the coarse run: half-width, innermost edge
-    elasticity.py, far_field.py, store.py  elements that do not lock; static condensation (Schur complement) to the contact nodes,
-                                           Flamant far field; cache on disk
+    elasticity.py, far_field.py            elements that do not lock; static condensation (Schur complement) to the contact nodes,
+                                           Flamant far field
+    condensed_bodies.py                    least-recently-used cache of condensed bodies in the process
     interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides that do not match, or are curved
     mirror.py                              symmetric faces on one half
     law.py                                 Signorini and Coulomb as one projection: return mapping

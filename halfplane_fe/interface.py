@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve
 from scipy.sparse import csr_array
 
+from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
 from halfplane_fe.path import has_bulk_stress
-from halfplane_fe.store import condensed
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Pad, Scene, Shape, freeze, sampled
 
@@ -303,11 +303,11 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
 def condensed_pair(
     scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work: Counter[str]
 ) -> tuple[CondensedBody, CondensedBody]:
-    """Both bodies condensed, from the store where they are there; `work` counts."""
-    lower = condensed(bodies[0], scene.material.lower, datum_length, work)
+    """Both bodies condensed, or from the cache where this process condensed them before; `work` counts."""
+    lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
     if scene.material.alike and bodies[1] is bodies[0]:
         return lower, lower
-    return lower, condensed(bodies[1], scene.material.upper, datum_length, work)
+    return lower, BODIES.condensed(bodies[1], scene.material.upper, datum_length, work)
 
 
 def initial_gap(scene: Scene, interface: Interface) -> Array:

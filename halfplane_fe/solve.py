@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, from_datum, penalty_audit, record_of
+from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
@@ -45,7 +46,6 @@ from halfplane_fe.resolution import (
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, on_half, sheared
 from halfplane_fe.settings import SolverSettings
-from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
 from scenes import ContactSolution, ConvergenceError, InputError, Profile, Scene, Work, freeze, scene_of
@@ -312,7 +312,6 @@ def _solution(
     of_mesh = _notes(scene, mesh, scales, run, arrays)
     of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
     notes = (
-        *refusals(problem.work),
         *([_NOTE_KEPT] if problem.work[_KEPT] and run.failure is None else []),
         *of_bodies,
         *of_mesh,
@@ -450,8 +449,8 @@ def _work(
         skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
     if like:
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
-    if stored := problem.work["condensations from the store"]:
-        skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
+    if cached := problem.work[CACHED]:
+        skipped["condensations, cached"] = (cached, "this process condensed the body before: taken from the cache")
     if on_half(scene, problem.interface):
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:

@@ -11,12 +11,14 @@ import pytest
 from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
+from halfplane_fe.condensed_bodies import BODIES
+
 # A shell that starts the tests in the background has Ctrl-C ignored, here and in every process started from here.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Work counts are asserted: nothing may come from an earlier run. The tests of the store give it a folder of their own.
-os.environ["HALFPLANE_CACHE"] = "off"
+# Work counts are asserted: no condensed body may come from an earlier test. The tests of the cache have caches of their own.
+BODIES.bound_bytes = 0
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)

@@ -6,17 +6,13 @@ import json
 import random
 import re
 import zlib
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import get_args
 
 import numpy as np
 
-import halfplane_fe.store
-from meshes import SurfaceGrading, half_disc
 from reports.checking import require_admissible
 from reports.comparison import findings
 from reports.comparison.words import solution_content, strict
@@ -172,11 +168,6 @@ def _stored_result(path: Path) -> object:
     return read_index(folder)
 
 
-def _condensed(path: Path) -> object:
-    """The store of condensed bodies takes what it can't read as not there: it is not a user's file."""
-    return halfplane_fe.store._read(path, *condensed_body(), Counter())
-
-
 ENTRANCES: dict[str, Callable[[Path], object]] = {
     "scene.toml": _scene,
     "scene.json": _scene,
@@ -196,7 +187,6 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "solution.json": findings.read_findings,
     "comparison.json": findings.read_findings,
     MANIFEST: lambda path: claim(path.parent),
-    "condensed.npz": _condensed,
 }
 DOORS = {name: Door(name, enter) for name, enter in ENTRANCES.items()}
 
@@ -242,12 +232,6 @@ PLAIN = {
     "result.series": ['{"file-series-version": "1.0", "files": [{"name": "field.vtu", "time": 1.0}]}'],
     MANIFEST: ['{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'],
 }
-
-
-@cache
-def condensed_body() -> tuple[object, object]:
-    """A body and its material, as the store of condensed bodies takes them."""
-    return half_disc("lower", SurfaceGrading(0.0, 1.0, 0.5, 0.5, 4.0), 1.0, 1), load_scene("hertz-paper").material.lower
 
 
 def good_files(name: str, folder: Path) -> list[bytes]:
@@ -302,8 +286,4 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             parts = {"reference": content, "result": {**content, "engine": "other"}, "scene": content["scene"]}
             metrics = {"dissipation": {"value": 0.1, "finite": True}}
             return [json.dumps({"format": "halfplane comparison 2", "metrics": metrics, **parts}).encode()]
-        case "condensed.npz":
-            made = halfplane_fe.store.condense(*condensed_body(), 4.0)
-            halfplane_fe.store._write(folder / "seed.npz", made, Counter())
-            return [(folder / "seed.npz").read_bytes()]
     return [text.encode() for text in PLAIN[name]]

@@ -133,9 +133,9 @@ def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, befor
 def test_half_a_file_is_seen(tmp_path: Path) -> None:
     """The tester tested."""
     (tmp_path / "out").mkdir()
-    for name in ("a.json", "b.html", "c.csv", "d.nc", "e.npz"):
+    for name in ("a.json", "b.html", "c.csv", "d.nc"):
         (tmp_path / "out" / name).write_text('{"half": ')
-    assert len(half_files(tmp_path)) == 5
+    assert len(half_files(tmp_path)) == 4
 
 
 def dying(folder: Path) -> None:

@@ -14,7 +14,6 @@ import tomllib
 import tracemalloc
 import zlib
 from base64 import b64encode
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -26,10 +25,8 @@ import numpy as np
 import pytest
 
 from command_line import ROOT, forked, raising, refused, sentence
-from fuzzing import DOORS, TOKENS, Door, attempt, condensed_body, outcome, spoilt
+from fuzzing import DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
-from halfplane_fe.elasticity import condense
-from halfplane_fe.store import _write
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc
 from meshes.bodies import body_nodes, check_count, contact_nodes
 from reports.console import say, show_table
@@ -428,7 +425,6 @@ def test_a_folder_that_is_being_filled_is_private_and_the_filled_one_is_not(tmp_
 WRITERS = {
     "store of a sweep": lambda folder: Store(folder).write_text(folder / "a.json", "{}"),
     "baseline": lambda folder: replace_text(folder / "a.json", "{}"),
-    "store of bodies": lambda folder: _write(folder / "a.npz", condense(*condensed_body(), 4.0), Counter()),
 }
 
 

@@ -30,8 +30,9 @@ from markupsafe import escape
 import semi_analytic
 from command_line import ROOT, child, raising, start
 from faulty import copy_the_code
-from halfplane_fe import SolverSettings
+from halfplane_fe import SolverSettings, interface
 from halfplane_fe import solve as solve_fe
+from halfplane_fe.condensed_bodies import CondensedBodies
 from meshes import MeshSettings
 from reports.charts.plate import stacks
 from reports.cli import main
@@ -234,9 +235,9 @@ def test_the_figures_are_those_of_the_engines() -> None:
 
 
 def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setenv("HALFPLANE_CACHE", str(tmp_path))
+    monkeypatch.setattr(interface, "BODIES", CondensedBodies(10**9))
     asked = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
     solving._scales_of.cache_clear()
     three, one = (asked(axes=[F | {"values": frictions}]) for frictions in ([0.9, 1.5, 3.0], [1.5]))

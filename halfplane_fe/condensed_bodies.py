@@ -1,0 +1,88 @@
+"""Least-recently-used cache of condensed bodies in this process, bounded in bytes.
+
+A body is known by what `condense` reads of it: nodes, elements, boundaries, supports and grading of the mesh, the material and the
+datum length. Loads and friction are no part of it, so a study of them condenses each body once in each worker. `work` of the
+answer counts both, condensations and bodies taken from the cache.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter, OrderedDict
+from dataclasses import fields
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from halfplane_fe.elasticity import CondensedBody, condense
+from meshes import BodyMesh
+from scenes import Elastic
+
+# What `work` counts a body that was condensed before in this process under.
+CACHED = "condensations from the cache"
+
+
+class CondensedBodies:
+    """The bodies condensed last in this process.
+
+    Attributes
+    ----------
+    bound_bytes : of the arrays that are cached; 0 caches nothing
+    """
+
+    def __init__(self, bound_bytes: int) -> None:
+        self.bound_bytes = bound_bytes
+        self._results: OrderedDict[bytes, dict[str, Any]] = OrderedDict()  # least recently used first
+        self._lock = Lock()
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the cached arrays."""
+        return sum(_nbytes(result) for result in self._results.values())
+
+    def condensed(self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]) -> CondensedBody:
+        """The body condensed (`condense`), now or before; `work` counts which."""
+        key = _digest(body, material, datum_length)
+        with self._lock:
+            result = self._results.get(key)
+            if result is not None:
+                self._results.move_to_end(key)
+        if result is not None:
+            work[CACHED] += 1
+            return CondensedBody(body=body, **result)
+        condensed = condense(body, material, datum_length)
+        work["condensations"] += 1
+        work["sparse factorisations"] += int(condensed.diagnostics["sparse_factorisations"])
+        # Without the mesh, which is larger than what was made of it.
+        self._add(key, {field.name: getattr(condensed, field.name) for field in fields(condensed) if field.name != "body"})
+        return condensed
+
+    def _add(self, key: bytes, result: dict[str, Any]) -> None:
+        if _nbytes(result) > self.bound_bytes:
+            return
+        with self._lock:
+            self._results[key] = result
+            while self.nbytes > self.bound_bytes:
+                self._results.popitem(last=False)
+
+
+def _nbytes(result: dict[str, Any]) -> int:
+    return sum(value.nbytes for value in result.values() if isinstance(value, np.ndarray))
+
+
+def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
+    """SHA-256 of all that `condense` reads: another value of any of it, to the last bit, is another body."""
+    mesh = body.mesh
+    words = [type(mesh).__name__, body.grading, sorted(body.supports.items()), material, float(datum_length)]
+    arrays = {"nodes": mesh.doflocs, "elements": mesh.t}
+    arrays |= {f"boundary {name}": facets for name, facets in mesh.boundaries.items()}
+    digest = hashlib.sha256(repr(words).encode())
+    for name, array in sorted(arrays.items()):
+        digest.update(repr((name, array.dtype.str, array.shape)).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.digest()
+
+
+# 300 MB hold some two hundred bodies of the default mesh (1.5 MB each), or two of 2,000 contact nodes.
+BODIES = CondensedBodies(bound_bytes=300_000_000)
