@@ -20,9 +20,9 @@ from halfplane_fe.edges import (
     contact_edges,
     contact_uncertainty,
     fitted_contact_edges,
+    reported_states,
     stick_edges,
     stick_uncertainty,
-    visible_states,
 )
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
@@ -72,12 +72,12 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
     anywhere = scene.unsymmetric
-    every = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)
+    every = reported_states(problem, run.states, run.cycle_starts)
     seen = every[kept]
     blocks = [slice(first, first + _AT_ONCE) for first in range(0, len(states), _AT_ONCE)]
     found = [_edges(problem, states[block], seen[block], anywhere) for block in blocks]
     edges = {name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]}
-    permanent = _permanent_stick(scene, problem, run, every)
+    permanent = _permanent_stick(scene, problem, run, every, edges["stick_edges"] / scales.half_width)
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
     for one, unit in ((pressure, scales.load / weights), (shear, scales.load / weights), (slip, displacement)):
         np.multiply(one, unit, out=one)
@@ -145,29 +145,48 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     }
 
 
-def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> Array:
-    """(2,) ends of the nodes that stick through the last cycle, counted to half-way to the next node; NaN if none.
+def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States, edges: Array) -> Array:
+    """(2,) ends of what sticks through the whole last cycle: the intersection of its stick zones; NaN if there is none.
 
-    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all of it.
+    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all of it. Of instants that a long
+    run has dropped the stick zone is known by the states of the nodes alone.
     With bulk stress or tilt the steady state is only approached: what still creeps, less and less from cycle to cycle, counts.
+
+    Parameters
+    ----------
+    seen : (n_steps, n) states of all increments, as they are reported
+    edges : (k, 2) stick edges of the instants that are kept, scaled
     """
+    nothing = np.full(2, np.nan)
     period = scene.load.path().period
     if period is None:
-        return np.full(2, np.nan)
+        return nothing
     times = np.array([state.time for state in run.states])
     loaded = np.array([state.normal_load > 0 for state in run.states])
     inside = (times > run.states[-1].time - period * (1 - 1e-9)) & loaded
-    always = np.all(seen[inside] == STICK, axis=0)
-    if scene.unsymmetric:
-        law, slip = (np.array([getattr(run.states[k], name) for k in np.flatnonzero(inside)]) for name in ("state", "slip"))
-        moved = np.ptp(slip, axis=0)
-        always |= np.all(law != OPEN, axis=0) & (moved <= _CREEP * moved.max())
-    if not inside.any() or not always.any():  # no instant at all: the very first increment failed
-        return np.full(2, np.nan)
+    if not inside.any():  # the very first increment failed
+        return nothing
     x = problem.interface.x
-    ever_closed = np.any(seen[inside] != OPEN, axis=0)
-    outermost = np.array([[x[always].min(), x[always].max()]])
-    return stick_edges(x, always[None], ever_closed[None], outermost, anywhere=scene.unsymmetric)[0]
+
+    def by_nodes(stick: NDArray[np.bool_], closed: NDArray[np.bool_]) -> Array:
+        """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost nodes."""
+        contact = np.stack([x[np.argmax(closed, axis=1)], x[len(x) - 1 - np.argmax(closed[:, ::-1], axis=1)]], axis=1)
+        return stick_edges(x, stick, closed, contact, anywhere=scene.unsymmetric)
+
+    dropped = np.setdiff1d(np.flatnonzero(inside), run.kept)
+    zones = [edges[inside[run.kept]], by_nodes(seen[dropped] == STICK, seen[dropped] != OPEN)]
+    left, right = np.concatenate(zones).T
+    common = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
+    permanent = common if common[0] < common[1] else nothing
+    if scene.unsymmetric:
+        slip = np.array([run.states[k].slip for k in np.flatnonzero(inside)])
+        moved = np.ptp(slip, axis=0)
+        creeps = np.all(seen[inside] != OPEN, axis=0) & (moved <= _CREEP * moved.max())
+        if creeps.any():
+            ever_closed = np.any(seen[inside] != OPEN, axis=0)
+            creeping = by_nodes(creeps[None], ever_closed[None])[0]
+            permanent = np.array([np.fmin(permanent[0], creeping[0]), np.fmax(permanent[1], creeping[1])])
+    return permanent
 
 
 @dataclass(frozen=True)

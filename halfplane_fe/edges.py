@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import InterfaceState
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from scenes import STICK
 
@@ -52,6 +52,46 @@ _AT_ONCE = 512
 _ROUNDING = 1e-9
 
 
+def reported_states(problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]) -> NDArray[np.int8]:
+    """(n_steps, n) states as the user sees them: of coupled bodies those of the law, of others what `visible_states` shows.
+
+    The creep of the mesh can be told from slip only where half-plane theory of like bodies holds. Between unlike bodies, or bodies
+    of two shapes, pressing alone makes nodes slip, and slowly so near the edge of stick.
+
+    Parameters
+    ----------
+    problem : whose interface is coupled, or not
+    states, cycle_starts : as of `visible_states`
+    """
+    if problem.interface.coupling is not None:
+        return law_states(states)
+    return visible_states(states, cycle_starts, problem.friction, problem.interface.imposed)
+
+
+def law_states(states: Sequence[InterfaceState]) -> NDArray[np.int8]:
+    """(n_steps, n) states by the law, but for rounding: a node on the Coulomb limit that has not moved sticks.
+
+    Parameters
+    ----------
+    states : of the whole path; nothing has moved at the first of them
+    """
+    reported = np.stack([state.state for state in states])
+    starts = range(0, len(states) - 1, _AT_ONCE)
+
+    def slip_of_increments(start: int) -> Array:
+        """(k, n) of the next `_AT_ONCE` increments at most: slip of all of a long record would take gigabytes."""
+        return np.diff([state.slip for state in states[start : start + _AT_ONCE + 1]], axis=0)
+
+    largest = max((float(np.abs(slip_of_increments(start)).max()) for start in starts), default=0.0)
+    moved = np.zeros(reported.shape, dtype=bool)
+    for start in starts:
+        slip = slip_of_increments(start)
+        after = slice(start + 1, start + 1 + len(slip))
+        moved[after] = slip_sign(reported[after]) * slip > _ROUNDING * largest
+    reported[(slip_sign(reported) != 0) & ~moved] = STICK
+    return reported
+
+
 def visible_states(
     states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float, imposed: Array | None = None
 ) -> NDArray[np.int8]:
@@ -60,7 +100,7 @@ def visible_states(
     The load drives forward slip where dQ > f dP and reverse slip where -dQ > f dP: like half-planes slip there alone, each node of
     the slip zone, however slowly. At a distance from the middle of the stick zone bulk strain and tilt add their part to dQ and dP:
     in full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one and the same root, A = 2 in scaled variables.
-    Unlike bodies have slip besides, which has to be fast to count.
+    What the load does not drive has to be fast to count as slip.
 
     Parameters
     ----------
@@ -329,7 +369,7 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     """
     sticking, rank = (np.cumsum(nodes, axis=1, dtype=np.int32) for nodes in (stick & half, half))
     # Sliding nodes up to this one, and sticking ones behind it.
-    wrong = np.where(half, rank - 2 * sticking, len(half[0]) + 1)
+    wrong = np.where(half, rank - 2 * sticking, half.shape[1] + 1)
     last: Indices = half.shape[1] - 1 - np.argmin(wrong[:, ::-1], axis=1)
     n_stick: Indices = np.where(_pick(wrong, last) <= 0, _pick(rank, last), 0)
     return last, n_stick, rank[:, -1].astype(np.int64)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
-from halfplane_fe.edges import contact_edges, stick_edges, visible_states
+from halfplane_fe.edges import contact_edges, reported_states, stick_edges
 from halfplane_fe.interface import (
     Interface,
     condensed_pair,
@@ -140,7 +140,7 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
-        seen = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)[cycles]
+        seen = reported_states(problem, run.states, run.cycle_starts)[cycles]
         inner = _innermost_edge(problem, run.states[cycles], seen, anywhere=scene.unsymmetric)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off

@@ -76,6 +76,7 @@ def solid(
 ) -> BodyMesh:
     """A body of finite size in its own frame: first contact at the origin, y out of the body.
 
+    Elements are small at the contact and in the corner of a free side with a fixed base, where the strain is infinite.
     Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of the face), "sides" (none for a cylinder), "base".
 
     Raises
@@ -87,10 +88,12 @@ def solid(
     face, half_width = face_of(shape, profile), shape.face_half_width
     height = shape.radius if isinstance(shape, Cylinder) else shape.height
     unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
-    outline = _Outline(face, half_width / length, height / length, length)
-    mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size_formula(unit, growth), order, cells, outline.settle)
+    outline, supports = _Outline(face, half_width / length, height / length, length), _supports(shape)
+    free_side_on_fixed_base = supports["base"] == "fixed" and "sides" not in supports
+    size = size_formula(unit, growth, outline.base_corner if free_side_on_fixed_base else None)
+    mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size, order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
-    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
+    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), supports)
 
 
 def check_face(name: str, shape: Block | Pad | Cylinder, profile: Profile, grading: SurfaceGrading) -> None:
@@ -133,6 +136,11 @@ class _Outline:
         # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes with the root of the width.
         drop = float(self._true_depth(np.array(half_width)))
         self._half_width, self._height, self._drop = rounded([half_width, height, drop]).tolist()
+
+    @property
+    def base_corner(self) -> tuple[float, float]:
+        """Where side, or face, and base meet."""
+        return self._half_width, -self._height
 
     def _depth(self, x: Array) -> Array:
         return rounded(self._true_depth(x))
