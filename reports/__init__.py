@@ -1,6 +1,6 @@
 """Comparison of two solutions, the page about it, and the command line.
 
-`compare`, `score` and `write` are all that a script needs. Public is what `__all__` of `reports`, `reports.maps` and
+`compare`, `score`, `write` and `figure` are all that a script needs. Public is what `__all__` of `reports`, `reports.maps` and
 `reports.sweep` names; the modules beneath may change. Names are loaded when they are first asked for: `halfplane --help`
 must not wait for numpy.
 """
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison, Report, compare
     from reports.comparison.laws import Certificate
     from reports.comparison.metrics import Metric
-    from reports.page.writing import write
+    from reports.page.writing import figure, write
     from reports.scoring.against import score
 
-__all__ = ["Certificate", "Comparison", "Metric", "Report", "compare", "score", "write"]
+__all__ = ["Certificate", "Comparison", "Metric", "Report", "compare", "figure", "score", "write"]
 
 _HOME = {
     "Certificate": "reports.comparison.laws",
@@ -25,6 +25,7 @@ _HOME = {
     "Metric": "reports.comparison.metrics",
     "Report": "reports.comparison",
     "compare": "reports.comparison",
+    "figure": "reports.page.writing",
     "score": "reports.scoring.against",
     "write": "reports.page.writing",
 }

@@ -1,15 +1,16 @@
 """Fields on disk, and in pictures: ParaView's collection, the record, what is drawn, the command."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 import pyvista
-from matplotlib import image
 
 import halfplane_fe
 import semi_analytic
@@ -17,6 +18,7 @@ from command_line import everything
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
+from reports.charts.plate import Plate
 from reports.charts.templating import style_of
 from reports.cli import main
 from reports.cli.application import Options
@@ -316,7 +318,7 @@ class TestCommand:
         out = folder / "out"
         record = json.loads((out / "fields" / "fields.json").read_text(encoding="utf-8"))
         assert all((out / name).is_file() for name in [*record["files"], *record["pictures"]])
-        assert record["pictures"] == [f"pictures/{name}.png" for name in ("mesh", "von_mises_000")]
+        assert record["pictures"] == [f"pictures/{name}.svg" for name in ("mesh", "von_mises_000")]
         assert "asked for 2" in [instant["label"] for instant in record["instants"]]
         assert sum(name.startswith("fields/contact_") for name in record["files"]) == len(record["instants"]) == 3
         for name in ("largest_nodal_von_mises", "largest_nodal_tension"):
@@ -333,11 +335,22 @@ class TestCommand:
 
     def test_pictures_show_both_bodies_and_every_boundary(self, folder: Path) -> None:
         """Colours of the boundaries that the two bodies have, and none of the far field that they have not."""
-        found = (image.imread(folder / "out" / "pictures" / "mesh.png")[..., :3] * 255).round().astype(int)
-        shown = {tuple(colour) for colour in np.unique(found.reshape(-1, 3), axis=0)}
+        document = ET.parse(folder / "out" / "pictures" / "mesh.svg")
+        shown = {
+            colour
+            for path in document.iter("{http://www.w3.org/2000/svg}path")
+            for colour in re.findall(r"#\w+", path.get("style", ""))
+        }
         colours = {name: style_of(f"curve side-{name}")["stroke"] for name in BOUNDARIES}
-        wanted = {name: tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5)) for name, colour in colours.items()}
-        assert {name for name, colour in wanted.items() if colour in shown} == {"contact", "free", "sides", "base"}
+        assert {name for name, colour in colours.items() if colour in shown} == {"contact", "free", "sides", "base"}
+
+    def test_a_picture_of_stress_holds_what_pyvista_rendered_and_its_axes(self, folder: Path) -> None:
+        document = ET.parse(folder / "out" / "pictures" / "von_mises_000.svg")
+        images = [element.get("href", "") for element in document.iter("{http://www.w3.org/2000/svg}image")]
+        assert len(images) >= 2  # the whole bodies and the contact
+        assert all(address.startswith("data:image/png;base64,") for address in images)
+        words = {"".join(text.itertext()) for text in document.iter("{http://www.w3.org/2000/svg}text")}
+        assert any(text.startswith("von Mises stress") for text in words)
 
     def test_a_second_run_leaves_no_file_of_the_first_but_those_of_other_commands(
         self, folder: Path, capsys: pytest.CaptureFixture[str]
@@ -377,16 +390,16 @@ def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(tmp_path: Pat
     """Axes say x / a_ref, which is a(P_ref) and not the largest half-width."""
     drawn = []
 
-    def picture_of(plates: Any, *_: Any) -> list[str]:
-        drawn.extend(plates)
-        return []
+    def picture_of(plate: Plate, _: Path) -> str:
+        drawn.append(plate)
+        return ""
 
-    monkeypatch.setattr("reports.charts.publication.write_plots", picture_of)
+    monkeypatch.setattr("reports.cli.field_output._write_picture", picture_of)
     monkeypatch.setattr("reports.field_output.pictures.scales_of", lambda _: ())  # there are no stills
     answer = answer_of("blocks")
     widths = answer.contact_half_width.copy()
     widths[0] = 3 * widths.max()  # at no load: not that of the reference load
-    _draw(replace(answer, contact_half_width=widths), [], tmp_path, Stages(quiet=True))
+    _draw(replace(answer, contact_half_width=widths), [], tmp_path / "pictures", Stages(quiet=True))
     (plate,) = drawn
     half_width = scales(answer).half_width
     outermost = max(float(np.max(np.abs(body.mesh.p))) for body in answer.bodies) / half_width

@@ -11,11 +11,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
-from PIL import Image
 
 import semi_analytic
-from reports import Report, compare, write
+from reports import Report, compare, figure, write
 from reports.charts.plate import (
     Arrow,
     Axis,
@@ -34,7 +32,6 @@ from reports.charts.plate import (
     Segments,
     stacks,
 )
-from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.comparison import Comparison
 from reports.comparison.words import summary_rows, value_of
@@ -44,7 +41,7 @@ from reports.sweep import running
 from reports.sweep.page import write_page
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
-from scenes import Scene, load_scene, scene_names
+from scenes import InputError, Scene, load_scene, scene_names
 from test_reports_sweep import Bench
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
@@ -321,7 +318,7 @@ def test_numbers_in_tables_stay_and_no_table_has_a_formula(pages: dict[str, Path
     assert {"'=1+1", "'@x"} <= set(found)
 
 
-# ----------------------------------------------------- charts: marks that both engines draw alike, files of publication quality
+# ------------------------------------------------------------------------------------------ charts: on the page and alone
 NASTY = "<b>$x_1$ & \\frac{1}{2}"
 
 
@@ -361,35 +358,12 @@ def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style
     assert style_of("title", text=True)["font-size"] == "13"  # not that of a phone
 
 
-def test_files_of_publication_quality_are_of_the_same_figure(tmp_path: Path) -> None:
-    """A block, a dashed line and the map's pixels are where the SVG document has them, nested documents and clips included."""
-    names = write_plots([plate("one")], tmp_path / "plots", ("pdf", "svg", "png"))
-    assert names == ["one.pdf", "one.svg", "one.png"]
-    assert (tmp_path / "plots" / "one.pdf").read_bytes().startswith(b"%PDF-")
-    text = (tmp_path / "plots" / "one.svg").read_bytes()
-    assert drawn(plate("one"), ("svg",))["svg"] == text == plate("one").svg().encode()
-    document, image = ET.fromstring(text), Image.open(tmp_path / "plots" / "one.png").convert("RGB")
-    size = tuple(float(document.attrib[side]) * 200 / 96 for side in ("width", "height"))
-    assert image.size == pytest.approx(size, abs=2)
-    places = (("plain", (0.205, 0.29), (0x12, 0x34, 0x56)), ("map", (0.1, 0.9), (0, 255, 0)), ("map", (0.9, 0.9), (255, 0, 0)))
-    for panel, (x, y), colour in places:
-        shown = next(one for one in plate().svg().split("<svg")[2:] if f"clip-{panel}" in one)
-        left, top = (float(shown.partition(f' {side}="')[2].partition('"')[0]) for side in "xy")
-        frame = next(one.frame for stack in stacks(plate()) for one in stack if one.name == panel)
-        at = (left + float(frame.x.place(x)), top + float(frame.y.place(y)))
-        assert image.getpixel(tuple(round(v * 200 / 96) for v in at)) == colour
-    texts = [text.get_text() for text in figure_of(plate()).findobj(Text)]
-    assert r"x / a$_{\mathrm{ref}}$" in texts
-    assert sum(NASTY.partition("$")[0] in text and r"\$x$_{\mathrm{1}}$\$" in text for text in texts) == 3
-    assert (0xD5, 0x5E, 0x00) in {colour for _, colour in image.getcolors(10**7) or []}
-
-
-def test_every_figure_stands_alone_and_can_be_published(tmp_path: Path) -> None:
+def test_every_figure_stands_alone_and_can_be_published() -> None:
     """No variable of the page, no class of it, nothing of other figures, and XML that any reader takes, with its own words."""
-    plates = draw(Report(compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))))
-    assert write_plots(plates, tmp_path, ("svg",)) == [f"{plate.name}.svg" for plate in plates]
-    assert all((tmp_path / f"{one.name}.svg").stat().st_size > 2000 for one in plates)
-    for alone in (one.svg() for one in (*plates, plate())):
+    compared = compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))
+    alone_by_name = {one.name: figure(compared, one.name) for one in draw(Report(compared))}
+    assert all(len(alone) > 2000 for alone in alone_by_name.values())
+    for alone in (*alone_by_name.values(), plate().svg()):
         root = ET.fromstring(alone)
         assert root.tag.endswith("svg")
         assert not [word for word in ("var(", "<use", "class=", "data-", "{{") if word in alone.replace("data:image/png", "")]
@@ -398,6 +372,18 @@ def test_every_figure_stands_alone_and_can_be_published(tmp_path: Path) -> None:
     assert (words.count(NASTY), words.count(NASTY.replace("_", ""))) == (0, 3)  # its subscript is set
     assert "#123456" in alone
     assert alone == plate().svg()
+
+
+def test_a_script_gets_each_figure_by_the_name_of_its_values(comparison: Comparison, tmp_path: Path) -> None:
+    """Those of the page in a report's folder, and a sentence with the names for any other."""
+    write(comparison, tmp_path / "out")
+    names = {path.stem for path in (tmp_path / "out" / "figures").glob("*.csv")}
+    assert names == FIGURES
+    drawn = {one.name: one for one in draw(Report(comparison))}
+    for name in names:
+        assert figure(comparison, name) == figure(Report(comparison), name) == drawn[name].svg()
+    with pytest.raises(InputError, match=r"'traction' is no figure of this comparison; its figures are .*\btractions\b"):
+        figure(comparison, "traction")
 
 
 def test_every_plot_of_a_difference_carries_its_number() -> None:

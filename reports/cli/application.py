@@ -113,10 +113,6 @@ class Options:
     budget: Annotated[bool | None, _says("Measure where the difference comes from: coarser meshes, other far fields.")] = None
     vtu: Annotated[tuple[str, ...], _several('Write both bodies for ParaView at these times, or at "events".')] = ()
     stress: Annotated[tuple[str, ...], _several('Show von Mises stress on the page at these times, or at "events".')] = ()
-    plots: Annotated[
-        tuple[Literal["pdf", "svg", "png"], ...],
-        _several("Every figure as a file of publication quality too, in plots/: pdf svg png."),
-    ] = ()
     third: Annotated[Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")] = None
     scene: Annotated[str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")] = None
     as_: Annotated[
@@ -135,7 +131,7 @@ class Options:
     at: Annotated[tuple[str, ...], _several('Times of the path, or "events" of the last cycle, the default without a series.')] = ()
     every: Annotated[_Count | None, _says("A series over the last cycle: every Nth stored step.")] = None
     frames: Annotated[_Count | None, _says("A series over the last cycle: N instants evenly in time.")] = None
-    pictures: Annotated[bool, _says("Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True
+    pictures: Annotated[bool, _says("Draw the meshes and the von Mises stress at the instants of --at as SVG.")] = True
     fatigue: Annotated[
         bool, _flag("Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland; fields/fatigue.csv.")
     ] = False
@@ -240,7 +236,7 @@ _COMMANDS = (
     _Command(
         "Solve", "run", "Both engines on one scene: verdict, page and data.",
         "solving:run", (_SCENE_NAME,),
-        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "plots", "third", *_FINITE_ELEMENTS),
+        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "third", *_FINITE_ELEMENTS),
     ),
     _Command(
         "Solve", "exact", "Half-plane theory alone: summary, NetCDF and CSV, no page.", "solving:exact", (_SCENE_NAME,), _OUTPUT

@@ -14,6 +14,7 @@ from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
+    from reports.charts.plate import Plate
     from reports.field_output.fatigue import Criteria
     from reports.field_output.files import Instant
     from scenes import Scene
@@ -129,8 +130,8 @@ def _shown(
     if many:
         yield f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json"
     yield from notes
-    counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".png")}
-    yield f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures, and what they are in fields/fields.json"
+    counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".svg")}
+    yield f"written: {counts['.vtu']} VTU files, {counts['.svg']} pictures, and what they are in fields/fields.json"
     if measures:
         # The largest value of each measure by both engines, in the body in which finite elements have it.
         found = []
@@ -162,16 +163,21 @@ def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snaps
     with stages.stage("pictures", "pictures") as report:
         import numpy as np
 
-        from reports.charts.publication import write_plots
         from reports.comparison.metrics import scales as reference_scales
         from reports.field_output.pictures import mesh, scales_of, stress
 
+        folder.mkdir()
         edge = float(np.nanmax(solution.contact_edges))
-        plate = mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True)
-        names = write_plots([plate], folder, ("png",))
+        names = [_write_picture(mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True), folder)]
         scales = scales_of([snapshot for _, snapshot in stills])
         for number, (instant, snapshot) in enumerate(stills):
             report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")
             plate = stress(solution, [snapshot], [instant], scales, f"von_mises_{number:03d}", 1000)
-            names += write_plots([plate], folder, ("png",))
-    return [f"pictures/{name}" for name in names]
+            names.append(_write_picture(plate, folder))
+    return names
+
+
+def _write_picture(plate: Plate, folder: Path) -> str:
+    """Write a figure as SVG that stands alone; returns its name below the folder of the run."""
+    (folder / f"{plate.name}.svg").write_text(plate.svg(), encoding="utf-8")
+    return f"pictures/{plate.name}.svg"

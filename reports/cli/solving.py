@@ -294,7 +294,7 @@ def run(job: Job) -> Answer:
     taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
     options.settings()
     if alone := taken.in_words(source):
-        for name in ("tolerance", "budget", "vtu", "stress", "plots", "third"):
+        for name in ("tolerance", "budget", "vtu", "stress", "third"):
             if getattr(options, name):
                 raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
         complain(f"halfplane: {scene.name}: no comparison. {alone}")
@@ -358,7 +358,6 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
                 command=command,
                 seconds=dict(stages.seconds),
                 stress_instants=instants_of(options.stress, result, "--stress"),
-                plots=options.plots,
                 log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
             )
     return report

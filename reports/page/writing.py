@@ -66,7 +66,7 @@ from reports.folder import filled
 from reports.measured import section
 from reports.profile_fit import findings, fit_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import ContactSolution, Cylinder, HalfPlane, Scene, Shape, sampled
+from scenes import ContactSolution, Cylinder, HalfPlane, InputError, Scene, Shape, sampled
 from scenes.bodies import face_of
 from scenes.scene import OWN_TOLERANCES
 
@@ -87,7 +87,6 @@ def write(
     command: str = "",
     seconds: Mapping[str, float] | None = None,
     stress_instants: Sequence[Instant] = (),
-    plots: Sequence[str] = (),
     log: Sequence[str] = (),
 ) -> Path:
     """Write the report and return the path of the page.
@@ -102,7 +101,6 @@ def write(
     command : what reproduces the report
     seconds : stage -> wall time, for the page
     stress_instants : where the page shows von Mises' stress; nowhere by default
-    plots : formats of which every figure is written too, in plots/: "pdf", "svg", "png"
     log : lines of run.log; without any there is none
 
     Raises
@@ -140,10 +138,6 @@ def write(
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             (folder / "run.log").write_text("\n".join([*log, headline(report), verdict(report)]) + "\n", encoding="utf-8")
-        if plots:
-            from reports.charts.publication import write_plots
-
-            write_plots(drawings, folder / "plots", plots)
     return Path(out) / "report.html"
 
 
@@ -446,6 +440,30 @@ def draw(report: Report) -> tuple[Plate, ...]:
     if len(shown.time) < 2:
         left_out |= {"state_map", "half_widths", "slip_history", "errors"}
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
+
+
+def figure(found: Comparison | Report, name: str) -> str:
+    """One figure of the page as an SVG document that stands alone.
+
+    Parameters
+    ----------
+    found : what `compare` or `score` returned, or a `Report` of more
+    name : of the figure, as its CSV beside the page is called
+
+    Raises
+    ------
+    InputError
+        For a name that no figure of this comparison has.
+
+    >>> import semi_analytic
+    >>> exact = semi_analytic.solve("cattaneo-mindlin")
+    >>> figure(compare(exact, exact), "hysteresis")[:34]
+    '<svg xmlns="http://www.w3.org/2000'
+    """
+    figures = {plate.name: plate for plate in draw(found if isinstance(found, Report) else Report(found))}
+    if name not in figures:
+        raise InputError(f"figure: {name!r} is no figure of this comparison; its figures are {', '.join(figures)}")
+    return figures[name].svg()
 
 
 def _measured(difference: Array, along: Array, where: str, unit: str = "", weight: NDArray[np.bool_] | None = None) -> str:

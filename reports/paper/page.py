@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports.charts.publication import write_plots
 from reports.charts.templating import script, table_text, template
 from reports.console import Stages
 from reports.folder import filled
@@ -56,7 +55,7 @@ def tally(rows: Sequence[Statement]) -> dict[str, int]:
 
 
 def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
-    """Compute everything and fill the folder: page, two tables as CSV, each figure as SVG, PNG and CSV.
+    """Compute everything and fill the folder: page, two tables as CSV, each figure as SVG and CSV.
 
     Raises
     ------
@@ -71,8 +70,8 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
     with filled(out) as folder:
         (folder / "statements.csv").write_text(table_text(as_columns(said, "statement")), encoding="utf-8")
         (folder / "misprints.csv").write_text(table_text(as_columns(wrong, "misprint")), encoding="utf-8")
-        with stages.stage("SVG, PNG and CSV"):
-            write_plots(figures, folder / "figures", ("png",))
+        (folder / "figures").mkdir()
+        with stages.stage("SVG and CSV"):
             for figure in figures:
                 (folder / "figures" / f"{figure.name}.svg").write_text(figure.svg(), encoding="utf-8")
                 (folder / "figures" / f"{figure.name}.csv").write_text(figure.csv(), encoding="utf-8")
