@@ -455,10 +455,10 @@ def figure(found: Comparison | Report, name: str) -> str:
     InputError
         For a name that no figure of this comparison has.
 
-    >>> import semi_analytic
+    >>> import reports, semi_analytic
     >>> exact = semi_analytic.solve("cattaneo-mindlin")
-    >>> figure(compare(exact, exact), "hysteresis")[:34]
-    '<svg xmlns="http://www.w3.org/2000'
+    >>> reports.figure(reports.compare(exact, exact), "hysteresis")[:11]
+    '<svg xmlns='
     """
     figures = {plate.name: plate for plate in draw(found if isinstance(found, Report) else Report(found))}
     if name not in figures:
