@@ -1,13 +1,11 @@
-"""What a notebook shows of a scene and a solution: HTML with every word escaped; and figures of a solution."""
+"""What a notebook shows of a scene and a solution, a table as HTML with every word escaped; and `plot` and `plot_loop`."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reports.charts.plate import Axis, Curve, Panel, Plate, limits
 from reports.charts.templating import template
 from reports.comparison.words import bulk_and_tilt, first_rows, stretch
 from scenes import ContactSolution, InputError, Scene, SurfaceState
@@ -16,11 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
 
 def scene_html(scene: Scene) -> str:
-    """Name, bodies, material, profile, friction and loads of a scene, and its path in the plane of P and Q."""
+    """Name, bodies, material, profile, friction and loads of a scene."""
     upper, lower = scene.material.upper, scene.material.lower
     path = scene.load.path()
     loads = [path.at(np.linspace(leg.start, leg.end, 65)) for leg in path.legs(1)]
@@ -38,16 +34,13 @@ def scene_html(scene: Scene) -> str:
         *([("beside P and Q", beside)] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
-    picture = _loop_svg(normal, tangential, "P", "Q")
-    return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows, picture=picture)
+    return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows)
 
 
 def solution_html(solution: ContactSolution) -> str:
-    """How a solution ended, its size and its figures, and the loop of Q over the shift in the last cycle."""
-    steps = solution.last_cycle
-    picture = _loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
+    """How a solution ended, its size and its values."""
     title = solution.scene.title or solution.scene.name or "Solution"
-    return template("notebook.html").render(title=title, rows=first_rows(solution), picture=picture)
+    return template("notebook.html").render(title=title, rows=first_rows(solution))
 
 
 # Of the states 0 to 3, on white: open, stick, forward slip, reverse slip; apart in grey too.
@@ -133,12 +126,3 @@ def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     if "inline" in plt.get_backend():
         plt.close(figure)
     return figure, [row[0] for row in axes]
-
-
-def _loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
-    """A line through points as a small SVG; nothing where a point is no number."""
-    if not (np.isfinite(across).all() and np.isfinite(up).all()):
-        return ""
-    horizontal, vertical = Axis(*limits(across), across_name, count=3), Axis(*limits(up), up_name, count=3)
-    panel = Panel("loop", horizontal, vertical, [Curve(across, up, "")], f"{up_name} over {across_name}", 280.0, 190.0)
-    return Plate("loop", panel.alt, "", panel.alt, (panel,), {}).svg()
