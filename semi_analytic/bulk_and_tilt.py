@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -30,11 +30,11 @@ from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of, convex_profile
-from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
+from semi_analytic.tilted_profile import ConvexProfile, NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
-# Share of the largest value within which two affine functions are one.
+# Share of the largest value, or of what would make a whole edge slip, within which two affine functions are one.
 _ROUNDING = 1e-11
 # Instants of a curved leg that are compared, besides two for each turn that it may take.
 _SAMPLES = 40
@@ -56,6 +56,7 @@ class OneCurve:
     path : P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms the memory curve is
     bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_given : whether `turning` states the moment
+    neglected : the loads that are below rounding and were left out, each with its size over the load that makes its edge slip
     """
 
     contact: TiltedProfile
@@ -63,6 +64,7 @@ class OneCurve:
     bulk: LoadPath | None
     turning: LoadPath | None
     moment_given: bool
+    neglected: Mapping[str, float] = field(default_factory=dict)
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
         """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the normal loads (n,)."""
@@ -108,38 +110,55 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     InputError
         For a profile that bends down somewhere, a contact that leaves the profile.
     """
-    path, profile = path or scene.load.path(), scene.profile
+    path = path or scene.load.path()
+    profile = scene.profile
     legs = (*path.initial_loading, *path.cycle)
     shape = convex_profile(profile)
-    radius = shape.radius
-    modulus, datum, friction = composite_modulus(scene.material), profile.datum_length, scene.friction.coefficient
-    upright = TiltedProfile(NestedIntervals(shape, 2 / modulus, 0.0, 0.0, math.inf), datum)
-    found = [_sampled(leg, upright if path.moment_given else None, strain_of(scene.material)) for leg in legs]
+    compliance = 2 / composite_modulus(scene.material)
+    datum = profile.datum_length
+    friction = scene.friction.coefficient
+    strain = strain_of(scene.material)
+    upright = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
+    samples = [_sampled(leg, upright if path.moment_given else None, strain) for leg in legs]
+    sizes = _Sizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
     first = 0
-    largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
-    while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
+    while first < len(path.initial_loading) and _presses_only(samples[first], sizes):
         first += 1
-    p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
+    p, q, eps, alpha = np.concatenate(samples[first:] or [samples[-1][:, -1:]], axis=1)
     turned = np.isfinite(alpha)
     most = float(np.max(p))
+    neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
-    still = radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
-    begin, alone = float(eps[0]), still and not np.any(q) and np.ptp(eps) > _ROUNDING * strained
+    still = shape.radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
+    begin = float(eps[0])
+    pulled = np.ptp(eps) > sizes.strain_rounding
+    alone = still and pulled and not np.max(np.abs(q)) > sizes.shear_rounding
     if alone:  # a load in proportion to the bulk strain, of half f P at most, takes the place of Q
+        if np.any(q):
+            neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * most)
         q = (eps - begin) * (friction * most / 2 / float(np.max(np.abs(eps - begin))))
-    slope = _slope_of(q, eps) if np.ptp(q) > _ROUNDING * np.max(np.abs(q)) else _slope_of(p[turned], alpha[turned])
+    if np.ptp(q) > sizes.shear_rounding:
+        slope = _slope_of(q, eps, sizes.strain_rounding)
+    else:
+        slope = _slope_of(p[turned], alpha[turned], sizes.tilt_rounding)
     tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
-    offset = eps - slope * q
-    apart = np.abs(alpha[turned] - tilt - slope * p[turned])
-    if np.ptp(offset) > _ROUNDING * (np.max(np.abs(eps)) + abs(slope) * np.max(np.abs(q))):
+    strain_apart = float(np.ptp(eps - slope * q))
+    tilt_apart = float(np.max(np.abs(alpha[turned] - tilt - slope * p[turned]), initial=0.0))
+    if strain_apart > sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q)):
         return None
-    if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
+    if tilt_apart > sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p):
         return None
-    contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
+    # What is the last digits of a load itself is no load that was left out.
+    if strain_apart > _ROUNDING * np.max(np.abs(eps)):
+        neglected["bulk stress"] = strain_apart / sizes.strain
+    if tilt_apart > _ROUNDING * np.max(np.abs(alpha[turned])):
+        neglected["tilt"] = tilt_apart / sizes.tilt
+    contact = TiltedProfile(NestedIntervals(shape, compliance, tilt, slope, most), datum)
     if alone or not contact.is_nested(most):
         if not still:
             return None
-        reach, share = float(np.max(np.abs(q))), 0.0 if alone else 1.0
+        reach = float(np.max(np.abs(q)))
+        share = 0.0 if alone else 1.0
         contact = OppositeSlip(contact.intervals, datum, friction=friction, reach=reach, share=share)
         try:
             if not contact.is_nested(most):
@@ -148,13 +167,50 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
             return None
     bare = [replace(leg, bulk=None, turning=None) for leg in legs]
     if alone:
-        driven = [_driven(leg, strain_of(scene.material), begin, slope) for leg in legs]
+        driven = [_driven(leg, strain, begin, slope) for leg in legs]
         if None in driven[first:]:
             return None
         bare[first:] = driven[first:]  # type: ignore[assignment]
     loading = len(path.initial_loading)
     only = LoadPath(tuple(bare[:loading]), tuple(bare[loading:]))
-    return OneCurve(contact, only, path.companion("bulk"), path.companion("turning"), path.moment_given)
+    bulk = path.companion("bulk")
+    turning = path.companion("turning")
+    return OneCurve(contact, only, bulk, turning, path.moment_given, neglected)
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """What bulk strain, tilt and Q are measured by along a path, a the half-width at its largest load P.
+
+    Attributes
+    ----------
+    strain, tilt : A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact slip, or lift
+    strain_rounding, tilt_rounding, shear_rounding : below it a change of bulk strain, tilt and Q changes no digit
+    """
+
+    strain: float
+    tilt: float
+    strain_rounding: float
+    tilt_rounding: float
+    shear_rounding: float
+
+    @classmethod
+    def of(cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float) -> _Sizes:
+        """Of P, Q, eps and alpha (4, n)."""
+        p, q, eps, alpha = samples
+        turned = np.isfinite(alpha)
+        last = int(np.argmax(p))
+        most = float(p[last])
+        half = float(shape.contact(compliance * most, alpha[last] if turned[last] else 0.0)[1])
+        tilt = compliance * most / (math.pi * half) if half > 0 else 0.0
+        strain = friction * tilt
+        return cls(
+            strain=strain,
+            tilt=tilt,
+            strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), strain),
+            tilt_rounding=_ROUNDING * max(float(np.max(np.abs(alpha), where=turned, initial=0.0)), tilt),
+            shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * most),
+        )
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
@@ -265,10 +321,10 @@ def followed_path(scene: Scene) -> LoadPath:
     return family.path
 
 
-def _presses_only(samples: Array, largest: float, strained: float) -> bool:
-    """Whether a leg has no Q and no change of bulk strain, to rounding of the largest P and eps."""
+def _presses_only(samples: Array, sizes: _Sizes) -> bool:
+    """Whether a leg has no Q and no change of bulk strain, to rounding."""
     _, q, eps, _ = samples
-    return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
+    return bool(np.max(np.abs(q)) <= sizes.shear_rounding and np.ptp(eps) <= sizes.strain_rounding)
 
 
 def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[float, float]) -> Array:
@@ -291,8 +347,10 @@ def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[floa
     return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
 
 
-def _slope_of(load: Array, what: Array) -> float:
-    """Least-squares slope; 0 where the load is constant."""
-    away = load - np.mean(load) if len(load) else load
+def _slope_of(load: Array, what: Array, rounding: float = 0.0) -> float:
+    """Least-squares slope; 0 where the load is constant, or what depends on it is, to its `rounding`."""
+    if not len(load) or np.ptp(what) <= rounding or np.ptp(load) <= _ROUNDING * np.max(np.abs(load)):
+        return 0.0
+    away = load - np.mean(load)
     square = float(away @ away)
-    return float(away @ what) / square if square > 0 and np.ptp(load) > _ROUNDING * np.max(np.abs(load)) else 0.0
+    return float(away @ what) / square if square > 0 else 0.0

@@ -178,8 +178,9 @@ def solve(
     scene : the question, or its name in the library, or the path of its file
     x : (n_points,) contact points, or one [length]; 200 across the largest contact and a little beyond if None
     time : (n_steps,) instants, in any order, or one; about 400 a cycle, all events among them, if None
-    cycles : "all" (the initial loading and every cycle up to the first steady one) or "steady" (that one only); no effect where
-        `time` is given
+    cycles : "all" (the initial loading and every cycle up to the first steady one) or "steady" (that one only: where bulk stress
+        and tilt are constant in it, of fields that do not depend on the initial loading, without grids); no effect where `time`
+        is given
     fields : a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are counted in `work.skipped`
     straight_steps : follow straight lines between the given times (ascending) instead of the scene's path: the polygon that a
         step-by-step solver saw, so that its step error can be told apart
@@ -262,7 +263,11 @@ def _remembered(
         value, rounding = found.loop
         loop = (value if rounding < _TOO_ROUGH * work else math.nan) if work else 0.0
     errors = _errors(request, found, series, grids, arcs, work, loop)
-    notes, steady = [], path.steady_from is not None and path.covered[-1] >= path.steady_from
+    left_out_of_memory = sum(family.neglected.values()) if family is not None else 0.0
+    if left_out_of_memory > PROMISED:
+        errors |= {name: errors.get(name, 0.0) + left_out_of_memory for name in sorted(wanted & _OF_FRICTION)}
+    notes = list(_neglected_loads(family))
+    steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if "dissipation" in wanted and path.period is not None and not steady:
         notes.append("the last cycle is not steady: no closed integral of Q dU to compare the dissipation with")
     if left_out:
@@ -388,6 +393,12 @@ def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     return PathLoads(path, strain_of(scene.material), shape.radius or 1.0), TiltedProfile(intervals, scene.profile.datum_length)
 
 
+_OF_FRICTION = frozenset(("shear", "slip", "tangential_displacement", "dissipation", "dissipation_density"))
+"""Those that bulk strain and tilt change in the first order."""
+
+STEADY_FIELDS = frozenset(("pressure", "state", "normal_approach", "dissipation", "dissipation_density"))
+"""Those that are the same in the steady cycle however it was reached; traction and slip that stay locked in are not."""
+
 _OF_STEADY_CYCLE = (
     *("dissipation", "loop_work", "dissipation_density"),
     *("permanent_stick_half_width", "permanent_stick_edges"),
@@ -396,6 +407,8 @@ _OF_STEADY_CYCLE = (
 
 def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles) -> ContactSolution:
     """The answer where bulk stress and tilt make no one memory curve: edges of stick are followed, or cells where it breaks."""
+    if asked is None and cycles == "steady" and wanted <= STEADY_FIELDS and (family := steady_curve(scene)) is not None:
+        return _steady_alone(scene, family, wanted, points)
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
     modulus, datum = composite_modulus(scene.material), scene.profile.datum_length
     loads, leaning = leaning_profile(scene)
@@ -484,6 +497,25 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     better = {name: getattr(exact, name) for name in _OF_STEADY_CYCLE}
     record = replace(answer.record, errors=dict(answer.record.errors) | dict.fromkeys(of_work, 0.0) | dict(exact.record.errors))
     return replace(answer, cycle_dissipation=freeze(works), record=record, **better)
+
+
+def _steady_alone(scene: Scene, family: OneCurve, wanted: frozenset[str], points: Array | None) -> ContactSolution:
+    """The steady cycle where its loads alone have one memory curve and those of the initial loading have not."""
+    answer = _remembered(scene, family, wanted, points, None, "steady", False, clock.perf_counter())
+    note = (
+        "the steady cycle by its one memory curve; the initial loading has another memory and was not followed: the number of "
+        'cycles until then and the moment of the shear are not known, `cycles="all"` finds them on grids'
+    )
+    record = replace(
+        answer.record,
+        termination="steady",
+        message="the steady cycle alone: it does not depend on the initial loading",
+        notes=(*answer.record.notes, note),
+    )
+    skipped = dict(answer.work.skipped)
+    skipped["initial loading"] = len(scene.load.path().initial_loading), "the steady cycle does not depend on it"
+    unknown = freeze(np.full(len(answer.time), math.nan))
+    return replace(answer, record=record, work=replace(answer.work, skipped=skipped), shear_moment=unknown)
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
@@ -868,6 +900,13 @@ def _left_of_work(contact: Contact, span: Span) -> float:
     growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
     error = contact.quadrature_error("dissipation_kernel", span.leg.loads(times)[0], span.slipped(times))
     return span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
+
+
+def _neglected_loads(family: OneCurve | None) -> Iterator[str]:
+    """A sentence for each load that is below rounding and was left out, so that the memory of friction is one curve."""
+    for name, share in (family.neglected if family is not None else {}).items():
+        size = f"{share:.1e} of what makes an edge of contact slip"
+        yield f"{name}: {size} is below rounding and was left out of the memory of friction"
 
 
 def neglected_coupling(material: Materials) -> Iterator[str]:

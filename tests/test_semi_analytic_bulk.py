@@ -489,6 +489,93 @@ def test_the_steady_cycle_does_not_depend_on_how_it_was_reached(monkeypatch):
     assert found.cycle_dissipation[-1] == found.dissipation != grid.dissipation == grid.cycle_dissipation[-1]
 
 
+# Loads beside the paper's ellipse, and what is said of each: changes below rounding, 1e-11 of what makes an edge slip.
+BELOW_ROUNDING = {
+    "bulk": ({"bulk_stress_lower": {"amplitude": 1e-11, "phase_degrees": 90}}, "bulk stress: 8.9e-12 of what makes"),
+    "bulk of both": (
+        {
+            "bulk_stress_lower": {"amplitude": 1e-12, "phase_degrees": 30},
+            "bulk_stress_upper": {"amplitude": 4e-12, "phase_degrees": 60},
+        },
+        "bulk stress: ",
+    ),
+    "tilt": ({"tilt": {"amplitude": 1e-11, "phase_degrees": 90}}, "tilt: 9.1e-12 of what makes"),
+}
+
+
+@pytest.mark.parametrize("name", BELOW_ROUNDING)
+def test_bulk_and_tilt_below_rounding_leave_the_answer_without_them_and_are_noted(name):
+    """The memory curve answers, and no grid; the stated errors hold what was left out."""
+    extra, words = BELOW_ROUNDING[name]
+    scene, plain = make_scene(EllipseLoad(**PAPER, **extra)), make_scene(EllipseLoad(**PAPER))
+    x = np.linspace(-2, 2, 9)
+    found, known = (solve(each, x=x, time=[7.0, 9.0, 12.0]) for each in (scene, plain))
+    assert "spans" in found.work.counts
+    assert "grids" not in found.work.counts
+    assert [note for note in found.record.notes if note.startswith(words)]
+    for field in ("pressure", "shear", "slip", "dissipation_density"):
+        np.testing.assert_allclose(getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field)
+    assert found.dissipation == pytest.approx(known.dissipation, rel=1e-12)
+    assert 1e-12 < found.record.errors["shear"] < 1e-11
+    assert not plain.unsymmetric
+
+
+def test_bulk_above_rounding_is_not_left_out():
+    load = {"bulk_stress_lower": {"amplitude": 1e-9, "phase_degrees": 90}}
+    assert one_curve(make_scene(EllipseLoad(**PAPER, **load))) is None
+
+
+def test_a_tangential_load_below_rounding_leaves_bulk_alone():
+    """Q of the last digits beside large bulk strain at constant P: the answer without Q, and a note."""
+    plain = fretting(1.1763560617531, q=0.0)
+    found, known = (solve(scene, x=0.5, cycles="steady") for scene in (fretting(1.1763560617531, q=1e-13), plain))
+    assert found.dissipation == pytest.approx(known.dissipation, rel=1e-11)
+    assert any(note.startswith("tangential load: 3.3e-14 of") for note in found.record.notes)
+    assert not any("left out" in note for note in known.record.notes)
+
+
+CONSTANT = {
+    "bulk": {"bulk_stress_lower": 0.4},
+    "bulk of the upper body": {"bulk_stress_upper": {"mean": -1.0}},
+    "tilt": {"tilt": 0.1},
+    "bulk and tilt": {"bulk_stress_lower": 0.3, "tilt": -0.2},
+}
+
+
+@pytest.mark.parametrize("name", CONSTANT)
+def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
+    """It has the work of P and Q alone (Hertz: a tilt moves the contact) and is found without its initial loading."""
+    scene, plain = make_scene(EllipseLoad(**PAPER, **CONSTANT[name])), make_scene(EllipseLoad(**PAPER))
+    assert one_curve(scene) is None
+    moved = -scene.load.path().cycle[0].turning.loads(5.0)[0] if "tilt" in name else 0.0
+    x, fields = np.linspace(-2, 2, 9), ("pressure", "state", "dissipation", "dissipation_density")
+    found = solve(scene, x=x + moved, cycles="steady", fields=fields)
+    known = solve(plain, x=x, cycles="steady", fields=fields)
+    assert "spans" in found.work.counts
+    assert "grids" not in found.work.counts
+    assert found.dissipation == pytest.approx(known.dissipation, rel=1e-12)
+    for field in ("pressure", "dissipation_density"):
+        np.testing.assert_allclose(getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field)
+    np.testing.assert_allclose(found.stick_edges, known.stick_edges + moved, rtol=0, atol=1e-11)
+    assert found.permanent_stick_half_width == pytest.approx(known.permanent_stick_half_width, rel=1e-11)
+    assert np.mean(found.state != known.state) < 0.01  # points on an edge
+    assert np.all(np.isnan(found.shear_moment))
+    assert "initial loading" in found.work.skipped
+    assert "was not followed" in " ".join(found.record.notes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("asked", [{"fields": "shear", "cycles": "steady"}, {"fields": "dissipation"}], ids=["shear", "cycles"])
+def test_what_the_initial_loading_leaves_behind_is_not_taken_from_the_steady_cycle(asked):
+    """The traction that stays locked in, and every cycle before it."""
+    scene = make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.4), cycles=2)
+    found = solve(scene, x=[0.0], **asked)
+    assert "spans" not in found.work.counts
+    assert "initial loading" not in found.work.skipped
+    assert np.all(np.isfinite(found.shear_moment))
+    assert len(found.cycle_dissipation) > 1 or asked["fields"] == "shear"
+
+
 OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
 OTHERS = {
     "out of phase": OUT_OF_PHASE,
