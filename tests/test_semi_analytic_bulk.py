@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,6 +53,7 @@ from semi_analytic.grid import follow_on_grid
 from semi_analytic.history import history_of
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of, convex_profile
+from semi_analytic.solution import leaning_profile
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 from semi_analytic_cases import PAPER, PROFILES, extreme, fretting, leaning, make_scene
 
@@ -949,6 +952,32 @@ def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     assert other.tilt == pytest.approx([0.1], rel=1e-9)
     assert other.dissipation == pytest.approx(one.dissipation, rel=2e-3)  # while the load is small the same moment is another tilt
     assert other.shear == pytest.approx(one.shear, rel=2e-2)
+
+
+# Ten loads of a parabola with values of an exact engine that had them to 1e-8; points are clear of edges and of steps of q.
+FROZEN = json.loads((Path(__file__).parent / "contract" / "bulk_and_tilt.json").read_text(encoding="utf-8"))
+QUICK = ("Q, then bulk", "P, Q, bulk and tilt in phase")
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in FROZEN["scenes"]]
+)
+def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
+    """W, shear and slip within the stated errors (root mean squares), edges of stick within a cell."""
+    scene = Scene.model_validate_json(json.dumps({"name": name} | FROZEN["scenes"][name]))
+    rows = {row["quantity"]: row for row in FROZEN["cases"] if row["scene"] == name}
+    x, time = np.array(rows["shear"]["x"]), np.array([rows["shear"]["time"]])
+    found = follow_on_grid(*leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time)
+    assert found.works[-1] == pytest.approx(rows["dissipation"]["value"], rel=found.errors["dissipation"])
+    assert found.errors["dissipation"] < 5e-4
+    for field in ("shear", "slip"):
+        value = np.array(rows[field]["value"])
+        error = math.sqrt(np.mean((getattr(found, field)[0] - value) ** 2))
+        assert error < (found.errors[field] + rows[field]["tolerance"]) * np.max(np.abs(value)), field
+    cell = np.ptp(found.contact_edges[0]) / found.counts["cells"]
+    assert found.stick_edges[0] == pytest.approx(rows["stick_edges"]["value"], abs=cell)
+    if "permanent_stick_edges" in rows:
+        assert found.permanent_stick_edges == pytest.approx(rows["permanent_stick_edges"]["value"], abs=cell)
 
 
 def test_increments_in_which_cells_start_without_early_slip_are_counted():
