@@ -3,7 +3,6 @@
     python benchmarks/bulk_stress.py                (a quarter of an hour)
     python benchmarks/bulk_stress.py 1 2 9 --coarse (some rows, on coarse meshes: seconds a row)
     python benchmarks/bulk_stress.py --loops        (loops out of phase by half-plane theory, against twice the order: 2 minutes)
-    python benchmarks/bulk_stress.py --courses      (P, Q, bulk and tilt that change one by one, as long as stick is one interval)
 
 E* = R = 1 and two like bodies with E = 2, nu = 0, so that a stress of 2 eps in the lower one is the strain eps. A line has the
 known value (docs/bulk-stress.md; W of rows 7 and 8 is a limit of fine grids, to 3e-5) and what was found minus the known value: by
@@ -29,15 +28,12 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from scenes import ContactSolution, ConvergenceError, InputError, LoadPath, Scene, load_scene
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_scene
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-from semi_analytic import fronts
 from semi_analytic import grid as dense_grid
-from semi_analytic.elasticity import composite_modulus
 from semi_analytic.solution import leaning_profile
-from semi_analytic.tilted_profile import TiltedProfile
 
 A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)  # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 CELLS, INCREMENTS, CYCLES = 240, 24, 4  # of the grid; increments a segment of the load path (an ellipse: four times as many)
@@ -188,81 +184,27 @@ def moderate(count: int = 10, seed: int = 23) -> Iterator[Row]:
         yield case("", f"loop {k} of seed {seed}", ellipse((3.0, normal), (mean, tangential), phase, **waves), {})
 
 
-def followed_by(row: Row) -> tuple[LoadPath, fronts.PathLoads, TiltedProfile, fronts.Parabola]:
-    """What fronts and grids take of a scene: its path, the loads along it, its profile under tilt, and the parabola."""
-    path, (loads, leaning) = row.scene.load.path(), leaning_profile(row.scene)
-    return path, loads, leaning, fronts.Parabola(2 / composite_modulus(row.scene.material), leaning.shape.radius or 0.0)
-
-
 def loops() -> int:
-    """Who takes loops out of phase, and how far the second cycle is from the same at twice the order."""
-    print(
-        "case                             W, cycle 2   1 - W/(W at twice the order)  stated  closed integral / W - 1  CPU [s], by"
-    )
+    """Loops out of phase on grids, and how far the second cycle is from the same at twice the order."""
+    print("case                             W, cycle 2   1 - W/(W at twice the order)  stated  closed integral / W - 1  CPU [s]")
     out_of_phase = load_scene("dovetail-out-of-phase")
     rows = [*(row for row in ROWS if row.number in "678"), case("", out_of_phase.name, {}, {}, scene=out_of_phase), *moderate()]
     for row in rows:
-        (path, loads, leaning, contact), friction = followed_by(row), row.scene.friction.coefficient
-        x, instants = np.linspace(-1.5, 1.5, 50), path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
-        found = []
-        try:
-            for order in (fronts.ORDER, 2 * fronts.ORDER):
-                begin = time.process_time()
-                found.append(
-                    (
-                        fronts.follow(path, contact, friction, loads.strain, x, instants, most=2, order=order),
-                        time.process_time() - begin,
-                    )
-                )
-            by = f"fronts, {found[0][0].counts['steps']} steps"
-        except fronts.NotOneStickInterval as reason:
-            by = "grids: " + str(reason).split("; ")[0].removeprefix("load: ")
-            for n in (1, 2):
-                begin, given = time.process_time(), (loads, leaning, row.scene.profile.height, friction, x, instants)
-                answer = dense_grid.follow_on_grid(*given, most=2, cells=n * dense_grid.CELLS, increments=n * dense_grid.INCREMENTS)
-                found.append((answer, time.process_time() - begin))
-        (one, seconds), (twice, _) = found
-        work, stated = one.works[-1], one.errors["dissipation"]
-        numbers = f"{work:.10f} {1 - work / twice.works[-1]:+.1e} {stated:.1e} {one.loop / work - 1:+.1e} {seconds:.1f}"
-        print(f"{row.words:32} {numbers} {by}", flush=True)
-    return 0
-
-
-def changing(count: int = 20, seed: int = 23) -> Iterator[Row]:
-    """Random straight courses that just end: two to four changes of P, Q, bulk strain and, in every second one, tilt at once."""
-    random = np.random.default_rng(seed)
-    for k in range(count):
-        changes = int(random.integers(2, 5))
-        p, q, strain, tilt = (random.uniform(*ends, changes) for ends in ((2.5, 3.5), (-1.4, 1.4), (-0.25, 0.25), (-0.05, 0.05)))
-        also = {"tilt": [0.0, *tilt.tolist()]} if k % 2 else {}
-        load = {
-            "initial_loading": [(3.0, 0.0), *zip(p.tolist(), q.tolist(), strict=True)],
-            "bulk_stress_lower": [0.0, *(2 * strain)],
-        }
-        yield case("", f"course {k}, {changes} changes", load | also, {})
-
-
-def courses() -> int:
-    """Courses out of phase that fronts follow while stick is one interval: beside twice the order, a grid and finite elements."""
-    named = ("case", "W", "1 - W/(W at twice the order)", "stated, by the energy", "grid/W - 1", "elements/W - 1", "CPU [s]")
-    print("{:27} {:>12} {:>29} {:>26} {:>12} {:>15} {:>8}".format(*named))
-    for row in changing():
-        (path, loads, leaning, contact), friction = followed_by(row), row.scene.friction.coefficient
-        instants = np.linspace(path.start, path.cycle_start, 400)
-        given, begin = (path, contact, friction, loads.strain, np.linspace(-1.5, 1.5, 50)), time.process_time()
-        try:
-            one = fronts.follow(*given, instants)
-        except fronts.NotOneStickInterval as reason:
-            print(f"{row.words:21} {str(reason).split('; ')[0].removeprefix('load: ')}", flush=True)
-            continue
-        seconds, work = time.process_time() - begin, one.works[-1]
-        twice = fronts.follow(*given, instants[-1:], order=2 * fronts.ORDER).works[-1]
-        cells = dense_grid.follow_on_grid(loads, leaning, row.scene.profile.height, friction, np.zeros(1), instants[-1:]).works[-1]
-        elements = float(halfplane_fe.solve(row.scene).dissipation)
-        numbers = (
-            f"{1 - work / twice:+29.1e} {one.errors['dissipation']:26.1e} {cells / work - 1:+12.1e} {elements / work - 1:+15.1e}"
-        )
-        print(f"{row.words:27} {work:.10f} {numbers} {seconds:8.1f}", flush=True)
+        path, friction = row.scene.load.path(), row.scene.friction.coefficient
+        x = np.linspace(-1.5, 1.5, 50)
+        instants = path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
+        given = *leaning_profile(row.scene), row.scene.profile.height, friction, x, instants
+        answers = []
+        seconds = []
+        for n in (1, 2):
+            begin = time.process_time()
+            orders = {"cells": n * dense_grid.CELLS, "increments": n * dense_grid.INCREMENTS}
+            answers.append(dense_grid.follow_on_grid(*given, most=2, **orders))
+            seconds.append(time.process_time() - begin)
+        coarse, fine = answers
+        work, stated = coarse.works[-1], coarse.errors["dissipation"]
+        numbers = f"{work:.10f} {1 - work / fine.works[-1]:+.1e} {stated:.1e} {coarse.loop / work - 1:+.1e} {seconds[0]:.1f}"
+        print(f"{row.words:32} {numbers}", flush=True)
     return 0
 
 
@@ -271,10 +213,9 @@ def main() -> int:
     parser.add_argument("rows", nargs="*", help="numbers of rows (default: all)")
     parser.add_argument("--coarse", action="store_true", help="coarse meshes for the finite elements")
     parser.add_argument("--loops", action="store_true", help="loops out of phase by half-plane theory against twice the order")
-    parser.add_argument("--courses", action="store_true", help="random courses out of phase, while stick is one interval")
     asked = parser.parse_args()
-    if asked.loops or asked.courses:
-        return loops() if asked.loops else courses()
+    if asked.loops:
+        return loops()
     mesh = MeshSettings.coarse() if asked.coarse else MeshSettings()
     ways: dict[str, Callable[[Scene], Values]] = {
         "theory": lambda scene: of_engine(semi_analytic.solve(scene)),

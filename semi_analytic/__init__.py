@@ -13,7 +13,6 @@ The history of P and Q::
 
     memory.py               memory curve M(eta): full stick, slip up to the Coulomb limit, reversal (Masing rule), unloading
     history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
-    fronts.py               a parabola with bulk stress and tilt of no one memory curve: edges of stick are followed, s' is frozen
     grid.py                 any other, on a grid: stick in any number of pieces, with the error of the grid
     load_series.py          straight paths of any length: knots of the memory curve, slip of each step
     event_times.py          events: the instants A to M

@@ -321,6 +321,64 @@ def followed_path(scene: Scene) -> LoadPath:
     return family.path
 
 
+@dataclass(frozen=True, eq=False)
+class PathLoads:
+    """P, Q, eps and alpha of a load path; of several times at once only within one leg, which is that of their mean.
+
+    Attributes
+    ----------
+    path : the load path
+    strain : what the bulk stress of the lower and of the upper body adds to eps
+    radius : of the parabola, whose tilt under a given moment is -M/(R P)
+    """
+
+    path: LoadPath
+    strain: tuple[float, float]
+    radius: float
+
+    def _place(self, time: float) -> tuple[LoadSegment, float]:
+        """The leg at a time, and by how much it is late."""
+        late = 0.0
+        if self.path.period is not None and time > self.path.cycle_start:
+            late = math.floor((time - self.path.cycle_start) / self.path.period) * self.path.period
+        legs = (*self.path.initial_loading, *self.path.cycle)
+        return next((leg for leg in legs if time - late <= leg.end), legs[-1]), late
+
+    def values(self, time: Array) -> Array:
+        """P, Q, eps and alpha at times within one leg, (4, n)."""
+        leg, late = self._place(float(np.mean(time)))
+        p, q = leg.loads(time - late)
+        lower, upper = leg.bulk.loads(time - late) if leg.bulk is not None else (0.0, 0.0)
+        tilt, moment = leg.turning.loads(time - late) if leg.turning is not None else (0.0, 0.0)
+        eps = self.strain[0] * lower + self.strain[1] * upper
+        if self.path.moment_given:
+            tilt = -moment / (self.radius * np.where(p > 0, p, np.inf))
+        return np.stack(np.broadcast_arrays(p, q, eps, tilt, time)[:4])
+
+    def stresses(self, time: Array) -> Array:
+        """Bulk stress of the lower and of the upper body, (2, n), for any times."""
+        stresses = np.zeros((2, len(time)))
+        for k, instant in enumerate(time.tolist()):
+            leg, late = self._place(instant)
+            if leg.bulk is not None:
+                stresses[:, k] = leg.bulk.loads(instant - late)
+        return stresses
+
+    def turns(self, leg: LoadSegment) -> list[float]:
+        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for all that turn together."""
+        force = Combination(0.0, 1.0)
+        turning_points = leg.turning_points(NORMAL_LOAD) + leg.turning_points(force)
+        if leg.bulk is not None:
+            turning_points += leg.bulk.turning_points(Combination(*self.strain))
+        if leg.turning is not None:
+            turning_points += leg.turning.turning_points(NORMAL_LOAD) + leg.turning.turning_points(force)
+        turns = [leg.end]
+        for time in turning_points:
+            if min(abs(time - known) for known in turns) > 1e-6 * (leg.end - leg.start):
+                turns.append(time)
+        return turns
+
+
 def _presses_only(samples: Array, sizes: _Sizes) -> bool:
     """Whether a leg has no Q and no change of bulk strain, to rounding."""
     _, q, eps, _ = samples

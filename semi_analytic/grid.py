@@ -1,6 +1,6 @@
 """Half-plane theory on a grid: contact with friction under any course of P, Q, bulk strain and tilt, stick in any number of pieces.
 
-The last resort: `memory` and `fronts` know where stick ends and are exact to rounding; here cells stick, slip or are open.
+The last resort: `memory` knows where stick ends and is exact to rounding; here cells stick, slip or are open.
 
 # notation: A = 2/E*; p, q tractions, constant over equal cells; C_ij = -(A/pi) int_cell ln|x_i - xi| d xi, symmetric; g gap,
 #           s slip of the upper face over the lower, delta normal approach, U displacement of the upper body, alpha tilt,
@@ -22,7 +22,7 @@ the mean over grids that are evenly moved. What is left, 1e-5 to 1e-4, has about
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -31,8 +31,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError
-from semi_analytic.fronts import Followed, PathLoads, cycles_needed, first_repeat, remainder_of
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError, LoadPath
+from semi_analytic.bulk_and_tilt import PathLoads
 from semi_analytic.history import check
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -489,6 +489,82 @@ def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     return np.stack([middle - half, middle + half], axis=-1)
 
 
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """What was followed, n instants and k points; edges (n, 2), fields (n, k).
+
+    Attributes
+    ----------
+    loads : (4, n) P, Q, eps and alpha
+    moment, shear_moment : (n,) int x p and m_q = int x q
+    displacement : (n,) U of x = 0, with the datum length 1 in the logarithm
+    contact_edges, stick_edges : (n, 2)
+    pressure, shear, slip, state : (n, k), as in a ContactSolution
+    works : friction work of each cycle that was followed; of the whole path where none repeats
+    loop : closed integral of Q dU - m_q d eps of the last
+    remainder : estimate of what the work of the last cycle still is from the steady one
+    steady_from, steady_to : index of the first cycle that repeats the one before to this share of W, None if none does
+    density : (k,) friction work at the points, of the last cycle
+    permanent_stick_edges : (2,) of the last cycle; NaN where none
+    counts : grids, cells, increments, zones that stick
+    errors : relative, of dissipation, dissipation_density, shear and slip, as in a Record
+    """
+
+    time: Array
+    loads: Array
+    moment: Array
+    shear_moment: Array
+    displacement: Array
+    contact_edges: Array
+    stick_edges: Array
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    works: Array
+    loop: float
+    remainder: float
+    steady_from: int | None
+    steady_to: float
+    density: Array
+    permanent_stick_edges: Array
+    counts: dict[str, int]
+    errors: dict[str, float]
+
+
+def cycles_needed(path: LoadPath, time: Array | None) -> int:
+    """How many cycles reach the last of some instants, one at least."""
+    if path.period is None or time is None or not len(time):
+        return 1
+    return max(1, math.ceil((float(np.max(time)) - path.cycle_start) / path.period - 1e-9))
+
+
+def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
+    """Index of the first cycle whose work is that of the one before, to a share of it."""
+    return next((k for k in range(1, len(works)) if abs(works[k] - works[k - 1]) <= share * works[k]), None)
+
+
+def remainder_of(works: Sequence[float]) -> float:
+    """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
+
+    Geometric where the last two ratios of changes are below a half, alike and not rising. Else they may fall as slowly as k^-4,
+    however fast the first ones were: k/3 times the last.
+
+    >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
+    0.0005
+    >>> works = [1 + k**-3.0 for k in range(1, 41)]  # 1.6e-5 is left
+    >>> 1e-5 < remainder_of(works) < 3e-5
+    True
+    """
+    changes = np.abs(np.diff(works))
+    if len(changes) < 2 or changes[-1] == 0:
+        return float(changes[-1]) if len(changes) else math.inf
+    before, ratio = np.append(1.0, changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny))[-2:].tolist()
+    if ratio < 0.5 and 0.8 * before < ratio < 1.05 * before:
+        return float(changes[-1]) * ratio / (1 - ratio)
+    return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
+
+
 def follow_on_grid(
     loads: PathLoads,
     contact: TiltedProfile,
@@ -513,7 +589,10 @@ def follow_on_grid(
     loads : P, Q, eps and alpha of the path
     contact : the profile under load and tilt; its path is within its `intervals.most`
     height : h(x)
-    friction, x, time, most : as `fronts.follow`; `time` None gives every second increment
+    friction : f
+    x : (k,) points
+    time : (n,) instants in any order; every second increment if None
+    most : largest number of cycles
     cells, increments : across the largest contact, a cycle
 
     Raises

@@ -17,7 +17,6 @@ import math
 import platform
 import time as clock
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import metadata
@@ -46,7 +45,7 @@ from scenes import (
     scene_of,
 )
 from scenes.arrays import LARGEST, real_numbers
-from semi_analytic.bulk_and_tilt import OneCurve, one_curve, steady_curve, strain_of
+from semi_analytic.bulk_and_tilt import OneCurve, PathLoads, one_curve, steady_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
@@ -58,7 +57,6 @@ from semi_analytic.friction_work import (
     slip_work,
     work_error,
 )
-from semi_analytic.fronts import Followed, NotOneStickInterval, Parabola, PathLoads, follow
 from semi_analytic.grid import INCREMENTS, edges_along, follow_on_grid
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
@@ -406,7 +404,7 @@ _OF_STEADY_CYCLE = (
 
 
 def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles) -> ContactSolution:
-    """The answer where bulk stress and tilt make no one memory curve: edges of stick are followed, or cells where it breaks."""
+    """The answer where bulk stress and tilt make no one memory curve: on grids of cells."""
     if asked is None and cycles == "steady" and wanted <= STEADY_FIELDS and (family := steady_curve(scene)) is not None:
         return _steady_alone(scene, family, wanted, points)
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
@@ -415,23 +413,20 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     if points is None:
         points = mirrored_points(1.05 * float(np.max(np.abs(edges_along(loads, leaning)))))
     notes, most = [*neglected_coupling(scene.material)], max(scene.cycles, 2)
-    found: Followed | None = None
-    if (radius := leaning.shape.radius) is not None:
-        with suppress(NotOneStickInterval):
-            found = follow(path, Parabola(2 / modulus, radius), friction, loads.strain, points, asked, most=most)
     exact: ContactSolution | None = None
-    if found is None:
-        found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)
-        cells, pieces, off = found.counts["cells"], found.counts["pieces"], f"dissipation to {found.errors['dissipation']:.1e}, "
-        of_work = wanted & {"dissipation", "dissipation_density"}
-        if found.steady_from is not None and of_work and (family := steady_curve(scene)) is not None:
-            exact, off = _remembered(scene, family, of_work, points, None, "steady", False, started), ""
-        notes.append(
-            "no one memory curve, and no one stick zone whose edges could be followed: half-plane theory on grids of "
-            f"{cells} cells and {INCREMENTS} increments a cycle, {off}edges of stick to about {2 / cells:.2g} a"
-            + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
-            + ("; W, W(x) and permanent stick are exact, by the one memory curve of the steady cycle" if exact else "")
-        )
+    found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)
+    cells, pieces = found.counts["cells"], found.counts["pieces"]
+    error_of_work = f"dissipation to {found.errors['dissipation']:.1e}, "
+    of_work = wanted & {"dissipation", "dissipation_density"}
+    if found.steady_from is not None and of_work and (family := steady_curve(scene)) is not None:
+        exact = _remembered(scene, family, of_work, points, None, "steady", False, started)
+        error_of_work = ""
+    notes.append(
+        f"no one memory curve: half-plane theory on grids of {cells} cells and {INCREMENTS} increments a cycle, "
+        f"{error_of_work}edges of stick to about {2 / cells:.2g} a"
+        + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
+        + ("; W, W(x) and permanent stick are exact, by the one memory curve of the steady cycle" if exact else "")
+    )
     period, rows = path.period, slice(None)
     if asked is None and cycles == "steady" and period is not None:
         first = path.cycle_start + (len(found.works) - 1) * period

@@ -1,11 +1,10 @@
-"""Bulk stress and tilt in the half-plane engine: closed values, a dense grid, the energy balance; fronts and grids, row by row."""
+"""Bulk stress and tilt in the half-plane engine: closed values, a dense grid, the energy balance; grids, row by row."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,35 +20,20 @@ from scenes import (
     EllipseLoad,
     EvenPolynomial,
     FlatRounded,
-    HarmonicSegment,
     Hertz,
     InputError,
-    LoadPath,
     PolygonLoad,
     PowerLaw,
     Scene,
-    StraightSegment,
     Tabulated,
     Wedge,
 )
 from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
-from semi_analytic.bulk_and_tilt import one_curve, strain_of
+from semi_analytic.bulk_and_tilt import PathLoads, one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
-from semi_analytic.fronts import (
-    ORDER,
-    Follower,
-    Frozen,
-    Loads,
-    NotOneStickInterval,
-    Parabola,
-    PathLoads,
-    State,
-    follow,
-    remainder_of,
-)
-from semi_analytic.grid import follow_on_grid
+from semi_analytic.grid import follow_on_grid, remainder_of
 from semi_analytic.history import history_of
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of, convex_profile
@@ -81,13 +65,11 @@ STICK = {
 
 
 @pytest.mark.parametrize(("force", "strain", "edges", "senses"), STICK.values(), ids=STICK)
-def test_stick_zones_at_constant_load_by_grid_by_fronts_and_by_solve(force, strain, edges, senses):
-    """To a cell, to 3e-10 and to 1e-10; and slip on either side in its own sense."""
+def test_stick_zones_at_constant_load_by_grid_and_by_solve(force, strain, edges, senses):
+    """To a cell and to 1e-10; and slip on either side in its own sense."""
     grid = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, *(np.linspace(0, value, 9) for value in (force, strain)))
     assert grid.edges(-1) == pytest.approx((-A0, A0), abs=grid.step)
     assert grid.edges(-1, stick=True) == pytest.approx(edges, abs=grid.step)
-    follower = Follower(CONTACT, 1.0, straight((3.0, 0.0, 0.0, 0.0), (3.0, force, strain, 0.0)), 0.25)
-    assert follower.run(pressed(follower), 1.0)[1].edges == pytest.approx(edges, abs=3e-10)
     x = [edges[0] - 0.1, sum(edges) / 2, edges[1] + 0.1]
     found = solve(fretting(strain, q=force), x=x, time=2.0, fields=("state", "shear", "pressure"))
     assert found.stick_edges[0] == pytest.approx(edges, abs=1e-10)
@@ -111,7 +93,7 @@ EXACT = {
     "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
     "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
     "large bulk": (fretting(1.0, q=0.9), 2.03050286028, LARGE),
-    "bulk alone": (fretting(1.1763560617531, q=0.0), 2.049501745223, (-0.5 * A0, 0.5 * A0)),  # W also by front following, to 1e-9
+    "bulk alone": (fretting(1.1763560617531, q=0.0), 2.049501745223, (-0.5 * A0, 0.5 * A0)),
     "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
 }
 
@@ -591,7 +573,7 @@ OTHERS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", OTHERS.values(), ids=OTHERS)
 def test_other_histories_have_no_one_curve_and_an_answer_that_states_its_error(scene):
-    """By fronts or by grids; what either leaves out is in `errors`."""
+    """By grids; what they leave out is in `errors`."""
     assert one_curve(scene) is None
     found = solve(scene, x=0.0, fields="dissipation")
     assert 1e-9 < found.record.errors["dissipation"] < 3e-3
@@ -612,52 +594,8 @@ def test_eccentricity_of_the_stick_zone():
     assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
 
 
-# ------------------------------------ fronts and grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
-CONTACT, HALF = Parabola(2.0, 1.0), 1.9544100476116797
-PI = math.pi
-# Row 6 of the table: mean and amplitude of P, Q, eps, alpha, all in phase.
-IN_PHASE = ((3.0, 0.6), (0.2, 1.4), (0.1, 0.15), (0.1, 0.08))
-
-
-def straight(begin, end):
-    """Loads on a straight line from one (P, Q, eps, alpha) to another over unit time."""
-    first, rate = np.array(begin, dtype=float)[:, None], np.subtract(end, begin, dtype=float)[:, None]
-    return Loads(lambda t: first + rate * t, lambda t: rate + 0.0 * t, np.array([1.0]))
-
-
-def there_and_back(means_and_amplitudes):
-    """A cycle of 2 pi in phase, mean + amplitude cos t."""
-    mean, amplitude = (np.array(each)[:, None] for each in zip(*means_and_amplitudes, strict=True))
-    return Loads(lambda t: mean + amplitude * np.cos(t), lambda t: -amplitude * np.sin(t), PI * np.arange(1.0, 9.0))
-
-
-def pressed(follower, time=0.0):
-    """Bodies that were pressed on with the bulk strain and tilt of this instant in place, and not sheared."""
-    p, _, eps, alpha = follower.loads.values(np.array([time]))[:, 0].tolist()
-    low, high = (float(edge) for edge in follower.contact.edges(np.array(p), np.array(alpha)))
-    return State(time, (low, high), (0, 0), Frozen(np.array([low, high]), np.array([[-eps], [0.0]])))
-
-
-def sheared(loads, contact=CONTACT, friction=1.0, order=ORDER, longest=0.4):
-    """A follower, and its state at time 0 after Q has grown at constant P, eps and alpha from nothing."""
-    first = loads.values(np.zeros(1))
-    ramp = Loads(
-        lambda t: first * np.where(np.arange(4)[:, None] == 1, t + 1, 1.0),
-        lambda t: first * np.where(np.arange(4)[:, None] == 1, 1.0, 0.0) + 0.0 * t,
-        np.array([0.0]),
-    )
-    follower = Follower(contact, friction, ramp, longest, order)
-    _, state = follower.run(pressed(follower, -1.0), 0.0) if first[1] else (None, pressed(follower))
-    return replace(follower, loads=loads), state
-
-
-def cycles(follower, state, number):
-    """Friction work of each of the first cycles, and the steps of the last."""
-    works, steps = [], []
-    for k in range(number):
-        steps, state = follower.run(state, 2 * PI * (k + 1))
-        works.append(math.fsum(step.work for step in steps))
-    return works, steps
+# ------------------------------------------------ grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
+HALF, PI = 1.9544100476116797, math.pi
 
 
 # P, Q, eps, alpha at first and at last, where all of a growing contact sticks.
@@ -673,12 +611,12 @@ ALL_STICKS = {
 
 @pytest.mark.parametrize(("begin", "end"), ALL_STICKS.values(), ids=ALL_STICKS)
 def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(begin, end):
-    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched: the edges freeze s' by `outer_slope_rate`."""
-    follower = Follower(CONTACT, 1.0, straight(begin, end), 0.25)
-    step, state = follower.touch(0.0, 1.0) if not begin[0] else (None, pressed(follower))
-    steps, state = follower.run(state, 1.0)
-    assert state.slips == (0, 0)
-    first, rate, last = np.array(begin), np.subtract(end, begin), (step or steps[-1]).stick.part(-1)
+    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched, by quadrature and on a grid."""
+    first, rate = np.array(begin, dtype=float), np.subtract(end, begin)
+    untouched = [0.0, 0.0, *begin[2:]]
+    increments = np.linspace(0, 1, 201)[:, None] ** 2
+    rows = np.vstack([untouched, first + rate * increments])
+    grid = dense_grid.solve(parabola, (-2.7, 2.7), 270, 1.0, *rows.T)
     nodes, weights = np.polynomial.legendre.leggauss(40)
 
     def inside(time, x):
@@ -686,123 +624,15 @@ def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(beg
         p, _, _, alpha = first[:, None] + rate[:, None] * time
         return 4 * p / PI - (x + alpha) ** 2
 
-    for x in np.mean(state.edges) + np.diff(state.edges) / 2 * np.array([[-0.97], [-0.8], [-0.3], [0.2], [0.7], [0.95]]):
+    edges = np.array(grid.edges(-1))
+    for x in np.mean(edges) + np.diff(edges) / 2 * np.array([[-0.8], [-0.3], [0.2], [0.7]]):
         touched = 0.0 if inside(0.0, x) > 0 else optimize.brentq(lambda time, x=x: inside(time, x).item(), 0, 1, xtol=1e-15)
-        share = (1 + nodes) / 2
-        time = touched + (1 - touched) * share**2
+        part = (1 + nodes) / 2
+        time = touched + (1 - touched) * part**2
         driven = rate[1] / PI - rate[2] * (x + first[3] + rate[3] * time) / 2
-        expected = np.sum(weights * share * (1 - touched) * driven / np.sqrt(inside(time, x)))
-        found = last.fields(x, 2 * ORDER)[1].item()
-        assert found == pytest.approx(expected, abs=2e-8)
-
-
-# Signs and sizes of P, Q, eps, alpha; A and R; order; W of the loop over that of row 6. x -> -x: Q and alpha change sign, eps
-# does not. Lengths by 7, stresses by 3: loads by 21, eps by 1, A by 1/3.
-ROW_6 = {
-    "itself": ([1, 1, 1, 1], CONTACT, ORDER, 1),
-    "mirrored": ([1, -1, 1, -1], CONTACT, ORDER, 1),
-    "in other units": ([21, 21, 1, 1], Parabola(2.0 / 3, 7.0), ORDER, 3 * 49),
-    "twice the order": ([1, 1, 1, 1], CONTACT, 2 * ORDER, 1),
-}
-
-
-@pytest.mark.parametrize("name", ROW_6)
-def test_a_loop_in_phase_with_all_four_loads_has_the_work_of_the_quadrature(name):
-    """Row 6, that no family of one memory curve holds: W, and the stick that stays, (-0.704713575642, 0.755879911039) a_0."""
-    factors, contact, order, size = ROW_6[name]
-    works, steps = cycles(*sheared(there_and_back(np.multiply(IN_PHASE, np.array([factors]).T)), contact, order=order), 3)
-    assert np.divide(works[1:], size) == pytest.approx([0.25922505566470] * 2, rel=1e-8)
-    edges = np.array([step.stick.edges for step in steps])
-    stays = np.max(edges[:, 0]), np.min(edges[:, 1])
-    stays = np.sort(np.divide(stays, HALF * contact.radius * factors[3]))
-    assert stays == pytest.approx((-0.704713575642, 0.755879911039), abs=3e-8)
-
-
-# P, Q, eps and alpha after each change, from P = 3 alone; an edge of stick jumps in the last.
-ONE_BY_ONE = {
-    "a square of Q and bulk": ((3.0, 1.0, 0.0, 0.0), (3.0, 1.0, 0.2, 0.0), (3.0, -1.0, 0.2, 0.0), (3.0, -1.0, -0.2, 0.0)),
-    "all four": ((3.18, -1.1, 0.2, 0.03), (2.7, 0.9, -0.1, -0.04), (3.3, 0.2, 0.15, 0.02)),
-    "a jump": (
-        (2.97, -0.127, 0.0918, 0.01543),
-        (2.915, -0.556, 0.0624, 0.0042),
-        (2.849, -0.31, 0.1214, 0.03513),
-        (2.56, 0.113, -0.2409, 0.0439),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "a jump")) for name in ONE_BY_ONE])
-def test_courses_out_of_phase_while_stick_is_one_interval(name):
-    """W beside twice the order and beside the work of the loads less the elastic energy, which the stated error has."""
-    rows = np.array([(3.0, 0.0, 0.0, 0.0), *ONE_BY_ONE[name]])
-    loads = {"initial_loading": rows[:, :2].tolist(), "bulk_stress_lower": (2 * rows[:, 2]).tolist(), "tilt": rows[:, 3].tolist()}
-    path = make_scene(PolygonLoad(**loads)).load.path()
-    one, two = (follow(path, CONTACT, 1.0, (0.5, -0.5), np.zeros(1), np.array([path.cycle_start]), order=n) for n in (16, 32))
-    assert one.errors["dissipation"] < 1e-7
-    assert one.works[-1] == pytest.approx(two.works[-1], rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("amplitudes", "turn"),
-    [((1.0, 1.0, 0.25, 0.0), PI / 2), ((1.0, 1.0, 0.0, 0.06), PI / 2)],
-    ids=["bulk out of phase", "tilt out of phase"],
-)
-def test_a_loop_in_which_stick_breaks_is_refused_in_one_sentence(amplitudes, turn):
-    """Rows 7 and 8: before such a loop turns round slip stops at the edge of contact, while it goes on at the edge of stick."""
-    mean = np.array([3.0, 1.1, 0.0, 0.0])[:, None]
-    amplitude, late = np.array(amplitudes)[:, None], np.array([0.0, turn, turn, turn])[:, None]
-    loads = Loads(lambda t: mean + amplitude * np.cos(t - late), lambda t: -amplitude * np.sin(t - late), np.array([2 * PI]))
-    with pytest.raises(
-        InputError, match=r"the stick zone breaks into several intervals near time .*friction would be broken"
-    ) as caught:
-        cycles(*sheared(loads), 1)
-    assert isinstance(caught.value, NotOneStickInterval)
-    assert "\n" not in str(caught.value)
-
-
-def path_of(rows, *, moment=False):
-    """The initial loading in a straight line and a cycle of 2 pi, mean + amplitude sin t of P, Q, eps (lower body), tilt."""
-
-    def wave(first, second):
-        cycle = HarmonicSegment(0.0, 2 * PI, (first[0], second[0]), ((first[1], PI / 2),), ((second[1], PI / 2),))
-        return StraightSegment(-1.0, 0.0, (0.0, 0.0), tuple(float(v) for v in cycle.loads(0.0))), cycle
-
-    loads, bulk = wave(*rows[:2]), wave(rows[2], (0.0, 0.0))
-    turning = wave((0.0, 0.0), rows[3]) if moment else wave(rows[3], (0.0, 0.0))
-    first, cycle = (replace(leg, bulk=b, turning=t) for leg, b, t in zip(loads, bulk, turning, strict=True))
-    return LoadPath((first,), (cycle,), moment)
-
-
-# A tilt that stays, and a bulk strain in phase with Q at constant P.
-STAYS, TIMES = ((3.0, 0.0), (0.0, 1.8), (0.0, 0.3), (0.1, 0.0)), np.concatenate([[-0.5, 0.0], np.arange(1, 41) * 2 * PI / 20])
-CELLS = 240
-
-
-@pytest.fixture(scope="module")
-def followed():
-    """The path of STAYS from first touch at TIMES, at the middles of the cells of the oracle."""
-    x = -2.5 + 5.0 / CELLS * (np.arange(CELLS) + 0.5)
-    return follow(path_of(STAYS), CONTACT, 1.0, (1.0, 0.0), x, TIMES)
-
-
-def test_all_that_is_followed_agrees_with_the_dense_grid(followed):
-    """Tractions, slip, U, moments and works of every increment, within what 320 cells and 30 increments a cycle leave."""
-    P, Q, eps, alpha = followed.loads
-    grid = dense_grid.solve(lambda x: x**2 / 2, (-2.5, 2.5), CELLS, 1.0, P, Q, eps, alpha)
-    for name, share in (("pressure", 3e-3), ("shear", 1e-2), ("slip", 5e-4)):
-        theirs, own = getattr(grid, name), getattr(followed, name)
-        assert np.linalg.norm(own - theirs) < share * np.linalg.norm(theirs), name
-    for name in ("displacement", "shear_moment", "moment"):
-        theirs, own = getattr(grid, name), getattr(followed, name)
-        assert own == pytest.approx(theirs, abs=1e-3 * np.max(np.abs(theirs))), name
-    q, s = followed.shear, followed.slip
-    works = grid.step * np.sum((q[1:] + q[:-1]) * np.diff(s, axis=0), axis=1) / 2  # by the trapezoidal rule, as the grid's
-    assert np.sum(works[-20:]) == pytest.approx(grid.cycle_work(20)[-1], rel=1e-3)
-    assert np.mean(followed.state == grid.state) > 0.995
-    # W = closed integral of Q dU - m_q d eps; and W is that without the tilt, which moves it all by -0.1 R.
-    assert (followed.works[-1], followed.loop) == pytest.approx((0.9368781396315213,) * 2, rel=1e-8)
-    assert followed.steady_from == 2
-    assert followed.remainder < 1e-9 * followed.works[-1]
+        expected = np.sum(weights * part * (1 - touched) * driven / np.sqrt(inside(time, x)))
+        found = np.interp(x, grid.x, grid.shear[-1]).item()
+        assert found == pytest.approx(expected, abs=6e-3)
 
 
 def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
@@ -812,23 +642,14 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
     scene = make_scene(EllipseLoad(**line, phase_degrees=0, **more))
     path = scene.load.path()
     found = solve(scene, x=np.linspace(-2.6, 2.4, 51), time=path.cycle_start + np.linspace(0.1, 1.9, 5) * path.period)
-    assert found.dissipation == pytest.approx(0.25922505566470, rel=1e-8)
+    assert found.dissipation == pytest.approx(0.25922505566470, rel=found.record.errors["dissipation"])
+    assert found.record.errors["dissipation"] < 3e-4
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-8)
-    assert found.permanent_stick_edges / HALF == pytest.approx((-0.704713575642, 0.755879911039), abs=3e-8)
+    assert found.permanent_stick_edges / HALF == pytest.approx((-0.704713575642, 0.755879911039), abs=1 / 80)
     assert found.moment == pytest.approx(-found.tilt * found.normal_load, rel=1e-12)
     assert found.bulk_stress_lower == pytest.approx(0.2 + (found.normal_load - 3) / 2, rel=1e-12)
     assert np.all(np.abs(found.shear) <= found.pressure * (1 + 1e-12) + 1e-9)
     assert np.mean(found.contact_edges, axis=1) == pytest.approx(-found.tilt, rel=1e-12)
-
-
-@pytest.mark.slow
-def test_an_edge_that_jumps_where_a_loop_closes_keeps_the_digits_of_the_work():
-    """The edges leave a stretch without q* at one instant; held there too long, W and its loop were 1.1e-7 apart."""
-    line = {"mean_normal_load": 3, "normal_amplitude": 0, "mean_tangential_load": 0.372, "tangential_amplitude": 0.308}
-    more = {"bulk_stress_lower": {"mean": -0.156, "amplitude": 0.408}}
-    more["tilt"] = {"mean": -0.075, "amplitude": 0.0418, "phase_degrees": 180}
-    found = solve(make_scene(EllipseLoad(**line, phase_degrees=180, **more)), x=0.0, time=[3.0], fields="dissipation")
-    assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
 
 
 def test_what_is_left_is_estimated_from_the_trend():
@@ -911,32 +732,8 @@ def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
         time = np.linspace(leg.start, leg.end, 5)[1:-1]
         eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
         np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
-        for name in ("values", "rates"):
-            here, later = (getattr(loads, name)(time + turns * path.period) for turns in (0, 7))
-            np.testing.assert_allclose(later, here, rtol=0, atol=1e-13, err_msg=name)
-
-
-@pytest.mark.slow
-def test_grids_give_a_loop_in_phase_within_the_errors_that_they_state():
-    """Row 6 again, with its fields by fronts."""
-    line = {"mean_normal_load": 3, "normal_amplitude": 0.6, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
-    more = {"bulk_stress_lower": {"mean": 0.2, "amplitude": 0.3}, "tilt": {"mean": 0.1, "amplitude": 0.08}}
-    scene, x = make_scene(EllipseLoad(**line, phase_degrees=0, **more)), np.linspace(-2.6, 2.4, 151)
-    path = scene.load.path()
-    time = path.cycle_start + np.linspace(1.05, 1.95, 7) * path.period
-    own, known = on_grids(scene, x, time=time), solve(scene, x=x, time=time)
-    assert own.works[-1] == pytest.approx(0.25922505566470, rel=own.errors["dissipation"])
-    assert own.loop == pytest.approx(own.works[-1], rel=1e-10)
-    for name, share in (("shear", own.errors["shear"]), ("slip", own.errors["slip"])):
-        theirs = getattr(known, name)
-        off = np.abs(getattr(own, name) - theirs) / np.max(np.abs(theirs))
-        assert np.sqrt(np.mean(off**2)) < share < 2e-2, name
-        assert np.max(off) < math.sqrt(2 / 160), name
-    size = np.max(np.abs(known.slip))
-    assert own.displacement == pytest.approx(known.tangential_displacement, abs=2 * own.errors["slip"] * size)
-    assert own.shear_moment == pytest.approx(known.shear_moment, abs=3e-3)
-    assert own.stick_edges == pytest.approx(known.stick_edges, abs=HALF / 80)
-    assert own.contact_edges == pytest.approx(known.contact_edges, rel=1e-12)
+        later = loads.values(time + 7 * path.period)
+        np.testing.assert_allclose(later, loads.values(time), rtol=0, atol=1e-13)
 
 
 @pytest.mark.slow

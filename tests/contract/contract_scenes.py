@@ -91,12 +91,10 @@ def drawn() -> dict[str, dict[str, Any]]:
     scenes["P to 1e-6 on a flat"] = question(middle_flat, ellipse(1.0, 1 - 1e-6, 0.0, 2e-4, 100.0))
     steel = {"young_modulus": 210e9, "poisson_ratio": 0.3}
     scenes["metres and pascals"] = question({"kind": "hertz", "radius": 0.05}, ellipse(2e5, 5e4, 1e4, 4e4, 70.0), 0.5, steel)
-    # Bulk stress and tilt where the answer is exact: one memory curve, or one stick zone whose edges are followed.
+    # Unequal sides and tilt where the answer is exact: one memory curve.
     unequal = {"kind": "tabulated", "symmetric": False, "points": [[-x, 0.7 * h] for x, h in ROWS[:0:-1]] + ROWS}
     scenes |= {"unequal sides, polygon": question(unequal, POLYGON), "unequal sides, ellipse": question(unequal, STEEP)}
     scenes["line of action"] = question(hertz, STEEP | {"line_of_action": {"x": 0.05, "height": 0.0}})
-    pulled = {"bulk_stress_lower": {"amplitude": 0.2}, "tilt": 0.02}
-    scenes["fronts"] = question(hertz, ellipse(1.0, 0.0, 0.0, 0.3, 0.0) | pulled)
     scenes["separates"] = question(hertz, ellipse(1.0, 1.1, 0.0, 0.1, 90.0))
     scenes["slides"] = question(middle_flat, ellipse(1.0, 0.5, 0.0, 0.6, 45.0))
     scenes["slides on a line"] = question(
