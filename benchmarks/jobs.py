@@ -126,21 +126,21 @@ def sweeps() -> Iterator[Row]:
 # ------------------------------------------------------------------------------------------------------------------- faults
 def doors(files: int) -> Iterator[Row]:
     """Spoilt files at every door; a broken door is one that answers with anything but a result or an InputError."""
-    from fuzzing import DOORS, attempt
+    from fuzzing import APART, DOORS, attempt
 
     counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as scratch:
         for name, door in DOORS.items():
             (Path(scratch) / name).mkdir()
             seeds = door.seeds(Path(scratch) / name)
-            for number in range(files):
+            for number in range(0, files, 10 if name in APART else 1):
                 try:
                     answer = attempt(door, seeds[number % len(seeds)], number, Path(scratch))[1]
                 except Exception as fault:  # noqa: BLE001 (counted and shown: this is what is looked for)
                     print(f"{name} {number}: {type(fault).__name__}: {fault}", file=sys.stderr)
                     answer = "broken"
                 counts[answer if answer in {"read", "broken"} else "refused"] += 1
-    how = f"{files} spoilt files for each of {len(DOORS)} kinds of input file"
+    how = f"{files} spoilt files for each of {len(DOORS)} kinds of input file, a tenth of these for VTU, VTK and PVD"
     yield Row("spoilt files that end in anything but a result or a sentence", counts["broken"], 0, how)
     yield Row("spoilt files refused in one sentence", counts["refused"], None, how)
     yield Row("spoilt files that still make sense, read", counts["read"], None, how)

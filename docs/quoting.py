@@ -19,11 +19,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from meshes import bodies, foreign
+from meshes import bodies
 from reports.comparison.words import with_uncertainty
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
-from reports.scoring import calculix_files
+from reports.scoring import calculix_files, field_files
 from scenes import files, text_tables
 from scenes.errors import in_words
 
@@ -121,8 +121,8 @@ def limit_values() -> dict[str, str]:
         "TOML": files.TOML,
         "text": files.TEXT,
         "NetCDF": files.SOLUTION,
-        "fields": foreign.LARGEST,
-        "unpacked": foreign.UNPACKED,
+        "fields": field_files.LARGEST,
+        "unpacked": field_files.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,
     }
     counts = {"rows": text_tables.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}

@@ -6,29 +6,23 @@ Where to find what::
     solids.py                              from a shape to a mesh: half-discs, blocks, pads, cylinders
     mirrored.py                            half a body by gmsh, reflected; the quality of a mesh
     interrupts.py                          Ctrl-C that waits until what must not be cut in two is done
-    files.py, foreign.py                   field files written, and those of other programs read
+    files.py                               field files written
 """
 
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
 from meshes.files import PvdEntry, write_pvd, write_vtu
-from meshes.foreign import FieldFrame, FieldPart, collected_files, joined, read_frames
 from meshes.mirrored import mesh_quality
 from meshes.solids import build, check, half_disc, solid
 
 __all__ = [
     "BodyMesh",
-    "FieldFrame",
-    "FieldPart",
     "MeshSettings",
     "PvdEntry",
     "SurfaceGrading",
     "build",
     "check",
-    "collected_files",
     "half_disc",
-    "joined",
     "mesh_quality",
-    "read_frames",
     "solid",
     "write_pvd",
     "write_vtu",

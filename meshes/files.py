@@ -1,4 +1,4 @@
-"""Field files written, VTU by meshio and their collection PVD; meshio, hardly maintained, is kept here and in `foreign`."""
+"""Field files written, VTU by meshio and their collection PVD; meshio, hardly maintained, is kept here."""
 
 from __future__ import annotations
 

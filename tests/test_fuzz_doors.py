@@ -25,12 +25,13 @@ import numpy as np
 import pytest
 
 from command_line import ROOT, forked, raising, refused, sentence
-from fuzzing import DOORS, TOKENS, Door, attempt, outcome, spoilt
+from fuzzing import APART, DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
-from meshes import MeshSettings, SurfaceGrading, foreign, half_disc
+from meshes import MeshSettings, SurfaceGrading, half_disc
 from meshes.bodies import body_nodes, check_count, contact_nodes
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled, replace_text
+from reports.scoring import field_files
 from reports.sweep.store import Store
 from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import InputError, load_scene, text_tables
@@ -65,11 +66,11 @@ def test_good_files_are_read_and_spoilt_ones_read_or_refused(name: str, first: i
     for seed in seeds:
         (home / name).write_bytes(seed)
         assert outcome(door, home / name) == "read"
-    for content in (b"", *TOKENS, *map(b"".join, pairwise(TOKENS))) if first == 0 else ():
+    for content in (b"", *TOKENS, *map(b"".join, pairwise(TOKENS))) if first == 0 and name not in APART else ():
         (home / name).write_bytes(content)
         with few_calls(10_000_000):  # the most that were counted: 1.7 million
             outcome(door, home / name)
-    for number in range(first, last):
+    for number in range(first, last, 20 if name in APART else 1):
         attempt(door, seeds[number % len(seeds)], number, tmp_path)
 
 
@@ -96,7 +97,7 @@ LIMITS = {
     ".frd": "537 MB",
     ".dat": "537 MB",
     ".nc": "2.15 GB",
-} | dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf"), "537 MB")
+} | dict.fromkeys((".vtu", ".vtk", ".pvd"), "537 MB")
 # Files of our own that no user names: their doors take them for lost and go on.
 OWN = ("stored.json", "sweep.json", "manifest.json")
 
@@ -185,14 +186,17 @@ def test_what_is_not_nested_is_read() -> None:
 
 
 def vtu_of_zeros(blocks: int, size: int) -> str:
-    """Points that are zeros, as VTK packs them: 160 blocks of 17 MB are 2.7 GB in 4 MB."""
+    """Points that are zeros, as VTK packs them: 144 blocks of 17 MB are 2.4 GB in 4 MB."""
     packed = zlib.compress(bytes(size), 9)
     head = np.array([blocks, size, size, *([len(packed)] * blocks)], np.uint32).tobytes()
     text = (b64encode(head) + b64encode(packed * blocks)).decode()
     return (
         '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
-        'compressor="vtkZLibDataCompressor"><UnstructuredGrid><Piece NumberOfPoints="100" NumberOfCells="1"><Points>'
+        'compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{blocks * size // 24}" NumberOfCells="1"><Points>'
         f'<DataArray type="Float64" Name="Points" NumberOfComponents="3" format="binary">{text}</DataArray></Points>'
+        '<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0</DataArray><DataArray type="Int64" Name="offsets" '
+        'format="ascii">1</DataArray><DataArray type="UInt8" Name="types" format="ascii">1</DataArray></Cells>'
         "</Piece></UnstructuredGrid></VTKFile>"
     )
 
@@ -215,7 +219,7 @@ HOSTILE = {
     "a line of a result": ("result.csv", "x,pressure,shear\n" + "1," * 10**7, "line 2: more than 10,000,000 characters"),
     "a field file that unpacks to gigabytes": (
         "result.vtu",
-        vtu_of_zeros(160, 2**24),
+        vtu_of_zeros(144, 2**24),
         "unpacked it takes more than 134 MB of memory, which is the limit",
     ),
     # JSON has whole numbers without end, and Python reads them: it was an OverflowError where one was used.
@@ -224,7 +228,7 @@ HOSTILE = {
 } | {
     f"{what} as {name}": (name, what, words)
     for what, names, words in (
-        (LAUGHS, ("result.vtu", "result.pvd", "result.xdmf"), "broken off or of another form"),
+        (LAUGHS, ("result.vtu", "result.pvd"), "broken off or of another form"),
         ("/dev/zero", ("scene.toml", "series.csv"), "no regular file but a pipe or a device"),
         ("a pipe", ("scene.toml", "series.csv"), "no regular file but a pipe or a device"),
     )
@@ -239,7 +243,7 @@ def test_what_has_no_end_is_refused_at_its_door(
     """Rows, and memory for what is unpacked, with a smaller limit than the users', for the time goes with them."""
     assert text_tables.MOST_ROWS == 2_000_000
     monkeypatch.setattr(text_tables, "MOST_ROWS", 100_000)
-    monkeypatch.setattr(foreign, "UNPACKED", 2**27)
+    monkeypatch.setattr(field_files, "UNPACKED", 2**27)
     name, content, words = case
     match content:
         case "a pipe":

@@ -481,15 +481,14 @@ def test_where_the_element_size_is_from(tmp_path: Path, name: str, sizes: dict[s
 ENTRIES = "".join(f'<DataSet timestep="{k}" file="fine_{k}.vtu"/>' for k in range(3))
 COLLECTIONS = {
     "fine.pvd": f'<VTKFile type="Collection" version="0.1"><Collection>{ENTRIES}</Collection></VTKFile>',
-    "coarse.vtu.series": json.dumps({"files": [{"name": "c0.vtu", "time": 0.0}]}),
-} | dict.fromkeys(("fine_0.vtu", "fine_1.vtu", "fine_2.vtu", "c0.vtu", "alone.vtu"), "x")
+} | dict.fromkeys(("fine_0.vtu", "fine_1.vtu", "fine_2.vtu", "alone.vtu"), "x")
 FOLDERS = {
     "one file of each stem": (
         dict.fromkeys(("a.frd", "a.dat", "b.csv", "c.md"), "x"),
         "a.frd b.csv",
         "Left out of the folder: a.dat, c.md.",
     ),
-    "collections": (COLLECTIONS, "alone.vtu coarse.vtu.series fine.pvd", "Read through the collections that name them: 4 files."),
+    "collections": (COLLECTIONS, "alone.vtu fine.pvd", "Read through the collections that name them: 3 files."),
 }
 
 

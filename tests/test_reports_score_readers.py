@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import resources
 from pathlib import Path
@@ -16,13 +17,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshes import foreign, read_frames, write_pvd
+from meshes import write_pvd
 from meshes.files import PvdEntry
 from reports.comparison.words import verdict
-from reports.scoring import calculix_files
+from reports.scoring import calculix_files, field_files, vtk_files
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
+from reports.scoring.field_files import read_frames
 from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError
 from score_results import (
@@ -223,40 +225,28 @@ def raised() -> meshio.Mesh:
     return whole
 
 
-def collection(kind: str, folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
-    """Instants scaled by 1, 2, 3, the last first in the file; in a PVD the two bodies in files of their own."""
+def collection(folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
+    """Instants scaled by 1, 2, 3, the last first in the file; the two bodies in files of their own."""
     points, cells = bodies()
     entries = []
     for k, time in reversed(list(enumerate(times))):
-        for part in (0, 1) if kind == "pvd" else (0,):
-            own = cells[0][1] if kind == "series" else cells[0][1][40 * part : 40 * part + 40]
+        for part in (0, 1):
+            own = cells[0][1][40 * part : 40 * part + 40]
             name = f"body{part}_{k}.vtu"
             meshio.Mesh(points, [("quad", own)], tractions(points, k + 1)).write(folder / name)
             entries.append(PvdEntry(time, part, f"body {part}", name))
-    if kind == "pvd":
-        write_pvd(folder / "result.pvd", entries)
-        return folder / "result.pvd"
-    listed = ",".join(f'{{"name": "body0_{k}.vtu", "time": {time}}}' for k, time in enumerate(times))
-    return file(f'{{"file-series-version": "1.0", "files": [{listed}]}}', "result.vtu.series")(folder)
+    write_pvd(folder / "result.pvd", entries)
+    return folder / "result.pvd"
 
 
-def spoilt_instant(kind: str, name: str, change: Callable[[Any], object] | None, folder: Path) -> Path:
-    path = collection(kind, folder)
+def spoilt_instant(name: str, change: Callable[[Any], object] | None, folder: Path) -> Path:
+    path = collection(folder)
     spoilt = meshio.read(folder / name)
     (folder / name).unlink()
     if change is not None:
         change(spoilt)
         spoilt.write(folder / name)
     return path
-
-
-def xdmf_series(folder: Path) -> Path:
-    points, cells = bodies()
-    with meshio.xdmf.TimeSeriesWriter(folder / "result.xdmf", data_format="XML") as writer:
-        writer.write_points_cells(points, cells)
-        for k, time in enumerate((0.5, 1.5)):
-            writer.write_data(time, point_data=tractions(points, k + 1))
-    return folder / "result.xdmf"
 
 
 POINTS, CELLS = bodies()
@@ -293,7 +283,7 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
         f"{suffix}, {deep} deep": (
             file(partial(mesh, deep), f"result{suffix}"), {}, 1.0,
             ["the surface is the lower body's face, found at y = 0", *(["the model is 0.25 thick"] if deep else [])])
-        for suffix in (".vtu", ".vtk", ".xdmf") for deep in (0.0, 0.25)
+        for suffix in (".vtu", ".vtk") for deep in (0.0, 0.25)
     },
     **{f"stress, {order[-1]}": (file(partial(stress, *order[:-1])), {}, 1.0,
         ["p = -sigma_yy and q = sigma_xy of the lower body", order[-1]]) for order in ORDERS},
@@ -310,9 +300,7 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
     "what both bodies have": (file(marked), {"surface": "both", "y_offset": 99.0}, 1.0,
         ["the surface is what both marks", "points of both bodies: those of the lower one were taken"]),
     "at another y": (file(raised), {"y_offset": 5.0}, 1.0, []),
-    "a collection": (partial(collection, "pvd"), {}, 3.0, []),
-    "a series": (partial(collection, "series"), {}, 3.0, []),
-    "a series in XDMF": (xdmf_series, {}, 2.0, []),
+    "a collection": (collection, {}, 3.0, []),
     "fields of the lower part alone": (parts(WHOLE, {}), {}, 1.0, [f"body1.vtu {LEFT}", "the surface is the lower body's face"]),
     "fields of the upper part alone": (parts({}, WHOLE), {}, 1.0, [f"body0.vtu {LEFT}", "the surface is the upper body's face"]),
     "slip of one part": (parts(BARE, WHOLE), {}, 1.0,
@@ -323,9 +311,20 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
 }  # fmt: skip
 
 
+def read_here(paths: Sequence[Path]) -> bytes:
+    """What the process of a reader would write, without the second that it takes to start."""
+    content = io.BytesIO()
+    np.savez(content, **dict(vtk_files.numbered([str(path) for path in paths])))  # type: ignore[arg-type]
+    return content.getvalue()
+
+
 @pytest.mark.parametrize("case", READ)
-def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(case: str, tmp_path: Path) -> None:
+def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     make, mapping, scale, notes = READ[case]
+    if case not in (".vtu, 0.0 deep", ".vtk, 0.25 deep", "a collection"):  # these in the process that users have
+        monkeypatch.setattr(field_files, "_read_apart", read_here)
     found = result(make(tmp_path), **mapping)
     check(found, scale)
     said = " ".join(found.notes)
@@ -338,19 +337,20 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(ca
         assert ("thick" in said) == ("0.25" in case)
 
 
-@pytest.mark.parametrize("kind", ["pvd", "series"])
-def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(kind: str, tmp_path: Path) -> None:
-    path = collection(kind, tmp_path)
+def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(field_files, "_read_apart", read_here)
+    path = collection(tmp_path)
     found = result(path)
     np.testing.assert_array_equal(found.time, [0.0, 0.5, 2.0])
     np.testing.assert_allclose(found.pressure[0] * 2, found.pressure[1])
     np.testing.assert_array_equal(result(path, times=[1, 2, 3]).time, [1.0, 2.0, 3.0])
-    np.testing.assert_array_equal(result(xdmf_series(tmp_path), factors={"time": 2.0}).time, [1.0, 3.0])
+    np.testing.assert_array_equal(result(path, factors={"time": 2.0}).time, [0.0, 1.0, 4.0])
     found = result(file(raised)(tmp_path), y_offset=5000.0, x_offset=500.0, factors={"length": 1e3})
     np.testing.assert_allclose(found.x, 1e3 * X - 500.0)
 
 
-def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path) -> None:
+def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(field_files, "_read_apart", read_here)
     whole = mesh()
     del whole.point_data["CSHEAR1"]
     found = result(file(whole)(tmp_path))
@@ -359,18 +359,40 @@ def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path) -> No
     assert "tractions are the fields CPRESS, without a shear" in found.notes
 
 
-@pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf"])
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
 def test_a_file_that_breaks_off_anywhere_is_refused(tmp_path: Path, suffix: str) -> None:
     path = file(mesh(), f"result{suffix}")(tmp_path)
     content = path.read_bytes()
-    for end in np.linspace(0, len(content) - 30, 8).astype(int):
+    for end in np.linspace(0, len(content) - 30, 3).astype(int):
         path.write_bytes(content[:end])
-        with pytest.raises(InputError):
+        with pytest.raises(InputError, match=rf"can't be read as a {suffix} file: it is broken off or of another form \(.+\)"):
             result(path)
 
 
+# What the process of the reader does -> words of the refusal.
+ENDS = {
+    "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "of another form (VTK's reader ended with code -11)",
+    "import time; time.sleep(60)": "reading takes longer than 2 s, which is the limit",
+    "raise MemoryError": "unpacked it takes more than 2.15 GB of memory, which is the limit",
+}
+
+
+@pytest.mark.parametrize("script", ENDS)
+def test_a_reader_that_dies_hangs_or_grows_is_one_sentence_that_names_the_file(
+    script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second file of a collection is what it was reading."""
+    path = collection(tmp_path, (0.0, 1.0))
+    (tmp_path / "reader.py").write_text(f"""print('{{"file": 1}}', file=__import__("sys").stderr, flush=True)\n{script}\n""")
+    monkeypatch.setattr(vtk_files, "__file__", str(tmp_path / "reader.py"))
+    monkeypatch.setattr(field_files, "SECONDS", 2)
+    with pytest.raises(InputError, match=re.escape(ENDS[script])) as caught:
+        read_frames(path)
+    assert str(caught.value).startswith(str(tmp_path / "body1_1.vtu"))
+
+
 def test_files_too_large_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(foreign, "LARGEST", 100)
+    monkeypatch.setattr(field_files, "LARGEST", 100)
     monkeypatch.setattr(calculix_files, "LARGEST", 100)
     with pytest.raises(InputError, match="write the contact surface alone"):
         read_frames(file(mesh())(tmp_path))
@@ -610,10 +632,9 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "no time": (file(PVD.format(""), "a.pvd"), "has no time"),
     "within itself": (file(PVD.format("timestep='1' "), "a.pvd"), "no reader for '.pvd' within"),
     "broken off": (file("<VTKFile", "a.pvd"), "can't be read as a .pvd file: it is broken off"),
-    "broken series": (file('{"files": 3', "a.series"), "can't be read as a .series file"),
     "empty VTU": (file("", "a.vtu"), "can't be read as a .vtu file"),
     "no VTK": (file("no\nvtk\nat all\n", "a.vtk"), "can't be read as a .vtk file"),
-    "no XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "can't be read as a .xdmf file"),
+    "XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "no reader for '.xdmf'; it reads .csv"),
     "no such point": (no_such_point, "names a point that is not there"),
     "no field": (file(partial(mesh, force=traction)),
         "neither contact pressure, nor contact traction, nor stress at points among 'force'"),
@@ -629,8 +650,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "parts unlike": (parts(WHOLE, WHOLE | {"CPRESS": POINTS}),
         "body0.vtu: CPRESS has another number of components than in body1.vtu"),
     **{
-        f"{kind}, {said}": (partial(spoilt_instant, kind, name, change), said)
-        for kind in ("pvd", "series")
+        said: (partial(spoilt_instant, name, change), said)
         for name, change, said in (
             ("body0_1.vtu", lambda m: m.point_data.pop("CSHEAR1"), "instant 2 has no field 'CSHEAR1'"),
             ("body0_2.vtu", lambda m: m.points.__setitem__((0, 0), 9.0), "the points of instant 3 are not those of the first"),
@@ -658,8 +678,10 @@ FAULTS: dict[str, tuple[Any, ...]] = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_each_fault_of_a_file_is_one_sentence(fault: str, tmp_path: Path) -> None:
+def test_each_fault_of_a_file_is_one_sentence(fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     make, said, *mapping = FAULTS[fault]
+    if fault not in ("empty VTU", "no VTK", "no such point"):
+        monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = make(tmp_path)
     with pytest.raises(InputError, match=re.escape(said)) as caught:
         result(path, **(mapping[0] if mapping else {}))

@@ -1,4 +1,4 @@
-"""Tractions on the contact surface out of field files, VTU, legacy VTK, XDMF and their collections.
+"""Tractions on the contact surface out of field files, VTU, legacy VTK and their collection PVD.
 
 They are looked for in this order: pressure and shear by name; a vector of contact traction; the stress, of which p = -sigma_yy and
 q = sigma_xy are the traction on the lower body's outward normal +y (the upper's normal -y turns it, and what acts on the lower body
@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import FieldFrame, FieldPart, joined, read_frames
+from reports.scoring.field_files import FieldFrame, FieldPart, joined, read_frames
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, stated_times
 from reports.scoring.surface import SAME, SurfaceResult, extent, material_above, one_plane, surface_result
 from scenes import InputError
@@ -29,8 +29,6 @@ _VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
 _STRESSES = ("stress", "cauchy_stress", "cauchy_stress_tensor", "stress_tensor", "sigma", "S")
 # Where sigma_yy and sigma_xy stand among the components: VTK's order of a symmetric tensor, rows of 3 x 3, Voigt's of the plane.
 _YY_XY = {6: (1, 3, "xx, yy, zz, xy, yz, xz"), 9: (4, 1, "rows of 3 x 3"), 3: (1, 2, "xx, yy, xy"), 4: (1, 3, "xx, yy, zz, xy")}
-# Kinds of cells by how they begin; what is neither is a solid.
-_LINES, _PLANES = ("vertex", "line"), ("triangle", "quad", "polygon")
 
 
 def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -39,7 +37,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     Raises
     ------
     InputError
-        File and what is wrong: see `meshes.read_frames`; no tractions under a known name; no surface; a mesh that changes.
+        File and what is wrong: see `field_files.read_frames`; no tractions under a known name; no surface; a mesh that changes.
     """
     frames = read_frames(path)
     whole = joined(frames[0].parts).points
@@ -223,5 +221,4 @@ def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
 def _bulk(mesh: FieldPart) -> list[Integers]:
     """Cells that fill a body: solids, and in a plane mesh what is no line."""
     deep = np.ptp(mesh.points[:, 2]) > SAME * extent(mesh.points)
-    faces = (*_LINES, *_PLANES) if deep else _LINES
-    return [block for kind, block in mesh.cells if not kind.startswith(faces)]
+    return [block for dimension, block in mesh.cells if dimension > (2 if deep else 1)]

@@ -25,7 +25,7 @@ READERS: dict[str, str] = {
     **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
-    **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "fields:read_fields"),
+    **dict.fromkeys((".vtu", ".vtk", ".pvd"), "fields:read_fields"),
 }
 _ROWS: tuple[Quantity, ...] = ("time", "frame", "normal_load", "tangential_load", "x", "pressure", "shear", "slip")
 _FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from meshes import collected_files
 from reports.comparison import Comparison, Report, UnscoredFile
 from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.console import Stages
 from reports.scoring.against import OWN, Against, diagnosed, score_file
+from reports.scoring.field_files import collected_files
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import READERS
 from scenes import InputError, Scene

@@ -1,0 +1,200 @@
+"""Field files that other programs wrote, of one instant or of many: VTU, legacy VTK, and PVD, their collection.
+
+pyvista reads them in a process of its own, bounded in time and memory: see `vtk_files`.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.scoring import vtk_files
+from scenes import InputError
+from scenes.errors import in_words
+from scenes.files import check_size, within_memory
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LARGEST, UNPACKED = 2**29, 2**31  # bytes: of a file, of memory that one may take
+SECONDS = 300  # of reading: half a GB takes some ten
+_SUFFIXES = (".vtu", ".vtk")
+# What Python, VTK and C++ print where memory ends.
+_OUT_OF_MEMORY = ("MemoryError", "nable to allocate", "bad_alloc")
+
+
+@dataclass(frozen=True, eq=False)
+class FieldPart:
+    """A mesh and its fields: a body in a file of its own, or all that one file holds.
+
+    Attributes
+    ----------
+    name : of its file
+    points : (n_points, 3) [length]
+    cells : (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces, 3 of solids
+    point_fields : name -> (n_points,) or (n_points, k)
+    cell_fields : name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
+    """
+
+    name: str
+    points: Array
+    cells: tuple[tuple[int, Integers], ...]
+    point_fields: dict[str, Array]
+    cell_fields: dict[str, tuple[Array, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class FieldFrame:
+    """One instant: its time as the collection states it (None for a single file), and its parts, each with fields of its own."""
+
+    time: float | None
+    parts: tuple[FieldPart, ...]
+
+
+def read_frames(path: str | Path) -> list[FieldFrame]:
+    """Every instant of a .vtu, .vtk or .pvd file, in the order of time where times are stated.
+
+    Bodies of one instant in files of their own stay parts with fields of their own; see `joined`.
+
+    Raises
+    ------
+    InputError
+        File and what is wrong: can't be read, broken, larger than half a GB (2 GB unpacked), longer than five minutes to read, no
+        instant, a file of the collection missing.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".pvd":
+        return [FieldFrame(None, tuple(_parts([path])))]
+    entries = _entries(path)
+    if not entries:
+        raise InputError(f"{path}: the collection is empty")
+    for time, file in entries:
+        if not file.is_file():
+            raise InputError(f"{path}: it names {file.name}, which is not there; keep the files of a collection together")
+        if not np.isfinite(time):
+            raise InputError(f"{path}: {file.name} has no time in it (timestep)")
+    parts = _parts([file for _, file in entries])
+    frames: dict[float, list[FieldPart]] = {}
+    for (time, _), part in zip(entries, parts, strict=True):
+        frames.setdefault(time, []).append(part)
+    return [FieldFrame(time, tuple(frames[time])) for time in sorted(frames)]
+
+
+def collected_files(path: Path) -> tuple[Path, ...]:
+    """The files that a .pvd names; none of any other file. InputError where the collection is broken."""
+    return tuple(file for _, file in _entries(path)) if path.suffix.lower() == ".pvd" else ()
+
+
+def _entries(path: Path) -> list[tuple[float, Path]]:
+    """Time and file of each entry of a collection."""
+    _check_size(path)
+    try:
+        with within_memory(path, UNPACKED):
+            root = ElementTree.parse(path).getroot()
+        if root.get("type") != "Collection":
+            raise InputError(f"{path}: a VTKFile of type Collection is expected, this is {root.tag} of type {root.get('type')}")
+        return [(float(entry.get("timestep", "nan")), path.parent / str(entry.get("file"))) for entry in root.iter("DataSet")]
+    except (OSError, ElementTree.ParseError, ValueError) as reason:
+        raise _broken(path, f"{type(reason).__name__}: {reason}") from reason
+
+
+def _check_size(path: Path) -> None:
+    try:
+        check_size(path, "the result", LARGEST, "write the contact surface alone")
+    except OSError as reason:
+        raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
+
+
+def _broken(path: Path, reason: str) -> InputError:
+    return InputError(f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form ({reason[:300]})")
+
+
+def _parts(paths: Sequence[Path]) -> list[FieldPart]:
+    """The mesh and fields of each file, in their order."""
+    for path in paths:
+        if path.suffix.lower() not in _SUFFIXES:
+            raise InputError(f"{path}: no reader for {path.suffix!r} within a collection; it reads {', '.join(_SUFFIXES)}")
+        _check_size(path)
+    with np.load(io.BytesIO(_read_apart(paths)), allow_pickle=False) as content:
+        arrays = {name: content[name] for name in content.files}
+    return [_part(path, f"{number}.", arrays) for number, path in enumerate(paths)]
+
+
+def _read_apart(paths: Sequence[Path]) -> bytes:
+    """What `vtk_files` writes of these files, in a process that may end, grow or take long without harm to this one."""
+    command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
+    asked = json.dumps([str(path.absolute()) for path in paths]).encode()
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    try:
+        done = subprocess.run(command, input=asked, capture_output=True, timeout=SECONDS, env=environment, check=False)
+    except subprocess.TimeoutExpired as late:
+        raise InputError(
+            f"{_last(paths, late.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s, which is the limit; write the "
+            "contact surface alone, and fewer instants"
+        ) from late
+    if done.returncode == 0:
+        return done.stdout
+    path, reason = _last(paths, done.stderr)
+    if any(words in done.stderr.decode(errors="replace") for words in _OUT_OF_MEMORY):
+        raise InputError(
+            f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the limit; write the contact surface "
+            "alone"
+        )
+    raise _broken(path, reason or f"VTK's reader ended with code {done.returncode}")
+
+
+def _last(paths: Sequence[Path], printed: bytes) -> tuple[Path, str]:
+    """The file that `vtk_files` was reading when it ended, and its reason if it gave one."""
+    lines = [line for line in printed.decode(errors="replace").splitlines() if line.startswith('{"file": ')]
+    last: dict[str, Any] = json.loads(lines[-1]) if lines else {"file": 0}
+    return paths[int(last["file"])], str(last.get("reason", ""))
+
+
+def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
+    """The part of a file out of the arrays of `vtk_files.arrays_of`."""
+    dimensions = arrays[f"{prefix}dimensions"].tolist()
+    blocks = range(len(dimensions))
+    of_points, of_cells = arrays[f"{prefix}point names"].tolist(), arrays[f"{prefix}cell names"].tolist()
+    return FieldPart(
+        path.name,
+        arrays[f"{prefix}points"],
+        tuple((dimension, arrays[f"{prefix}cells.{number}"]) for number, dimension in enumerate(dimensions)),
+        {name: arrays[f"{prefix}point.{k}"] for k, name in enumerate(of_points)},
+        {name: tuple(arrays[f"{prefix}cell.{k}.{number}"] for number in blocks) for k, name in enumerate(of_cells)},
+    )
+
+
+def joined(parts: Sequence[FieldPart]) -> FieldPart:
+    """The parts as one mesh, with the fields that all of them have: choose parts that have what is looked for.
+
+    Raises
+    ------
+    InputError
+        Where a field is a scalar in one part and a vector in another.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    starts = np.concatenate([[0], np.cumsum([len(part.points) for part in parts])])
+    of_points = [name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)]
+    of_cells = [name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)]
+    for field in of_points:
+        if len({part.point_fields[field].shape[1:] for part in parts}) > 1:
+            raise InputError(f"{parts[0].name}: {field} has another number of components than in {parts[1].name}; write one form")
+    return FieldPart(
+        ", ".join(part.name for part in parts),
+        np.concatenate([part.points for part in parts]),
+        tuple((kind, rows + start) for part, start in zip(parts, starts, strict=False) for kind, rows in part.cells),
+        {name: np.concatenate([part.point_fields[name] for part in parts]) for name in of_points},
+        {name: tuple(block for part in parts for block in part.cell_fields[name]) for name in of_cells},
+    )

@@ -1,0 +1,145 @@
+"""VTU and legacy VTK files by pyvista, in a process of its own: VTK ends or hangs the process on some broken files.
+
+    python vtk_files.py BYTES SECONDS      the most memory and processor time; paths as a JSON list on stdin
+
+Writes the arrays of all files as npz to stdout. On stderr stands {"file": number} before each file, and {"file": number,
+"reason": text} for one that can't be read, with exit code 1. `reports.scoring.field_files` starts it; nothing of this project is
+imported here, so that it starts in a second.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_FARTHEST = 1e100  # the square of a larger coordinate would be none
+
+
+def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
+    """All that a file holds, by name; n-th cells are a block of cells of one kind and size.
+
+    points : (n_points, 3)
+    cells.n : (n_cells, n_nodes) rows of points
+    dimensions : (n_blocks,) topological dimension of each block: 0 vertices, 1 lines, 2 faces, 3 solids
+    point names, cell names : of the fields
+    point.k : (n_points,) or (n_points, m), the k-th of the point names
+    cell.k.n : the same of the k-th of the cell names on the n-th cells
+
+    Raises
+    ------
+    ValueError
+        For whatever VTK complains of, points that are no numbers and cells of points that are not there.
+    """
+    import pyvista
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    with _Complaints() as complaints:
+        dataset = pyvista.read(path)
+    if complaints.text:
+        raise ValueError(complaints.first)
+    if not isinstance(dataset, pyvista.DataSet):
+        raise ValueError(f"it holds a {type(dataset).__name__}, no mesh")
+    grid = dataset.cast_to_unstructured_grid()
+    points = np.asarray(grid.points, float)
+    if not (np.abs(points) <= _FARTHEST).all():
+        raise ValueError(f"its points are not three finite numbers each, of at most {_FARTHEST:g}")
+    arrays = {"points": points}
+    nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
+    starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
+    if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
+        raise ValueError("a cell names a point that is not there")
+    kinds = np.column_stack([grid.celltypes, np.diff(starts)]) if grid.n_cells else np.zeros((0, 2), np.int64)
+    blocks = [np.flatnonzero((kinds == kind).all(axis=1)) for kind in np.unique(kinds, axis=0)]
+    for number, block in enumerate(blocks):
+        size = kinds[block[0], 1]
+        arrays[f"cells.{number}"] = nodes[starts[block][:, None] + np.arange(size)]
+    arrays["dimensions"] = np.array([grid.get_cell(int(block[0])).dimension for block in blocks], np.int64)
+    of_points = {name: values for name, values in grid.point_data.items() if values.dtype.kind in "biuf"}
+    arrays["point names"] = np.array(list(of_points), np.str_)
+    for k, values in enumerate(of_points.values()):
+        arrays[f"point.{k}"] = np.asarray(values, float)
+    of_cells = {name: values for name, values in grid.cell_data.items() if values.dtype.kind in "biuf"}
+    arrays["cell names"] = np.array(list(of_cells), np.str_)
+    for k, values in enumerate(of_cells.values()):
+        for number, block in enumerate(blocks):
+            arrays[f"cell.{k}.{number}"] = np.asarray(values, float)[block]
+    return arrays
+
+
+class _Complaints:
+    """What VTK writes into its output window meanwhile, errors and warnings: it reads on after many of them."""
+
+    text = ""
+
+    def __enter__(self) -> _Complaints:
+        from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+
+        self._window, self._before = vtkStringOutputWindow(), vtkOutputWindow.GetInstance()
+        vtkOutputWindow.SetInstance(self._window)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        from vtkmodules.vtkCommonCore import vtkOutputWindow
+
+        self.text = self._window.GetOutput()
+        vtkOutputWindow.SetInstance(self._before)
+
+    @property
+    def first(self) -> str:
+        """The first complaint, without the place in VTK and the address of an object."""
+        lines = [line for line in self.text.splitlines() if line and not line.startswith(("ERROR:", "Warning:"))]
+        return re.sub(r" \(0x[0-9a-f]+\)", "", lines[0]) if lines else "VTK gives no reason"
+
+
+def _limit(most_bytes: int, seconds: int) -> None:
+    """From now on this process may grow by so many bytes and work for so long (POSIX only)."""
+    try:
+        import resource
+    except ImportError:
+        return
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    room = pages * resource.getpagesize() + most_bytes
+    for kind, most in ((resource.RLIMIT_AS, room), (resource.RLIMIT_CPU, seconds)):
+        hard = resource.getrlimit(kind)[1]
+        limit = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(kind, (limit, limit))
+
+
+def _report(about: dict[str, Any]) -> None:
+    sys.stderr.write(f"{json.dumps(about)}\n")
+    sys.stderr.flush()
+
+
+def numbered(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Number and name -> array, of all files; see `arrays_of`."""
+    for number, path in enumerate(paths):
+        _report({"file": number})
+        try:
+            arrays = arrays_of(Path(path))
+        except Exception as reason:  # noqa: BLE001 (whatever a broken file makes pyvista raise)
+            _report({"file": number, "reason": f"{type(reason).__name__}: {reason}"})
+            raise SystemExit(1) from None
+        for name, array in arrays.items():
+            yield f"{number}.{name}", array
+
+
+def main() -> None:
+    """Read the files that stdin names."""
+    import pyvista  # noqa: F401 (what it takes itself does not count)
+
+    _limit(int(sys.argv[1]), int(sys.argv[2]))
+    content = io.BytesIO()
+    np.savez(content, **dict(numbered(json.load(sys.stdin))))  # type: ignore[arg-type]
+    sys.stdout.buffer.write(content.getbuffer())
+
+
+if __name__ == "__main__":
+    main()
