@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import random
 import re
 import shlex
@@ -22,16 +21,13 @@ import pytest
 
 import semi_analytic
 from command_line import COARSE, ROOT, Done, answer_schema, everything, forked, halfplane, raising, refused, sentence, start
-from halfplane_fe import SolverSettings
-from meshes import MeshSettings
 from reports.cli.application import FORMAT, app
 from reports.cli.machine import Finding
-from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
 from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
-from scenes import ContactSolution, ConvergenceError, Record, TimeSeriesLoad, freeze, load_scene, scene_names, scene_text
+from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names, scene_text
 from score_results import exact, rows, written
 from test_reports_sweep import Bench
 from test_reports_synthetic import cattaneo_mindlin
@@ -810,62 +806,40 @@ def test_piped_lines_are_plain_and_whole(monkeypatch: pytest.MonkeyPatch, capsys
     assert "300 steps" in stages.log[1]
 
 
-def test_the_published_runs_of_the_library_have_the_increments_that_are_stated() -> None:
-    published = json.loads((ROOT / "reports" / "published" / "values.json").read_text(encoding="utf-8"))["scenes"]
-    solved = {name: published[name]["frozen"]["halfplane_fe.counts.steps_solved"] for name in scene_names()}
-    over = {name: cost_of(load_scene(name), MeshSettings(), SolverSettings()).increments / count for name, count in solved.items()}
-    late = over.pop("flat-pad-on-block")  # its dissipation settles after five revolutions, and two are counted on
-    assert 0.1 < late < 0.13
-    assert not {name: ratio for name, ratio in over.items() if not 0.25 < ratio < 4}
-    assert sum(3 / 4 < ratio < 4 / 3 for ratio in over.values()) >= 24
-    assert over["hertz-normal"] == over["cylinder-roller-frictionless"] == 1  # nothing is halved: they can be counted
-
-
-def test_cost_follows_mesh_and_rows() -> None:
-    """A record keeps 4,000 instants, whatever its length; ten times the rows take ten times the seconds, not the memory."""
-    scene = load_scene("hertz-paper")
-    plain, fine = (cost_of(scene, mesh, SolverSettings()) for mesh in (MeshSettings(), MeshSettings.fine()))
-    assert plain.seconds < LONG < fine.seconds
-    assert fine.memory > 2 * plain.memory
-    long, longer = (
-        cost_of(scene.vary(load=TimeSeriesLoad(rows=rows)), MeshSettings(), SolverSettings())
-        for rows in ([[k, 90 + k % 2, 0] for k in range(n)] for n in (1000, 10_000))
-    )
-    assert longer.increments > 8 * long.increments
-    assert longer.memory < 4 * long.memory
-
-
-def test_a_long_run_of_real_bodies_measures_no_uncertainty_unless_asked_and_says_so(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize(
+    ("rows", "words", "measured", "told"),
+    [
+        (200, [], True, False),
+        (201, [], False, True),
+        (201, ["--budget"], True, False),
+        (201, ["--no-budget"], False, False),
+        (200, ["--no-budget"], False, False),
+    ],
+)
+def test_a_long_record_of_real_bodies_measures_no_uncertainty_unless_asked_and_says_so(
+    rows: int, words: list[str], measured: bool, told: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Before the work on the terminal, after it in the notes; never where the budget was asked for or left out by the user."""
-    halfplane(tmp_path, "init", "pad.toml", "--bodies", "--quiet")
-    start = load_scene(tmp_path / "pad.toml").load.path().cycle_start
-    solved = semi_analytic.solve(tmp_path / "pad.toml", x=np.linspace(-1.2, 1.2, 41), time=start + np.linspace(0, 2 * np.pi, 25))
+    """Before the work on the terminal, after it in the notes of the answer and of the page."""
+    record = "".join(f"{k},{90 + k % 2},0\n" for k in range(rows))
+    (tmp_path / "record.csv").write_text(f"time,P,Q\n{record}", encoding="utf-8")
+    text = scene_text("blocks").split("[[expected]]")[0]
+    head, _, rest = text.partition("[load]")
+    after = rest.partition("\n[")
+    load = '[load]\nkind = "time_series"\nfile = "record.csv"\n'
+    (tmp_path / "long.toml").write_text(f"{head}{load}{after[1]}{after[2]}", encoding="utf-8")
+    times = np.arange(0.0, rows, 20.0)
+    solved = semi_analytic.solve(tmp_path / "long.toml", x=np.linspace(-1.2, 1.2, 41), time=times)
     for engine in ("halfplane_fe", "semi_analytic"):
         monkeypatch.setattr(f"{engine}.solve", lambda *_, **__: solved)
     monkeypatch.setattr("reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured"))
-    asked = ("run", "pad.toml", "--out", "out", "--json")
-    for seconds, words, told in ((0.0, ["--no-budget"], False), (0.0, [], True)):
-        monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
-        done = halfplane(tmp_path, *asked, *words)
-        pattern = r"no uncertainty was measured: it would take about \d+ s more; --budget measures it"
-        assert bool(re.search(pattern, done.stderr)) is told
-        assert any(re.fullmatch(rf"N{pattern[1:]}\.", note) for note in json.loads(done.stdout)["result"]["notes"]) is told
-        page = (tmp_path / "out" / "report.html").read_text("utf-8")
-        assert ("No uncertainty was measured: it would take" in page) is told
-    for seconds, words in ((120.0, []), (0.0, ["--budget"])):
-        monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
+    asked = ("run", "long.toml", "--out", "out", "--json", *words)
+    if measured:
         with pytest.raises(pytest.fail.Exception, match="a budget was measured"):
-            halfplane(tmp_path, *asked, *words)
-
-
-def test_long_work_is_announced_and_short_work_is_not(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    solved = cattaneo_mindlin(steps_per_leg=4, points=21)
-    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: solved)
-    for words, announced in (([], False), (["--edge-element-size", "0.0002"], True)):
-        done = halfplane(tmp_path, "fe", "cattaneo-mindlin", *words)
-        said = [line for line in done.stderr.splitlines() if " increments, " in line]
-        assert bool(said) is announced
-    assert re.fullmatch(r"finite elements: about [\d,]+ increments, \d+ (s|min), .* of memory \(an order of magnitude\)", said[0])
-    assert os.environ.get("COLUMNS") != "400"  # halfplane() leaves no variable behind
+            halfplane(tmp_path, *asked)
+        return
+    done = halfplane(tmp_path, *asked)
+    sentence = f"no uncertainty was measured: the record has {rows} rows, more than 200; --budget measures it"
+    assert (sentence in done.stderr) is told
+    noted = f"N{sentence[1:]}."
+    assert (noted in json.loads(done.stdout)["result"]["notes"]) is told
+    assert (noted in (tmp_path / "out" / "report.html").read_text("utf-8")) is told

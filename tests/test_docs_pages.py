@@ -457,6 +457,8 @@ OF_RUNS = {
         "pictures can't be drawn here: ",
         "--no-pictures leaves them out",
         "this counts as outside: exit code ",
+        "no uncertainty was measured: the record has ",
+        "--budget measures it",
     ],
     "reports/folder.py": ["is there already and halfplane did not write it"],
 }

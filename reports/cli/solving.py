@@ -17,11 +17,9 @@ from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
-    from halfplane_fe import SolverSettings
-    from meshes import MeshSettings
     from reports.comparison import Comparison, Report
     from reports.comparison.laws import Finding
-    from scenes import ContactSolution, LoadSegment, Scene
+    from scenes import ContactSolution, Scene
 
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
@@ -157,15 +155,10 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
 
 
 def solve_finite_elements(job: Job) -> ContactSolution:
-    """The finite-element answer; its cost is stated first where that is long."""
+    """The finite-element answer."""
     import halfplane_fe
-    from scenes import ConvergenceError, InputError
 
     mesh, settings = job.options.settings()
-    with suppress(InputError, ConvergenceError):  # of theory: it is no reason to refuse finite elements
-        cost = cost_of(job.scene, mesh, settings)
-        if cost.seconds > LONG:
-            job.stages.remark(f"finite elements: {cost} (an order of magnitude)")
     with job.stages.stage("finite elements") as report:
         return halfplane_fe.solve(job.scene, mesh=mesh, settings=settings, progress=report)
 
@@ -178,100 +171,19 @@ def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
         return semi_analytic.solve(job.scene, **where)
 
 
-# Of one increment, measured on one core of a 2026 server: 1 ms, and 15 ns for each pair of contact nodes; on one half where the
-# problem is its own mirror image, twice as much where normal and shear tractions couple or faces are curved. Meshes take 3 s.
-_EACH, _PAIR, _MESHES = 1e-3, 1.5e-8, 3.0
-# Bytes: of the libraries, of what an instant that is kept holds at each contact node (state, answers, files and page), and of what
-# every increment of a long record holds there (slip and state).
-_LIBRARIES, _KEPT, _PASSED = 2e8, 250.0, 15.0
-# Halved increments where anything may slip: so many on any path (and of like bodies without a mirror image), and so many for each
-# stretch between turning points.
-_HALVED, _HALVED_EACH = (40, 200), 10
-# Segments of a record that are looked at: 2,000 take half a second.
-_SEEN = 4000
-# Seconds of work from which its cost is stated beforehand.
-LONG = 20.0
-# Seconds of the finite elements above which the uncertainty of real bodies is measured on request only: two coarser meshes take two
-# thirds of them more.
-_LONG_FOR_A_BUDGET = 120.0
+# Rows of a record above which the uncertainty of real bodies is measured on request only: every row is an increment of each of two
+# coarser meshes too.
+_LONG_RECORD = 200
 
 
-@dataclass(frozen=True)
-class _Cost:
-    """What the finite elements of a scene take, to a factor of two or three: increments, seconds of one core, bytes of memory."""
+def _reason_for_no_budget(scene: Scene) -> str:
+    """Why the uncertainty of real bodies is measured on request only; empty where it is measured anyway."""
+    from scenes import TimeSeriesLoad
 
-    increments: int
-    seconds: float
-    memory: float
-
-    def __str__(self) -> str:
-        from scenes.errors import in_words
-
-        count, memory = (int(float(f"{number:.{digits}g}")) for number, digits in ((self.increments, 2), (self.memory, 1)))
-        time = f"{self.seconds:.0f} s" if self.seconds < 100 else f"{self.seconds / 60:.0f} min"
-        return f"about {count:,} increments, {time}, {in_words(memory)} of memory"
-
-
-def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> _Cost:
-    """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
-
-    Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
-    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 24 of the 38 have the count to
-    a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies, seven times as
-    many where the dissipation settles late).
-    """
-    import numpy as np
-
-    from halfplane_fe.path import stretches
-    from halfplane_fe.run import MOST_INSTANTS
-    from halfplane_fe.scales import needs_shear
-    from reports.checking import largest_contact
-    from semi_analytic.profiles import contact_of
-
-    path, friction = scene.load.path(), scene.friction.coefficient
-    largest = largest_contact(scene, scene.name)
-    half_width: Callable[[float], Any] = (
-        contact_of(scene.profile, scene.material).half_width
-        if scene.profile.symmetric
-        else lambda load: largest.half_width * (load / largest.normal_load) ** 0.5
-    )
-    spacing = mesh.edge_element_size / mesh.order  # of nodes, over the largest half-width
-    like = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
-    mirrored = like and not scene.unsymmetric
-    halved, halved_each = (_HALVED[like and scene.unsymmetric], _HALVED_EACH) if needs_shear(scene) else (0, 0)
-
-    def of(segments: Sequence[LoadSegment], steps: float) -> tuple[float, float]:
-        """Increments without those of nodes, and how far the edge travels [length]; of a long record, from its beginning."""
-        longest, seen = max((one.end - one.start for one in segments), default=1.0), segments[:_SEEN]
-        pieces = [piece for one in seen for piece in stretches(one, friction, steps * (one.end - one.start) / longest)]
-        edges = np.array([[half_width(float(one.leg.loads(t)[0])) for t in (one.start, one.ends[-1])] for one in pieces])
-        travel = float(np.abs(np.diff(edges, axis=1)).sum()) if pieces else 0.0
-        share = len(segments) / max(len(seen), 1)
-        return share * (sum(len(one.ends) for one in pieces) + halved_each * len(pieces)), share * travel
-
-    first, way = of(path.initial_loading, settings.steps_per_cycle / 8)
-    again, travel = of(path.cycle, settings.steps_per_cycle)
-    revolutions = min(scene.cycles, 2)
-    nodes = 1.6 / spacing
-    increments = halved + first + revolutions * again + (way + revolutions * travel) / (spacing * largest.half_width)
-    each = _EACH + _PAIR * (nodes / 2) ** 2 if mirrored else 2 * (_EACH + _PAIR * nodes**2)
-    seconds = _MESHES + increments * each
-    straight = all(one.is_straight for one in (*path.initial_loading, *path.cycle))
-    kept = min(increments, MOST_INSTANTS) if straight else increments
-    return _Cost(round(increments), seconds, _LIBRARIES + nodes * (_KEPT * kept + _PASSED * increments))
-
-
-def _seconds_of_a_budget(scene: Scene, options: Options) -> float | None:
-    """What the uncertainty of real bodies would take where the finite elements alone take long; else None."""
-    from reports.comparison.budget import coarser, mesh_ratio
-    from scenes import InputError
-
-    mesh, settings = options.settings()
-    ratio = mesh_ratio(mesh)
-    with suppress(InputError):  # of theory: it is no reason to refuse finite elements
-        if ratio is not None and cost_of(scene, mesh, settings).seconds > _LONG_FOR_A_BUDGET:
-            return sum(cost_of(scene, *coarser(mesh, settings, factor)).seconds for factor in (ratio, ratio**2))
-    return None
+    rows = len(scene.load.kept_rows()) if isinstance(scene.load, TimeSeriesLoad) else 0
+    if rows <= _LONG_RECORD:
+        return ""
+    return f"no uncertainty was measured: the record has {rows:,} rows, more than {_LONG_RECORD}; --budget measures it"
 
 
 # ------------------------------------------------------------------------------------------------------------- both engines
@@ -314,10 +226,11 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
 
     scene, options, stages, command = job.scene, job.options, job.stages, job.command("run")
     # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
-    measured, left_out = not are_half_planes(scene) if options.budget is None else options.budget, ""
-    if measured and options.budget is None and (more := _seconds_of_a_budget(scene, options)) is not None:
-        measured = False
-        left_out = f"no uncertainty was measured: it would take about {float(f'{more:.1g}'):.0f} s more; --budget measures it"
+    measured, left_out = bool(options.budget), ""
+    if options.budget is None and not are_half_planes(scene):
+        left_out = _reason_for_no_budget(scene)
+        measured = not left_out
+    if left_out:
         stages.remark(left_out)
     begun = time.process_time()
     result = solve_finite_elements(job)
