@@ -13,6 +13,7 @@ The history of P and Q::
 
     memory.py               memory curve M(eta): full stick, slip up to the Coulomb limit, reversal (Masing rule), unloading
     history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
+    loops_in_phase.py       the steady cycle of P, Q, bulk and tilt in phase: W, W(x), stick zone (Andresen, Hills and Moore)
     grid.py                 any other, on a grid: stick in any number of pieces, with the error of the grid
     load_series.py          straight paths of any length: knots of the memory curve, slip of each step
     event_times.py          events: the instants A to M

@@ -120,7 +120,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     strain = strain_of(scene.material)
     upright = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
     samples = [_sampled(leg, upright if path.moment_given else None, strain) for leg in legs]
-    sizes = _Sizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
+    sizes = LoadSizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
     first = 0
     while first < len(path.initial_loading) and _presses_only(samples[first], sizes):
         first += 1
@@ -179,7 +179,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
 
 @dataclass(frozen=True)
-class _Sizes:
+class LoadSizes:
     """What bulk strain, tilt and Q are measured by along a path, a the half-width at its largest load P.
 
     Attributes
@@ -194,8 +194,13 @@ class _Sizes:
     tilt_rounding: float
     shear_rounding: float
 
+    @property
+    def rounding(self) -> Array:
+        """Of P, Q, eps and alpha, (4,)."""
+        return np.array([self.shear_rounding, self.shear_rounding, self.strain_rounding, self.tilt_rounding])
+
     @classmethod
-    def of(cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float) -> _Sizes:
+    def of(cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float) -> LoadSizes:
         """Of P, Q, eps and alpha (4, n)."""
         p, q, eps, alpha = samples
         turned = np.isfinite(alpha)
@@ -211,6 +216,17 @@ class _Sizes:
             tilt_rounding=_ROUNDING * max(float(np.max(np.abs(alpha), where=turned, initial=0.0)), tilt),
             shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * most),
         )
+
+
+def cycle_samples(scene: Scene) -> Array:
+    """P, Q, eps and alpha at instants of the cycle in order, all turning points among them, (4, n)."""
+    path = scene.load.path()
+    upright = None
+    if path.moment_given:
+        shape = convex_profile(scene.profile)
+        product = 2 / composite_modulus(scene.material)
+        upright = TiltedProfile(NestedIntervals(shape, product, 0.0, 0.0, math.inf), scene.profile.datum_length)
+    return np.concatenate([_sampled(leg, upright, strain_of(scene.material)) for leg in path.cycle], axis=1)
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
@@ -329,12 +345,12 @@ class PathLoads:
     ----------
     path : the load path
     strain : what the bulk stress of the lower and of the upper body adds to eps
-    radius : of the parabola, whose tilt under a given moment is -M/(R P)
+    contact : the profile, for the tilt under a given moment
     """
 
     path: LoadPath
     strain: tuple[float, float]
-    radius: float
+    contact: TiltedProfile
 
     def _place(self, time: float) -> tuple[LoadSegment, float]:
         """The leg at a time, and by how much it is late."""
@@ -351,9 +367,10 @@ class PathLoads:
         lower, upper = leg.bulk.loads(time - late) if leg.bulk is not None else (0.0, 0.0)
         tilt, moment = leg.turning.loads(time - late) if leg.turning is not None else (0.0, 0.0)
         eps = self.strain[0] * lower + self.strain[1] * upper
+        p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_given:
-            tilt = -moment / (self.radius * np.where(p > 0, p, np.inf))
-        return np.stack(np.broadcast_arrays(p, q, eps, tilt, time)[:4])
+            tilt = self.contact.tilt_under(p, moment)
+        return np.stack([p, q, eps, tilt])
 
     def stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body, (2, n), for any times."""
@@ -379,7 +396,7 @@ class PathLoads:
         return turns
 
 
-def _presses_only(samples: Array, sizes: _Sizes) -> bool:
+def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
     """Whether a leg has no Q and no change of bulk strain, to rounding."""
     _, q, eps, _ = samples
     return bool(np.max(np.abs(q)) <= sizes.shear_rounding and np.ptp(eps) <= sizes.strain_rounding)

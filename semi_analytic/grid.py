@@ -374,10 +374,9 @@ def solve(
 # ------------------------------------------------------------------------------------------------------ a scene's load path
 @dataclass(frozen=True, eq=False)
 class _Path:
-    """A load path in increments; the tilt of a moment is that of `contact`."""
+    """A load path in increments."""
 
     loads: PathLoads
-    contact: TiltedProfile
     increments: int
     _known: dict[bytes, Array] = field(default_factory=dict)
 
@@ -400,10 +399,7 @@ class _Path:
             new = new[np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf) > 2e-9 * (leg.end - leg.start)]
             times.append(np.unique(np.concatenate([base[~near], turns, new])))
             if (key := times[-1].tobytes()) not in self._known:
-                rows = self.loads.values(times[-1])
-                if path.moment_given and self.contact.shape.radius is None:
-                    rows[3] = self.contact.tilt_under(rows[0], -rows[3] * self.loads.radius * rows[0])
-                self._known[key] = rows.T
+                self._known[key] = self.loads.values(times[-1]).T
         time = np.concatenate(times)
         here = np.flatnonzero((own <= legs[-1].end) & ((own > legs[0].start) | (number < 0)))
         nearest = np.array([np.argmin(np.abs(time - max(at, path.start))) for at in own[here]], dtype=int)
@@ -482,7 +478,7 @@ def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int,
 
 def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     """Edges of contact at instants of the initial loading and of a cycle, (n, 2)."""
-    cut = _Path(loads, contact, INCREMENTS)
+    cut = _Path(loads, INCREMENTS)
     rows = np.concatenate([cut.rows(number, np.zeros(0))[0] for number in ((-1, 0) if loads.path.cycle else (-1,))])
     pressed = rows[rows[:, 0] > 0]
     middle, half = contact.under(pressed[:, 0], pressed[:, 3])
@@ -606,7 +602,7 @@ def follow_on_grid(
     check([*path.initial_loading, *path.cycle], friction)
     period = path.period
     needed = cycles_needed(path, time)
-    coarse, fine = (_Path(loads, contact, count) for count in (increments // 2, increments))
+    coarse, fine = (_Path(loads, count) for count in (increments // 2, increments))
     edges = edges_along(loads, contact)
     low, high = float(np.min(edges)), float(np.max(edges))
     modulus = 2 / contact.intervals.product

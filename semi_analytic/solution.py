@@ -60,6 +60,7 @@ from semi_analytic.friction_work import (
 from semi_analytic.grid import INCREMENTS, edges_along, follow_on_grid
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
+from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of, ways_in_phase
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, level, pieces, rounding_of_shift, rounding_of_slip, value_on
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
@@ -388,7 +389,8 @@ def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     legs = (*path.initial_loading, *path.cycle)
     largest = max(float(leg.loads(time)[0]) for leg in legs for time in (leg.end, *leg.turning_points(NORMAL_LOAD)))
     intervals = NestedIntervals(shape, 2 / composite_modulus(scene.material), 0.0, 0.0, largest)
-    return PathLoads(path, strain_of(scene.material), shape.radius or 1.0), TiltedProfile(intervals, scene.profile.datum_length)
+    profile = TiltedProfile(intervals, scene.profile.datum_length)
+    return PathLoads(path, strain_of(scene.material), profile), profile
 
 
 _OF_FRICTION = frozenset(("shear", "slip", "tangential_displacement", "dissipation", "dissipation_density"))
@@ -405,8 +407,10 @@ _OF_STEADY_CYCLE = (
 
 def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles) -> ContactSolution:
     """The answer where bulk stress and tilt make no one memory curve: on grids of cells."""
-    if asked is None and cycles == "steady" and wanted <= STEADY_FIELDS and (family := steady_curve(scene)) is not None:
-        return _steady_alone(scene, family, wanted, points)
+    if asked is None and cycles == "steady" and wanted <= STEADY_FIELDS:
+        steady_cycle = _steady_alone(scene, wanted, points)
+        if steady_cycle is not None:
+            return steady_cycle
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
     modulus, datum = composite_modulus(scene.material), scene.profile.datum_length
     loads, leaning = leaning_profile(scene)
@@ -418,14 +422,14 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     cells, pieces = found.counts["cells"], found.counts["pieces"]
     error_of_work = f"dissipation to {found.errors['dissipation']:.1e}, "
     of_work = wanted & {"dissipation", "dissipation_density"}
-    if found.steady_from is not None and of_work and (family := steady_curve(scene)) is not None:
-        exact = _remembered(scene, family, of_work, points, None, "steady", False, started)
-        error_of_work = ""
+    if found.steady_from is not None and of_work:
+        exact = _steady_alone(scene, of_work, points)
+        error_of_work = error_of_work if exact is None else ""
     notes.append(
         f"no one memory curve: half-plane theory on grids of {cells} cells and {INCREMENTS} increments a cycle, "
         f"{error_of_work}edges of stick to about {2 / cells:.2g} a"
         + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
-        + ("; W, W(x) and permanent stick are exact, by the one memory curve of the steady cycle" if exact else "")
+        + ("; W, W(x) and permanent stick are those of the steady cycle, without grids" if exact else "")
     )
     period, rows = path.period, slice(None)
     if asked is None and cycles == "steady" and period is not None:
@@ -494,11 +498,20 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     return replace(answer, cycle_dissipation=freeze(works), record=record, **better)
 
 
-def _steady_alone(scene: Scene, family: OneCurve, wanted: frozenset[str], points: Array | None) -> ContactSolution:
-    """The steady cycle where its loads alone have one memory curve and those of the initial loading have not."""
-    answer = _remembered(scene, family, wanted, points, None, "steady", False, clock.perf_counter())
+def _steady_alone(scene: Scene, wanted: frozenset[str], points: Array | None) -> ContactSolution | None:
+    """The steady cycle where it does not take its initial loading: of one memory curve, or of loads in phase; None of others."""
+    started = clock.perf_counter()
+    family = steady_curve(scene)
+    if family is not None:
+        way = "one memory curve"
+        answer = _remembered(scene, family, wanted, points, None, "steady", False, started)
+    elif (ways := ways_in_phase(scene)) is not None:
+        way = "quadratures of loads in phase"
+        answer = _in_phase(scene, ways, wanted, points, started)
+    else:
+        return None
     note = (
-        "the steady cycle by its one memory curve; the initial loading has another memory and was not followed: the number of "
+        f"the steady cycle by {way}; the initial loading has another memory and was not followed: the number of "
         'cycles until then and the moment of the shear are not known, `cycles="all"` finds them on grids'
     )
     record = replace(
@@ -511,6 +524,88 @@ def _steady_alone(scene: Scene, family: OneCurve, wanted: frozenset[str], points
     skipped["initial loading"] = len(scene.load.path().initial_loading), "the steady cycle does not depend on it"
     unknown = freeze(np.full(len(answer.time), math.nan))
     return replace(answer, record=record, work=replace(answer.work, skipped=skipped), shear_moment=unknown)
+
+
+_INSTANTS_IN_PHASE = 400
+
+
+def _in_phase(scene: Scene, ways: tuple[Way, Way], wanted: frozenset[str], points: Array | None, started: float) -> ContactSolution:
+    """The second cycle of loads in phase, which is steady: what of it does not depend on the initial loading."""
+    path = scene.load.path()
+    loads, leaning = leaning_profile(scene)
+    forward, reverse = ways
+    times = []
+    rows = []
+    for leg in path.cycle:
+        even = np.linspace(leg.start, leg.end, _INSTANTS_IN_PHASE // len(path.cycle) + 2)[1:]
+        times.append(np.unique(np.append(even, loads.turns(leg))))
+        rows.append(loads.values(times[-1]))
+    time = np.concatenate(times)
+    load, force, _, tilt = np.concatenate(rows, axis=1)
+    period = path.cycle[-1].end - path.cycle_start
+    lowest, highest = time[np.argmin(force)], time[np.argmax(force)]
+    rises = (time - lowest) % period <= (highest - lowest) % period
+    share = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
+    middle, half = leaning.under(load, tilt)
+    stick_middle, stick_half = np.where(rises, forward.stick(share), reverse.stick(1 - share))
+    contact_edges = np.stack([middle - half, middle + half], axis=-1)
+    stick_edges = np.stack([stick_middle - stick_half, stick_middle + stick_half], axis=-1)
+    x = points if points is not None else mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
+    nothing = np.broadcast_to(np.nan, (len(time), len(x)))
+    pressure = leaning.pressure_over(x, middle, half) if "pressure" in wanted else nothing
+    state = np.full(nothing.shape, np.int8(OPEN))
+    if "state" in wanted:
+        slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
+        state = np.where(_within(contact_edges, x), np.where(_within(stick_edges, x), np.int8(STICK), slides), state)
+    approach = leaning.approach(middle, half, load, tilt) if "normal_approach" in wanted else nothing[:, 0]
+    work = loop = math.nan
+    density = np.full(len(x), math.nan)
+    errors = {}
+    if "dissipation" in wanted:
+        loop = loop_of(ways)
+        work, coarse = (math.fsum(way.work(count) for way in ways) for count in (WAY_NODES, WAY_NODES // 2))
+        errors["dissipation"] = abs(coarse / work - 1)
+    if "dissipation_density" in wanted:
+        density, coarse_density = (forward.density(x, count) + reverse.density(x, count) for count in (WAY_NODES, WAY_NODES // 2))
+        largest = float(np.max(density))
+        errors["dissipation_density"] = _largest(np.abs(coarse_density - density)) / largest if largest > 0 else 0.0
+    stays = stick_edges[np.argmax(force)]
+    lower, upper = loads.stresses(time)
+    return _answer(
+        scene,
+        wanted,
+        "steady",
+        "the second cycle ends in the state it started from",
+        list(neglected_coupling(scene.material)),
+        {name: error for name, error in errors.items() if error > PROMISED},
+        {"quadrature_nodes": 4 * WAY_NODES**2, "cycles_solved": 1},
+        {},
+        {"dissipation": clock.perf_counter() - started},
+        {"pressure": pressure, "shear": nothing, "slip": nothing},
+        cycles="steady",
+        time=time + period,
+        x=x,
+        normal_load=load,
+        tangential_load=force,
+        state=state,
+        contact_edges=contact_edges,
+        stick_edges=stick_edges,
+        contact_half_width=half,
+        stick_half_width=stick_half,
+        tangential_displacement=nothing[:, 0],
+        normal_approach=approach,
+        dissipation=work,
+        loop_work=loop,
+        cycle_dissipation=np.array([work]),
+        dissipation_density=density,
+        permanent_stick_half_width=float(np.diff(stays)[0]) / 2,
+        permanent_stick_edges=stays,
+        steady_from=1,
+        bulk_stress_lower=lower,
+        bulk_stress_upper=upper,
+        tilt=tilt,
+        moment=leaning.moment(middle, half, load, tilt),
+    )
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:

@@ -1,0 +1,213 @@
+"""The steady cycle of loads in phase, P, Q, bulk strain and tilt there and back on one line: W, W(x) and the stick zone, exact.
+
+# notation: A = 2/E*; eps bulk strain, alpha tilt; N = f P - d Q, a = f alpha - d eps with d = +1 in forward and -1 in reverse slip;
+#           I(N, a) frictionless contact of the profile under load N and tilt a; m, c its middle and half-width
+
+On the way from a turning point 1 both ends slip in direction d while N falls. f p - d q is the pressure of a frictionless contact
+(bulk stress acts on the shear as tilt does on the pressure), and the stick zone and the slip outside it follow from how N and a
+have changed since,
+
+    stick zone = I(P_1 + (N - N_1)/2f, alpha_1 + (a - a_1)/2f)
+    d ds = -dN (A/pi) arccosh(|x - m|/c) + da sgn(x - m) sqrt((x - m)^2 - c^2)
+
+and W(x) is the sum of both ways of int f p |ds|. This holds while the stick zone recedes at both ends, |da/dN| <= A/(pi c), so that
+both slip the same way (Andresen, Hills and Moore, 2019). The shear and the slip that the initial loading has left are not known
+from the cycle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from semi_analytic.bulk_and_tilt import LoadSizes, cycle_samples
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import convex_profile
+from semi_analytic.tilted_profile import ConvexProfile
+
+Array = NDArray[np.float64]
+
+# Gauss nodes over a way and over a slip zone; half as many tell the error.
+WAY_NODES = 48
+# Shares of a way between which the edges are looked for that pass a point, and halvings of them: to the last digit.
+_SHARES = np.linspace(0, 1, 129)
+_HALVINGS = 46
+# Share by which a slip rate may be against its direction.
+_ROUNDING = 1e-12
+
+
+def _angles(count: int) -> tuple[Array, Array]:
+    """Shares sin(theta/2)^2 of an interval and weights, for square roots at both of its ends."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    theta = np.pi * (1 + nodes) / 2
+    return np.sin(theta / 2) ** 2, np.pi / 4 * weights * np.sin(theta)
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """The way from one turning point to the other, with slip in one direction; u from 0 to 1 is the share of it that is behind.
+
+    Attributes
+    ----------
+    shape, compliance, friction : the profile, A, f
+    begin, change : (4,) P, Q, eps and alpha where it begins, and by how much they change
+    direction : d
+    """
+
+    shape: ConvexProfile
+    compliance: float
+    friction: float
+    begin: Array
+    change: Array
+    direction: int
+
+    @cached_property
+    def rates(self) -> tuple[float, float]:
+        """dN/du and da/du."""
+        load, force, strain, tilt = self.change.tolist()
+        return self.friction * load - self.direction * force, self.friction * tilt - self.direction * strain
+
+    def pressed(self, u: Array) -> tuple[Array, Array]:
+        """Load and tilt of the contact, arrays like u."""
+        return self.begin[0] + u * self.change[0], self.begin[3] + u * self.change[3]
+
+    def stuck(self, u: Array) -> tuple[Array, Array]:
+        """Load and tilt of the contact that the stick zone is, arrays like u."""
+        normal, turning = self.rates
+        return self.begin[0] + u * normal / (2 * self.friction), self.begin[3] + u * turning / (2 * self.friction)
+
+    def interval(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+        """Middle and half-width of a contact."""
+        return self.shape.contact(self.compliance * load, tilt)
+
+    def contact(self, u: Array) -> tuple[Array, Array]:
+        """Middle and half-width of the contact."""
+        return self.interval(*self.pressed(u))
+
+    def stick(self, u: Array) -> tuple[Array, Array]:
+        """Middle and half-width of the stick zone."""
+        return self.interval(*self.stuck(u))
+
+    def friction_power(self, x: Array, u: Array) -> Array:
+        """f p |ds/du| at points in the slip zone, arrays that broadcast."""
+        m, c = self.contact(u)
+        pressure = self.shape.pressure(x, m, c) / (math.pi * self.compliance)
+        return np.asarray(self.friction * pressure * self.slip_rate(x, u))
+
+    def slip_rate(self, x: Array, u: Array) -> Array:
+        """d ds/du >= 0 at points outside the stick zone, arrays that broadcast."""
+        m, c = self.stick(u)
+        normal, turning = self.rates
+        away = np.maximum(np.abs(x - m), c)
+        root = np.sqrt((away - c) * (away + c))
+        return -normal * self.compliance / math.pi * np.arcsinh(root / c) + turning * np.sign(x - m) * root
+
+    def recedes(self) -> bool:
+        """Whether the stick zone does at both ends, inside the contact, with slip of one direction outside it."""
+        normal, turning = self.rates
+        u = _SHARES
+        m, c = self.stick(u)
+        middle, half = self.contact(u)
+        if normal >= 0 or np.min(c) <= 0 or np.pi * np.max(c) * abs(turning) > -normal * self.compliance:
+            return False
+        slack = _ROUNDING * np.max(half)
+        inside = np.all(middle - half <= m - c + slack) and np.all(m + c <= middle + half + slack)
+        ends = (self.slip_rate(middle + side * half, u) for side in (-1, 1))
+        return bool(inside and all(np.min(rate) >= normal * self.compliance * _ROUNDING for rate in ends))
+
+    def work(self, count: int = WAY_NODES) -> float:
+        """Integral of f p |ds| over the slip zones and the way."""
+        share, weight = _angles(count)
+        u = share[:, None]
+        m, c = self.stick(u)
+        middle, half = self.contact(u)
+        work = 0.0
+        for side in (-1, 1):
+            begin = m + side * c
+            length = middle + side * half - begin
+            power = self.friction_power(begin + length * share, u)
+            work += float(weight @ (np.abs(length) * power) @ weight)
+        return work
+
+    def locked(self, u: Array) -> Array:
+        """How U and m_q have changed since the way began, (2, n): by normal approach and moment of contact and stick zone."""
+
+        def carried(load: Array, tilt: Array) -> Array:
+            m, c = self.interval(load, tilt)
+            approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(2 / c)
+            return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
+
+        at_begin = carried(*self.pressed(np.zeros(1)))
+        change = carried(*self.pressed(u)) - 2 * carried(*self.stuck(u)) + at_begin
+        return self.direction * self.friction * change
+
+    def density(self, x: Array, count: int = WAY_NODES) -> Array:
+        """Integral of f p |ds| over the way at points (k,)."""
+
+        def depth(x: Array, u: Array) -> Array:
+            """Distance to the nearer end of the slip zone, positive within it."""
+            m, c = self.stick(u)
+            middle, half = self.contact(u)
+            return np.minimum(np.abs(x - m) - c, half - np.abs(x - middle))
+
+        inside = depth(x, _SHARES[:, None]) > 0
+        before, point = np.nonzero(inside[1:] != inside[:-1])
+        low, high = _SHARES[before], _SHARES[before + 1]
+        for _ in range(_HALVINGS):
+            u = (low + high) / 2
+            beyond = (depth(x[point], u) > 0) != inside[before, point]
+            low, high = np.where(beyond, low, u), np.where(beyond, u, high)
+        # Parts of the way that begin and end at its ends or where an edge passes, point by point.
+        every = np.arange(len(x))
+        number = np.concatenate([every, point, every])
+        place = np.concatenate([0 * x, low, 0 * x + 1])
+        order = np.lexsort((place, number))
+        number, place = number[order], place[order]
+        parts = np.flatnonzero(number[1:] == number[:-1])
+        parts = parts[depth(x[number[parts]], (place[parts] + place[parts + 1]) / 2) > 0]
+        share, weight = _angles(count)
+        length = (place[parts + 1] - place[parts])[:, None]
+        power = self.friction_power(x[number[parts], None], place[parts, None] + length * share)
+        return np.asarray(np.bincount(number[parts], (length * power) @ weight, len(x)), dtype=float)
+
+
+def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
+    """Forward and reverse slip of a cycle whose loads are in phase and whose ends slip the same way; None of any other."""
+    friction = scene.friction.coefficient
+    if not scene.load.path().cycle or friction <= 0:
+        return None
+    profile = convex_profile(scene.profile)
+    compliance = 2 / composite_modulus(scene.material)
+    samples = cycle_samples(scene)
+    load, force = samples[:2]
+    begin, end = samples[:, np.argmin(force)], samples[:, np.argmax(force)]
+    change = end - begin
+    rounding = LoadSizes.of(samples, profile, compliance, friction).rounding
+    if change[1] <= rounding[1] or not np.min(load) > 0:
+        return None
+    share = (force - begin[1]) / change[1]
+    apart = np.max(np.abs(samples - begin[:, None] - np.outer(change, share)), axis=1)
+    steps = np.diff(share, append=share[0])
+    signs = np.sign(steps[np.abs(steps) > _ROUNDING])
+    if np.any(apart > rounding) or np.count_nonzero(signs != np.roll(signs, 1)) != 2:
+        return None
+    ways = Way(profile, compliance, friction, begin, change, 1), Way(profile, compliance, friction, end, -change, -1)
+    return ways if all(way.recedes() for way in ways) else None
+
+
+def loop_of(ways: tuple[Way, Way]) -> float:
+    """Closed integral of Q dU - m_q d eps, by parts: a second route to W, without slip."""
+    share, weight = _angles(WAY_NODES)
+    u = np.append(share, 1.0)
+    at_begin = np.zeros((2, 1))
+    loop = 0.0
+    for way in ways:
+        displacement, moment = at_begin + way.locked(u)
+        loop -= weight @ (way.change[1] * displacement[:-1] + way.change[2] * moment[:-1])
+        at_begin = np.array([displacement[-1:], moment[-1:]])
+    return float(loop)
