@@ -722,6 +722,13 @@ def test_other_loops_are_not_taken_for_loops_in_phase(name):
     assert ways_in_phase(make_scene(NOT_IN_PHASE[name])) is None
 
 
+def test_loops_in_phase_are_taken_up_to_the_limit_of_moderate_bulk():
+    """|d eps| = (A/(pi a)) |dQ| at constant P: beyond it the ends of contact slip opposite ways at first."""
+    limit = 0.5863230143
+    assert ways_in_phase(fretting(0.9995 * limit)) is not None
+    assert ways_in_phase(fretting(1.0005 * limit)) is None
+
+
 def test_what_is_left_is_estimated_from_the_trend():
     """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40 cycles."""
     for law in (lambda k: 2e-3 * k**-3.0, lambda k: 0.1**k, lambda k: 0.8**k):
