@@ -147,7 +147,7 @@ def sticky() -> Planted:
 def blind() -> Iterator[None]:
     """Increments end at regular instants alone: not where a node touches or lets go, nor where the path turns."""
     stepping, path = (import_module(f"halfplane_fe.{name}") for name in ("stepping", "path"))
-    regular = mock.patch.object(stepping, "next_event", lambda _problem, _history, _at, end: ("regular", end))
+    regular = mock.patch.object(stepping, "next_event", lambda _problem, _history, _at, end, _states: ("regular", end))
     with regular, mock.patch.object(path, "turning_points", return_value=[]):
         yield
 

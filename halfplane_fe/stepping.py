@@ -1,8 +1,9 @@
 """Along the load path: increments that end where a node touches or lets go, at a turning point or at a regular instant.
 
 With the states of the nodes held, forces are linear in the loads, and the normal problem of like bodies depends on P alone, or on P
-and the tilt: one linear prediction finds the event. Between unlike bodies it depends on Q too, and on what sticks: there the
-prediction misses by the square of the increment, and the next one starts from where it missed.
+and the tilt: one linear prediction finds the event. Between unlike bodies it depends on Q too, and on what sticks. There the
+prediction misses by the square of the increment. It is repeated with the sliding nodes that the increment has ended with: a node
+that lets go before the end of its increment would be open there, and the friction work of the whole increment would be lost.
 """
 
 from __future__ import annotations
@@ -40,6 +41,9 @@ _JUMPY = (
     "contact: the interface jumped from one solution to another in {count} increments, the last at time {time:.6g}, however short "
     "they are; mesh the softer body as finely as the other one (upper_ratio)"
 )
+# Predictions of an event of unlike bodies, each with the sliding nodes that the one before has led to: the second one meets it,
+# but where it meets another node first.
+_MOST_PREDICTIONS = 5
 # Secants before an event is bracketed instead.
 _MOST_SECANTS = 8
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
@@ -124,9 +128,19 @@ def follow(
 def _attempt(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float, shortest: float) -> Increment | float:
     """The increment to the first event or to `end`; the instant to which it was tried where that does not converge, unless it is
     `shortest`."""
-    event, time = next_event(problem, history, loads_at, end)
+    event, time = next_event(problem, history, loads_at, end, history.state)
     try:
         solved, iterations = problem.equilibrium(history, time, loads_at(time))
+        for _ in range(_MOST_PREDICTIONS - 1):
+            if not _misses(problem, history, solved, event):
+                break
+            sliding = _on_its_side(history, solved, solved.closed != history.closed)
+            event, time = next_event(problem, history, loads_at, end, sliding)
+            if time == solved.time:
+                break
+            solved, more = problem.equilibrium(history, time, loads_at(time))
+            iterations += more
+            problem.work["events predicted again"] += 1
         if event != "regular" and (met := _met(problem, history, loads_at, solved, event, end)) != time:
             solved, more = problem.equilibrium(history, met, loads_at(met))
             iterations += more
@@ -143,19 +157,31 @@ def _attempt(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt
     return Increment(landed(replace(solved, state=states), event), states, error, iterations, event)
 
 
-def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
-    """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
+def next_event(
+    problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float, states: NDArray[np.int8]
+) -> tuple[Event, float]:
+    """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction.
+
+    Parameters
+    ----------
+    states : (n,) that the nodes have on the way. Those that touch are the ones of `history`
+    """
+    start = history
     try:
-        held = problem.following(history, end, loads_at(end), history.state)
+        if states is not history.state:  # nodes that start to slide come to the limit of friction at once
+            start = problem.following(history, history.time, history.loads, states)
+        held = problem.following(history, end, loads_at(end), states)
     except SingularSet:  # one node is left: the upper body rolls over it, to where another touches, and nothing foresees it
         return "regular", end
-    closed, (_, pressure, _, gap), (_, pressed, _, left_open) = history.closed, nodal(history.values), nodal(held.values)
+    closed = history.closed
+    _, pressure, _, gap = nodal(start.values)
+    _, pressed, _, left_open = nodal(held.values)
     touch, release = _first_crossing(gap, left_open, ~closed), _first_crossing(pressure, pressed, closed)
     event: Event = "touch" if touch <= release else "release"
     share, node = min(touch, release)
     if share >= 1.0:
         return "regular", end
-    if len(history.loads) == 2:
+    if len(history.loads) == 2 and problem.interface.coupling is None:
         wanted = history.loads[0] + share * (held.loads[0] - history.loads[0])
         if not min(history.loads[0], held.loads[0]) < wanted < max(history.loads[0], held.loads[0]):
             return "regular", end
@@ -164,17 +190,27 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
         def left(time: float) -> float:
             return loads_at(time)[0] - wanted
 
-    else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
+    else:  # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
         moving = np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
         part = 3 if event == "touch" else 1
-        by_load = nodal(problem.rates(history.state, len(history.loads))[moving])[part, :, node]
-        before = float(nodal(history.values)[part, node])
+        by_load = nodal(problem.rates(states, len(history.loads))[moving])[part, :, node]
+        before = float(nodal(start.values)[part, node])
 
         def left(time: float) -> float:
             return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
 
     time = _zero(left, history.time, end, share, before)
     return (event, time) if history.time < time < end else ("regular", end)
+
+
+def _misses(problem: ContactProblem, history: InterfaceState, solved: InterfaceState, event: Event) -> bool:
+    """Whether a node of unlike bodies meets its event before the increment ends, or does not meet the one that it should end with."""
+    if problem.interface.coupling is None:
+        return False
+    at_event = _marginal(solved)
+    too_far = np.any((solved.closed != history.closed) & ~at_event)
+    too_short = event != "regular" and not np.any(at_event & (history.closed == (event == "release")))
+    return bool(too_far or too_short)
 
 
 def _met(
@@ -230,8 +266,11 @@ def up_to_event(history: InterfaceState, solved: InterfaceState) -> NDArray[np.i
     A node that let go in its increment has slid for all of it, and one labelled open would lose the friction work.
     """
     changed = _marginal(solved) & (solved.closed != history.closed)
-    if not changed.any():
-        return solved.state
+    return _on_its_side(history, solved, changed) if changed.any() else solved.state
+
+
+def _on_its_side(history: InterfaceState, solved: InterfaceState, changed: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """(n,) solved states; those that `changed` sides on the one where they have been: open, stuck or sliding as they have moved."""
     slip = solved.slip - history.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
