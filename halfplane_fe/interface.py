@@ -142,6 +142,8 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 # Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out, and up to which it is looked at
 # what is left behind that.
 _LOCAL, _PLATEAU = 8.5, 10.5
+# Digits behind the point of a distance over the element size: far more than matter, and less than what round-off changes.
+_DIGITS_OF_SIZES = 9
 # Largest degree of the polynomial that stands for what is smooth of bodies, in both places together, nodes that one more degree
 # needs, and samples that it goes through.
 _DEGREE, _NODES_A_DEGREE, _SAMPLES = 8, 25, 48
@@ -194,12 +196,14 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
 def _sizes_ahead(x: Array) -> Array:
     """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements, a number of nodes.
 
-    What large elements make reaches into small ones beside them, as far as 8 of the large ones: they count as larger there.
+    What large elements make reaches into small ones beside them, as far as 8 of the large ones: they count as larger there. Between
+    equal elements many nodes are 17 sizes apart, which is a limit of `without_local_difference`: the last digits of x must not
+    choose the side.
     """
     apart = np.diff(x)
     size = np.maximum(np.append(apart, apart[-1]), np.insert(apart, 0, apart[0]))
     size = np.max(size - np.abs(np.subtract.outer(x, x)) / _LOCAL, axis=1)
-    return np.asarray(np.subtract.outer(x, x) / np.maximum.outer(size, size))
+    return np.round(np.subtract.outer(x, x) / np.maximum.outer(size, size), _DIGITS_OF_SIZES)
 
 
 def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
