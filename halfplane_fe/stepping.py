@@ -204,7 +204,7 @@ def next_event(
 
 
 def _misses(problem: ContactProblem, history: InterfaceState, solved: InterfaceState, event: Event) -> bool:
-    """Whether a node of unlike bodies meets its event before the increment ends, or does not meet the one that it should end with."""
+    """Whether a node of unlike bodies meets its event before the increment ends, or the increment ends before its event."""
     if problem.interface.coupling is None:
         return False
     at_event = _marginal(solved)
