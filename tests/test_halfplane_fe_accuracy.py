@@ -267,6 +267,14 @@ def moving_edges(elements, cured=True):
     return rms(found)
 
 
+def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
+    """Nodes 17 elements apart were within the band or beyond it by rounding: W of one scene had other digits from the sixth on."""
+    scene, sides = load_scene("hertz-paper"), interface(32, 2)
+    digits = np.random.default_rng(0).integers(-4, 5, len(sides.x)) * np.spacing(np.abs(sides.x).max())
+    faces, others = (without_local_difference(replace(sides, x=x), scene) for x in (sides.x, sides.x + digits))
+    np.testing.assert_allclose(others.tangential, faces.tangential, rtol=0, atol=1e-12 * np.abs(faces.tangential).max())
+
+
 def refinement(function, sizes):
     return lambda: (sizes, [function(round(1 / size)) for size in sizes])
 
