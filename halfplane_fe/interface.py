@@ -171,9 +171,7 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     a base, N - T has parts that are not the mesh's.
     """
     n, apart, nodes = len(faces.x), np.diff(faces.x), int(_PLATEAU)
-    depth = min(
-        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
-    )
+    depth = least_depth(scene)
     at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
     if n < _LEAST_NODES or not at_ends or depth < 2 * nodes * float(apart.max()):
         return None
@@ -191,6 +189,11 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
         smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
         coupling = freeze(np.where(band, smooth, coupling))
     return replace(faces, tangential=freeze(tangential), coupling=coupling)
+
+
+def least_depth(scene: Scene) -> float:
+    """Height, or radius, of the thinner body; infinite of half-planes [length]."""
+    return min(float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper))
 
 
 def _sizes_ahead(x: Array) -> Array:

@@ -172,6 +172,9 @@ _SAFETY = 1.25
 # for Hertz, 0.4 for x^5. Share of p0 (H/a)^2 (b/a)^4 that the elements H of the middle leave where
 # they reach to b, near the edge: 0.07 at b = 0.8 a.
 _PEAK_BY_EDGES, _PEAK_BY_MIDDLE = 0.8, 0.15
+# Share of p0 (H/t)^2 that they leave in a body t thin: 0.0035 at most on pairs of layers of 0.17 to 0.4 a with H = a/12 and
+# a/24, of which the terms above cover a part.
+_PEAK_BY_DEPTH = 0.003
 # Refinement from the coarse run below which their difference says nothing.
 _LEAST_REFINEMENT = 1.4
 
@@ -243,10 +246,12 @@ class Peak:
     to_edge: float
 
 
-def peak_uncertainty(peak: Peak, profile: Profile, coarse: float, fine: SurfaceGrading, plain: bool) -> float:
+def peak_uncertainty(
+    peak: Peak, profile: Profile, coarse: float, fine: SurfaceGrading, *, depth: float = math.inf, plain: bool
+) -> float:
     """Uncertainty of the largest pressure [stress].
 
-    u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact do to it. Where the profile has
+    u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact and a thin body do to it. Where the profile has
     a tip, the difference is made there: of order n - 1 where the gap rises as |x|^n with n < 2, of
     order 1 where the elements resolve that it is rounded. Elsewhere it is made by the edges of
     contact: of order 2, or 1 where the curvature of the profile jumps in their zone. NaN where the
@@ -256,6 +261,7 @@ def peak_uncertainty(peak: Peak, profile: Profile, coarse: float, fine: SurfaceG
     ----------
     coarse : element of the coarse run [length]
     fine : surface of the run, of the coarser side
+    depth : of the thinner body; infinite of half-planes [length]
     plain : linear elements or a penalty layer: the whole difference counts
     """
     if not (peak.half_width > 0 and peak.to_edge > 0):
@@ -272,7 +278,8 @@ def peak_uncertainty(peak: Peak, profile: Profile, coarse: float, fine: SurfaceG
     a = peak.half_width
     of_edges = _PEAK_BY_EDGES * fine.edge_size**2 / (a * peak.to_edge)
     of_middle = _PEAK_BY_MIDDLE * (fine.size / a) ** 2 * (fine.inner / a) ** 4
-    return _SAFETY * peak.difference * share + (of_edges + of_middle) * peak.value
+    of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
+    return _SAFETY * peak.difference * share + (of_edges + of_middle + of_depth) * peak.value
 
 
 def uncertainty_note(dissipation: float, uncertain: float, tolerance: float, coarse: float) -> Iterator[str]:

@@ -29,6 +29,7 @@ from halfplane_fe.interface import (
     condensed_pair,
     couple,
     initial_gap,
+    least_depth,
     meshed_pair,
     shapes_alike,
     without_local_difference,
@@ -370,7 +371,8 @@ def _peak_uncertainty(
     peak = Peak(value, abs(value - scales.largest_pressure), half_width, float(np.min(to_edges)))
     fine = surface_grading(mesh, scales, scene.profile, max(mesh.upper_ratio, 1.0))
     plain = mesh.order == 1 or settings.method == "penalty"
-    return peak_uncertainty(peak, scene.profile, scales.element * scales.half_width, fine, plain)
+    coarse = scales.element * scales.half_width
+    return peak_uncertainty(peak, scene.profile, coarse, fine, depth=least_depth(scene), plain=plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:

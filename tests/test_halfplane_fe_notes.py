@@ -196,6 +196,21 @@ def test_peak_pressure_is_covered_and_tips_are_meshed(name: str, preset: str) ->
     assert error < AT_TIP.get(name, 0.1) * peak
 
 
+@pytest.mark.parametrize("height", [0.08, pytest.param(0.15, marks=pytest.mark.slow), pytest.param(0.4, marks=pytest.mark.slow)])
+def test_peak_pressure_of_thin_layers_is_covered(height: float) -> None:
+    """Two like layers of 0.17 to 0.75 a: elements of the middle that are large beside a layer are in the statement."""
+    bodies = Bodies(lower=Block(width=20.0, height=height), upper=Block(width=20.0, height=height))
+    load = {"kind": "ellipse", "mean_normal_load": 90.6, "normal_amplitude": 30.2, "tangential_amplitude": 10.0}
+    scene = load_scene("hertz-normal").vary(bodies=bodies, load=load, friction=0.5, cycles=1, expected=[])
+    usual = MeshSettings()
+    truth = halfplane_fe.solve(scene, replace(usual, element_size=1 / 96), FEW)
+    peak = float(truth.pressure.max())
+    for mesh in (MeshSettings.coarse(), replace(usual, edge_element_size=1 / 40), usual):
+        solution = halfplane_fe.solve(scene, mesh, FEW)
+        error = abs(float(solution.pressure.max()) - peak)
+        assert error <= solution.largest_pressure_uncertainty < 1e-2 * peak
+
+
 def test_an_unknown_uncertainty_and_one_beyond_the_tolerance_are_noted() -> None:
     """A mesh hardly finer than that of the coarse run; nothing sheared; penalty layers count the whole difference."""
     known = halfplane_fe.solve(load_scene("cattaneo-mindlin"), ROUGH, FEW)
