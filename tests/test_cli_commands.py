@@ -489,7 +489,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     monkeypatch.setattr("reports.sweep.running.workers_of", lambda **_: Bench())
     code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
-    assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2})
+    assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "waiting": 0, "total": 2})
     assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
     shown = halfplane(tmp_path, "sweep", "study.toml", "--workers", "1", "--quiet").stdout
     assert len(re.findall(r"│\s*[01] │ +1(?:\.2)? │ +0\.002\d+", shown)) == 2  # a row for each point: number, f, W

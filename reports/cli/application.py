@@ -143,9 +143,6 @@ class Options:
     executor: Annotated[Literal["processes", "dask"], _says("Processes of this machine, or a dask cluster.")] = "processes"
     scheduler: Annotated[str, _says("Address of your dask scheduler; without one a cluster starts on this machine.")] = ""
     workers: Annotated[_Count | None, _says("Processes, or tasks at once; all cores if left out.")] = None
-    tls_ca_file: Annotated[Path | None, _says("Certificates trusted, of a tls:// scheduler (PEM).")] = None
-    tls_cert: Annotated[Path | None, _says("Our own certificate (PEM).")] = None
-    tls_key: Annotated[Path | None, _says("Its private key (PEM).")] = None
     resume: Annotated[bool, _flag("What every run does: the results that the folder holds are used.")] = False
     stores: Annotated[Path, _says("Folder of the sweeps' stores.")] = Path("out/maps")
     remake: Annotated[bool, _flag("Start afresh: drop the sweeps' results first.")] = False
@@ -199,7 +196,7 @@ _NAMES = [one.name for one in fields(Options)]
 _OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
 _FINITE_ELEMENTS = dict.fromkeys(_NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]).keys()
-WORKERS = ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")
+WORKERS = ("executor", "scheduler", "workers")
 
 
 class _Operand(NamedTuple):

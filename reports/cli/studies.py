@@ -95,14 +95,14 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
 
 
 def _content(store: Store) -> dict[str, Any]:
-    """How far a sweep is, for programs; `seconds_left` is null where no sweep is at work or no rate is known."""
+    """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is known."""
     from reports.sweep.page import state_of
 
     return {name: value for name, value in state_of(store).items() if name != "table"}
 
 
 def status(folder: Path, _: Options) -> Answer:
-    """How far a sweep is: done, failed, running, time left."""
+    """How far a sweep is: done, failed, waiting, time left."""
     from reports.sweep.store import Store
 
     state = _content(Store(folder))
@@ -114,9 +114,7 @@ def status(folder: Path, _: Options) -> Answer:
         if (more := len(state["failures"]) - _SHOWN) > 0:
             yield f"... and {more} more failed; see index.csv"
         if state["seconds_left"] is not None:
-            yield f"about {state['seconds_left']:.0f} s left"
-        elif state["points"]["waiting"] and not state["points"]["running"]:
-            yield "no sweep is at work here"
+            yield f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"
 
     return Answer(WITHIN, shown(), lambda: state)
 

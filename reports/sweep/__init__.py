@@ -2,8 +2,8 @@
 
     study.py     the study file, its axes and arithmetic, its points with the addresses of their results
     solving.py   what can be kept of a point; what a worker does with it; how uncertain its figures are
-    running.py   processes or a dask cluster, and the loop that hands out points and loses none
-    store.py     one file for each result, the table, locks of sweeps that run at once
+    running.py   processes or a dask cluster, and the loop that hands out points and stores results
+    store.py     one file for each result, the table
     page.py      how far a sweep is; its page, with a figure of each quantity
 
 from reports import sweep

@@ -19,7 +19,7 @@ from reports.charts.plate import Axis as ChartAxis
 from reports.charts.plate import Band, Block, Cell, Curve, Dot, Key, Mark, Panel, Plate, Rule, colour_scale, labels, limits
 from reports.charts.templating import script, shades, template
 from reports.sweep.solving import is_error, label_of
-from reports.sweep.store import STATUS, Locks, Store, done
+from reports.sweep.store import STATUS, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
@@ -42,25 +42,23 @@ _UNCERTAINTY = {
 def state_of(store: Store) -> Mapping[str, Any]:
     """What the store holds now, as `halfplane sweep status --json` prints it, with the table under "table".
 
-    A point is running while a living sweep has it; `seconds_left` is None where no sweep is at work or no rate is known.
+    `seconds_left` is that of a sweep that goes on at the rate of the last results; None where nothing waits or no rate is known.
     """
     study, points = store.read_plan()
     table = store.table(points)
     failures = [{"point": row.number, "reason": row.reason} for row in table.itertuples() if row.status != "done"]
-    addresses, locks = set(table["address"]), Locks(store)
-    running, waiting = len(locks.others({point.address for point in points} - addresses)), len(points) - len(table)
-    locks.close()
+    waiting = len(points) - len(table)
     times = []
-    for address in addresses:
+    for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
             times.append(store.path(address).stat().st_mtime)
     times = sorted(times)[-_LATEST:]
     rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else None
-    counts = {"done": len(table) - len(failures), "failed": len(failures), "running": running}
+    counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
-        "points": counts | {"waiting": waiting - running, "total": len(points)},
-        "seconds_left": waiting / rate if running and rate else None,
+        "points": counts | {"waiting": waiting, "total": len(points)},
+        "seconds_left": waiting / rate if waiting and rate else None,
         "damaged": store.damaged(),
         "failures": failures,
         "notes": [{"note": note, "points": count} for note, count in Counter(filter(None, table["notes"])).most_common()],

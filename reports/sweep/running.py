@@ -1,7 +1,7 @@
 """A whole sweep: the study checked, tasks handed to processes or to a dask cluster, results stored, the table returned.
 
-Where a worker dies, each point of the lost tasks goes out again with nothing beside it, so that the point that kills workers is
-found; lost again, it becomes a failure with that reason. A scheduler that is gone ends the sweep, and the next run resumes it.
+Where a process of the pool dies, a new pool solves the other points, and the sweep ends with a sentence that names those that were
+lost with it; dask hands them out again by itself. A scheduler that is gone ends the sweep. The next run solves what has no result.
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process, resource_tracker
 from pathlib import Path
 from typing import Any
@@ -27,8 +26,8 @@ import pandas as pd
 from meshes.interrupts import interrupts_wait
 from reports.console import complain
 from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import Locks, Store
-from reports.sweep.study import Point, Study, expand, load_study
+from reports.sweep.store import Store
+from reports.sweep.study import Point, Study, described, expand, load_study
 from scenes import InputError
 from scenes.frozen import validated
 
@@ -36,8 +35,12 @@ Report = Callable[[int, int, str], None]
 Task = list[Point]
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of handing them out small.
 _EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
-# Seconds: a round of the loop; until points of another sweep are looked at again; a first answer of a scheduler takes.
-_ROUND, _LOOK_AGAIN, _PATIENCE = 0.5, 2.0, 10.0
+# Seconds: a round of the loop; a first answer of a scheduler takes.
+_ROUND, _PATIENCE = 0.5, 10.0
+# Pools that may break one after the other without a result: the next one would too.
+_MOST_BROKEN = 3
+# Lost points that a sentence names.
+_NAMED = 4
 
 
 # Of a cluster started here: its web servers, which know no TLS, answer nothing but "404".
@@ -84,8 +87,8 @@ class Dask:
     executor: Executor
     width: int
 
-    def __init__(self, address: str, width: int | None, tls: dict[str, str]) -> None:
-        self._address, self._asked, self._tls = address, width, tls
+    def __init__(self, address: str, width: int | None) -> None:
+        self._address, self._asked = address, width
         self._where = f"--scheduler {address}" if address else "--executor dask"
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
@@ -104,14 +107,14 @@ class Dask:
     def start(self) -> None:
         try:
             from dask.config import set as set_dask
-            from distributed import Client, LocalCluster, Security
+            from distributed import Client, LocalCluster
         except ImportError as reason:
             how = "pip install 'halfplane[cluster]'"
             raise InputError(f"--executor dask: the package distributed is not installed: {how}") from reason
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        security = Security(**self._tls, require_encryption=True) if self._tls else None
+        security = None  # of an address what the user's configuration of dask states
         place: Any = self._address
         try:
             if not place:
@@ -167,36 +170,25 @@ def workers_of(
     executor: str = "processes",
     scheduler: str = "",
     workers: int | None = None,
-    tls_ca_file: Path | None = None,
-    tls_cert: Path | None = None,
-    tls_key: Path | None = None,
 ) -> Processes | Dask:
     """Who solves the points, not started yet.
 
     Parameters
     ----------
     executor : "processes" of this machine, or "dask": workers of the scheduler at an address, else of a cluster started here
-    scheduler : address, such as tcp://node1:8786 or tls://node1:8786
+    scheduler : address, such as tcp://node1:8786, or tls://node1:8786 with the certificates of dask's own configuration
     workers : processes, or tasks at once; all cores, or all threads of the cluster, if left out
-    tls_ca_file, tls_cert, tls_key : PEM files for a tls:// address, as those of `dask scheduler`
 
     Raises
     ------
     InputError
-        For an option without the other that it needs, and a certificate that is not there.
+        For an option without the other that it needs.
     """
     if workers is not None and workers < 1:
         raise InputError(f"--workers {workers}: at least 1, or leave it out for all cores")
     if scheduler and executor != "dask":
         raise InputError(f"--scheduler {scheduler}: it goes with --executor dask")
-    given = {"tls_ca_file": tls_ca_file, "tls_client_cert": tls_cert, "tls_client_key": tls_key}
-    tls = {name: str(path) for name, path in given.items() if path is not None}
-    if missing := [path for path in tls.values() if not Path(path).is_file()]:
-        raise InputError(f"{missing[0]}: there is no such file; --tls-ca-file, --tls-cert and --tls-key are files in PEM form")
-    if scheduler.startswith("tls://") != bool(tls) or len(tls) not in (0, len(given)):
-        where = f"--scheduler {scheduler}" if scheduler else "--scheduler is left out"
-        raise InputError(f"{where}: a tls:// address needs all of --tls-ca-file, --tls-cert and --tls-key, and no other takes them")
-    return Dask(scheduler, workers, tls) if executor == "dask" else Processes(workers or _available_cores())
+    return Dask(scheduler, workers) if executor == "dask" else Processes(workers or _available_cores())
 
 
 def _available_cores() -> int:
@@ -255,37 +247,31 @@ def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int
         points = expand(asked, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
-    return Prepared(asked, points, store, tuple(point for point in points if _final(store, point) is None))
-
-
-def _final(store: Store, point: Point) -> dict[str, Any] | None:
-    """A result that stands: not one that says that a worker died, which is tried again by the next sweep."""
-    result = store.read(point.address)
-    return None if result is None or result.get("again", False) else result
+    return Prepared(asked, points, store, tuple(point for point in points if store.read(point.address) is None))
 
 
 def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any) -> pd.DataFrame:
     """Solve every point that has no result; returns the table of all. `report` gets (done, total, words) of those.
 
-    InputError where no workers can be had, their code differs from ours, or results can't be stored.
+    InputError where no workers can be had, their code differs from ours, results can't be stored, or a process died with points.
     """
     store, points = prepared.store, prepared.points
     pool = workers_of(**workers)
     store.prepare()
     store.write_plan(json.loads(prepared.study.model_dump_json()), points)
+    sweep = _Sweep(prepared, pool, report)
     if prepared.waiting:
-        locks = Locks(store)
         try:
             # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round, and until the workers are gone.
             with interrupts_wait() as signals:
-                _Sweep(prepared, pool, locks, report, signals).go()
+                sweep.go(signals)
         except KeyboardInterrupt:
             store.write_table(store.table(points))
             raise
-        finally:
-            locks.close()
     table = store.table(points)
     store.write_table(table)
+    if sweep.lost:
+        raise InputError(sweep.losses())
     return table
 
 
@@ -300,7 +286,7 @@ def run(
     Raises
     ------
     InputError
-        For a study that is refused, and where results can't be stored.
+        For a study that is refused, where results can't be stored, and where a worker died: all other points are stored then.
     """
     return work(prepare(study, folder), report=report, **workers)
 
@@ -312,117 +298,98 @@ def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
     return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
 
 
-class _Died(Exception):
-    """A worker died with these tasks."""
-
-    def __init__(self, tasks: Iterable[Task]) -> None:
-        super().__init__()
-        self.points = [point for task in tasks for point in task]
-
-
 @dataclass
 class _Sweep:
-    """Hands tasks to a pool and stores what comes back; ends early once `signals` holds one."""
+    """Hands tasks to a pool and stores what comes back.
+
+    Attributes
+    ----------
+    lost : points that were with a process that died
+    """
 
     prepared: Prepared
     pool: Processes | Dask
-    locks: Locks
     report: Report
-    signals: Sequence[int]
     solved: int = 0
     failed: int = 0
+    lost: list[Point] = field(default_factory=list)
+    broken: int = 0  # pools, since the last result
 
-    def go(self) -> None:
-        """Work until every point has a result, or a signal asks to end."""
+    def go(self, signals: Sequence[int]) -> None:
+        """Work until every point has a result or is lost; end early once `signals` holds one."""
         self.pool.start()
-        tasks, self.elsewhere, at_once = tasks_of(self.prepared, self.pool.width), list[Task](), True
+        at_once = True
         try:
-            while (tasks or self.elsewhere) and not self.signals:
-                if not tasks:  # another sweep is solving all that is left
-                    time.sleep(_LOOK_AGAIN)
-                    tasks, self.elsewhere = deque(self.elsewhere), []
-                try:
-                    self._hand_out(tasks)
-                except _Died as lost:
-                    complain(f"sweep: the worker died: {len(lost.points)} points are handed out again")
-                    self._restart()
-                    for point in lost.points:
-                        self._alone(point)
-            at_once = bool(self.signals)
+            self._hand_out(tasks_of(self.prepared, self.pool.width), signals)
+            at_once = bool(signals)
         finally:
             self.pool.stop(at_once=at_once)
 
-    def _alone(self, point: Point) -> None:
-        """A point with nothing beside it; a failure where its worker dies again."""
-        try:
-            self._hand_out(deque([[point]]))
-        except _Died:
-            self._restart()
-            reason = "the worker that solved it died twice (killed, or out of memory): see its memory, then start the sweep again"
-            failed = {"status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}, "seconds": 0.0, "host": ""}
-            self._keep(point, failed | {"again": True})
+    def losses(self) -> str:
+        """The sentence about the points that were lost."""
+        named = "; ".join(described(point.coordinates) for point in self.lost[:_NAMED])
+        more = f" and {len(self.lost) - _NAMED} more" if len(self.lost) > _NAMED else ""
+        return (
+            f"{self.prepared.store.folder}: a worker died (killed, or out of memory); points without a result: {named}{more}; all "
+            "others are stored. Start the sweep again, with fewer --workers where memory was short"
+        )
 
-    def _restart(self) -> None:
-        self.pool.stop(at_once=True)
-        self.pool.start()
-
-    def _hand_out(self, tasks: deque[Task]) -> None:
-        """Keep every worker busy, and one task ready, until `tasks` are done or elsewhere."""
+    def _hand_out(self, tasks: deque[Task], signals: Sequence[int]) -> None:
+        """Keep every worker busy, and one task ready, until no task is left."""
         flying: dict[Future[str], Task] = {}
+        while (tasks or flying) and not signals:
+            while tasks and len(flying) <= self.pool.width:
+                asked = [point.question.as_json() for point in tasks[0]]
+                future = self._submitted(json.dumps({"versions": code_versions(), "points": asked}))
+                flying[future] = tasks.popleft()
+            for future in wait(flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done:
+                self._take(future, flying.pop(future))
+            if flying:
+                self.pool.require_alive()
+            out = sum(map(len, flying.values()))
+            lost = f", {len(self.lost)} lost with a worker" if self.lost else ""
+            words = f"{self.failed} failed, {out} handed out{lost}"
+            self.report(self.solved + self.failed, len(self.prepared.waiting), words)
+
+    def _submitted(self, task: str) -> Future[str]:
+        """The task with the pool, or with a new one where that is broken."""
+        while True:
+            try:
+                return self.pool.executor.submit(solve_task, task)
+            except Exception as fault:
+                if not self.pool.died(fault):
+                    raise
+                self.broken += 1
+                if self.broken > _MOST_BROKEN:
+                    raise InputError(
+                        f"{self.prepared.store.folder}: {self.broken} pools of workers died one after the other without a result; "
+                        "a script that runs a sweep does it under `if __name__ == '__main__':`"
+                    ) from fault
+                self.pool.stop(at_once=True)
+                self.pool.start()
+
+    def _take(self, future: Future[str], points: Task) -> None:
+        """Store what a task gave; its points are lost where its worker died."""
         try:
-            while (tasks or flying) and not self.signals:
-                while tasks and len(flying) <= self.pool.width:
-                    tasks[0] = self._claimed(tasks[0])
-                    if tasks[0]:
-                        asked = [point.question.as_json() for point in tasks[0]]
-                        task = json.dumps({"versions": code_versions(), "points": asked})
-                        flying[self.pool.executor.submit(solve_task, task)] = tasks[0]
-                    tasks.popleft()
-                answered = wait(flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done
-                for future in sorted(answered, key=lambda one: one.cancelled() or one.exception() is not None):
-                    answer = json.loads(future.result())
-                    if answer["mismatch"]:
-                        mixed = "results of different code are not to be mixed; install the same on all workers"
-                        raise InputError(f"{answer['mismatch']}: {mixed}")
-                    for point, result in zip(flying.pop(future), answer["answers"], strict=True):
-                        self._keep(point, result)
-                if flying:
-                    self.pool.require_alive()
-                others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
-                out = sum(map(len, flying.values()))
-                self.report(
-                    self.solved + self.failed, len(self.prepared.waiting), f"{self.failed} failed, {out} handed out{others}"
-                )
-        except InputError:
-            raise
-        except Exception as fault:  # also of a pool that broke, or a client that closed, between two tasks
-            if self.pool.died(fault):
-                raise _Died(flying.values()) from fault
-            raise
+            answer = json.loads(future.result())
+        except Exception as fault:
+            if not self.pool.died(fault):
+                raise
+            complain(f"sweep: a worker died; points that it had: {len(points)}")
+            self.lost += points
+            return
+        if answer["mismatch"]:
+            mixed = "results of different code are not to be mixed; install the same on all workers"
+            raise InputError(f"{answer['mismatch']}: {mixed}")
+        self.broken = 0
+        for point, result in zip(points, answer["answers"], strict=True):
+            self._store(point, result)
 
-    def _claimed(self, points: Task) -> Task:
-        """Those that have no result and that no other sweep is solving."""
-        mine, others = [], []
-        for point in points:
-            if not self.locks.take(point.address):
-                others.append(point)
-            elif (found := _final(self.prepared.store, point)) is not None:
-                self._count(point, found)
-            else:
-                mine.append(point)
-        if others:
-            self.elsewhere.append(others)
-        return mine
-
-    def _keep(self, point: Point, result: dict[str, Any]) -> None:
+    def _store(self, point: Point, result: dict[str, Any]) -> None:
         """Store a result with its question."""
         asked = point.question.as_json()
         settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
         about = {"address": point.address, "scene": asked["scene"], "settings": settings, "versions": code_versions()}
         self.prepared.store.write(result | about)
-        self._count(point, result)
-
-    def _count(self, point: Point, result: dict[str, Any]) -> None:
-        self.locks.drop(point.address)
         self.solved += result["status"] == "done"
         self.failed += result["status"] != "done"

@@ -1,9 +1,8 @@
-"""The store of a sweep: one file for each result, under the address of its question; its table; locks of points at work.
+"""The store of a sweep: one file for each result, under the address of its question; its table.
 
 DIR/sweep.json           the study as it was asked, the address and coordinates of every point
 DIR/results/<address>.json
 DIR/results/<address>.bad       a result whose checksum is wrong, set aside
-DIR/locks                one byte for each point, locked by the sweep that is solving it
 DIR/index.csv            one row for each point that has a result; made again from the above
 
 No pickle, never half a file, and right whoever writes: two writers of one address write the same.
@@ -16,7 +15,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Collection, Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -26,7 +25,7 @@ from typing import Any
 import pandas as pd
 
 from reports.charts.templating import table_text
-from reports.folder import fcntl, remove_left_behind, replace_file
+from reports.folder import remove_left_behind, replace_file
 from scenes import InputError
 from scenes.errors import shown
 from scenes.files import parsed_json
@@ -80,7 +79,6 @@ class Store:
         with self._writing():
             self.results.mkdir(parents=True, exist_ok=True)
             remove_left_behind(self.results)
-            (self.folder / "locks").touch()
 
     def write(self, result: Mapping[str, Any]) -> None:
         """Store a result under its address; the last of two writers wins, and both wrote the same."""
@@ -186,51 +184,6 @@ def read_index(folder: str | Path) -> pd.DataFrame:
     """
     store = Store(Path(folder))
     return store.table(store.read_plan()[1])
-
-
-class Locks:
-    """The points of a store that this process is solving, so that two sweeps don't compute the same.
-
-    A point is one byte of a file, at the place that its address gives; the system unlocks it when its process ends. Locks only save
-    time: where a disk has none, two sweeps write the same twice.
-    """
-
-    def __init__(self, store: Store) -> None:
-        self._handle: int | None = None
-        with suppress(OSError):
-            self._handle = os.open(store.folder / "locks", os.O_RDWR)
-
-    def take(self, address: str) -> bool:
-        """Whether the point is ours from now on; not where another process has it."""
-        try:
-            self._set(address, "LOCK_EX", "LOCK_NB")
-        except (BlockingIOError, PermissionError):
-            return False
-        except OSError:  # there are no locks here
-            pass
-        return True
-
-    def drop(self, address: str) -> None:
-        """Let go of a point."""
-        with suppress(OSError):
-            self._set(address, "LOCK_UN")
-
-    def others(self, addresses: Collection[str]) -> set[str]:
-        """Those that other processes are solving."""
-        found = {address for address in addresses if not self.take(address)}
-        for address in addresses:
-            self.drop(address)
-        return found
-
-    def close(self) -> None:
-        """Let go of everything."""
-        if self._handle is not None:
-            os.close(self._handle)
-            self._handle = None
-
-    def _set(self, address: str, *how: str) -> None:
-        if self._handle is not None and fcntl is not None:
-            fcntl.lockf(self._handle, sum(getattr(fcntl, name) for name in how), 1, int(address[:15], 16))
 
 
 def canonical(value: Any) -> str:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Value = bool | int | float | str
 Coordinates = dict[str, Value]
 _MOST_POINTS, _LONGEST_EXPRESSION = 1_000_000, 500
-_WAYS = ("values", "linear", "logarithmic", "latin_hypercube", "pairs")
+_WAYS = ("values", "linear", "logarithmic", "pairs")
 
 
 class Steps(Frozen):
@@ -40,16 +40,8 @@ class Steps(Frozen):
     count: int = Field(ge=1, le=100_000)
 
 
-class Span(Frozen):
-    """Where a Latin hypercube draws from."""
-
-    start: float
-    stop: float
-    logarithmic: bool = False
-
-
 class Axis(Frozen):
-    """One axis: a name for the table, the keys that its values go to, and the values in one of five ways.
+    """One axis: a name for the table, the keys that its values go to, and the values in one of four ways.
 
     >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).settings()
     [{'height': 2.0}, {'height': 4.0}, {'height': 6.0}]
@@ -64,7 +56,6 @@ class Axis(Frozen):
     values: tuple[Value, ...] = ()
     linear: Steps | None = None
     logarithmic: Steps | None = None
-    latin_hypercube: Span | None = None
     pairs: tuple[tuple[Value, ...], ...] = Field((), description="rows of values that go together")
 
     @model_validator(mode="after")
@@ -80,15 +71,14 @@ class Axis(Frozen):
                 raise ValueError("pairs: each row has one value for each of names, and keys (if given) are as many")
         elif not self.name or self.names:
             raise ValueError("an axis has a name; names go with pairs")
-        ends = self.logarithmic or self.latin_hypercube
-        if ends and self.by_factors and not (ends.start > 0 and ends.stop > 0):
+        if self.logarithmic and not (self.logarithmic.start > 0 and self.logarithmic.stop > 0):
             raise ValueError("a logarithmic axis needs start > 0 and stop > 0")
         return self
 
     @property
     def by_factors(self) -> bool:
         """Whether its values go by factors."""
-        return bool(self.logarithmic or (self.latin_hypercube and self.latin_hypercube.logarithmic))
+        return self.logarithmic is not None
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -102,7 +92,7 @@ class Axis(Frozen):
         return list(zip(keys, self.names if self.pairs else [self.name] * len(keys), strict=False))
 
     def settings(self) -> list[Coordinates]:
-        """What it sets its columns to, value by value; not for a Latin hypercube."""
+        """What it sets its columns to, value by value."""
         if self.pairs:
             return [dict(zip(self.names, row, strict=True)) for row in self.pairs]
         found: Sequence[Value] = self.values
@@ -113,31 +103,10 @@ class Axis(Frozen):
         return [{self.name: value} for value in found]
 
 
-def grid(axes: Sequence[Axis], samples: int, seed: int) -> Iterator[Coordinates]:
-    """Every point: each setting of each axis with each other, and with each sample of the Latin hypercube; the last axis first."""
-    whole = [axis.settings() for axis in axes if not axis.latin_hypercube]
-    drawn = hypercube([axis for axis in axes if axis.latin_hypercube], samples, seed)
-    for parts in itertools.product(*whole, *([drawn] if drawn else [])):
-        found = {column: value for part in parts for column, value in part.items()}
-        yield {column: found[column] for axis in axes for column in axis.columns}
-
-
-def hypercube(axes: Sequence[Axis], samples: int, seed: int) -> list[Coordinates]:
-    """Latin hypercube samples: on each axis one in each of `samples` equal parts, their order drawn by `seed`.
-
-    >>> drawn = hypercube([Axis(name="f", latin_hypercube=Span(start=0, stop=4))], 4, seed=1)
-    >>> sorted(int(point["f"]) for point in drawn)
-    [0, 1, 2, 3]
-    """
-    columns: dict[str, list[float]] = {}
-    for number, axis in enumerate(axes):
-        assert axis.latin_hypercube is not None
-        start, stop = axis.latin_hypercube.start, axis.latin_hypercube.stop
-        random = np.random.default_rng([seed, number])
-        place = (random.permutation(samples) + random.random(samples)) / samples
-        found = start * (stop / start) ** place if axis.by_factors else start + (stop - start) * place
-        columns[axis.name] = found.tolist()
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+def grid(axes: Sequence[Axis]) -> Iterator[Coordinates]:
+    """Every point: each setting of each axis with each other; the last axis first."""
+    for settings in itertools.product(*(axis.settings() for axis in axes)):
+        yield {column: value for setting in settings for column, value in setting.items()}
 
 
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
@@ -212,7 +181,6 @@ class Study(Frozen):
         error budget of `halfplane run --budget`, for metrics
     share_condensations : cut all points alike that have bodies, materials, profile and largest load in common: fine elements
         everywhere in the contact, one condensation for all; else each is cut for its own edges
-    samples, seed : of the Latin hypercube
     """
 
     keys_listed = "docs/sweeps.md"
@@ -227,8 +195,6 @@ class Study(Frozen):
     figures: tuple[str, ...] = Field(("error.dissipation", "error.peak_pressure"), min_length=1)
     uncertainty: Literal["none", "cheap", "budget"] = "none"
     share_condensations: bool = True
-    samples: int = Field(0, ge=0, le=1_000_000)
-    seed: int = Field(0, ge=0)
     preset: Literal["default", "coarse", "fine"] = "default"
 
     @model_validator(mode="after")
@@ -238,8 +204,6 @@ class Study(Frozen):
         for what, names in (("the column", columns), ("the key", targets)):
             if twice := next((name for name in names if names.count(name) > 1), None):
                 raise ValueError(f"{what} {twice!r} is given twice")
-        if (self.samples > 0) != any(axis.latin_hypercube for axis in self.axes):
-            raise ValueError("samples goes with axes that have a latin_hypercube, and these need it")
         arithmetic = " ".join(map(str, self.derived.values()))
         for axis in self.axes:
             if not axis.targets and not any(column in arithmetic for column in axis.columns):
@@ -292,7 +256,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     points: list[Point] = []
     seen: dict[str, int] = {}
     raw = study.scene.model_dump_json()
-    for number, coordinates in enumerate(grid(study.axes, study.samples, study.seed)):
+    for number, coordinates in enumerate(grid(study.axes)):
         if number == _MOST_POINTS:
             raise InputError(f"the study has more than {_MOST_POINTS} points; take fewer values on its axes")
         where = f"point {number} ({described(coordinates)})"
