@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints pins clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -29,6 +29,8 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # gmsh writes the preferences of its window toolkit into the home folder even when no window is opened. Only for our own
 # programs: pip keeps the real home, where a user may have set it up.
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
+
+UV := .venv/bin/uv pip compile --quiet --no-header --only-binary :all:
 
 # What `make test` and the tools need beside the program.
 EXTRAS := test,lint,docs,parquet,cluster,browser
@@ -85,7 +87,7 @@ contract: $(STAMP) ## the frozen values of both engines and of comparisons, all 
 nightly: $(STAMP) ## every test, slow ones too, CalculiX and dask there, none skipped; then make test on the oldest and newest Python (root)
 	@SECONDS=0; trap 'echo "==> nightly: exit code $$? after $$((SECONDS / 60)) min"' EXIT; \
 	$(MAKE) --no-print-directory peers lint types contracts docs; \
-	$(PY) benchmarks/packages.py check; \
+	$(MAKE) --no-print-directory pins; \
 	CI=1 $(MAKE) --no-print-directory pytest PYTEST_ARGS="--slow --hypothesis-profile=local $(PYTEST_ARGS)"; \
 	$(MAKE) --no-print-directory fresh SUITES="bookworm forky"
 
@@ -192,11 +194,21 @@ $(PEERS_STAMP): peers.txt
 	@.peers/bin/python -m pip install --no-compile -r peers.txt
 	@touch $@
 
-constraints: $(PROGRAM) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
+constraints: $(STAMP) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
 	@echo "==> constraints: for Python $(PYTHONS)"
 	@mkdir -p "$$TMPDIR"
-	@$(PY) benchmarks/packages.py pins
+	@$(UV) --universal --fork-strategy fewest --all-extras --upgrade --no-annotate --python-version $(firstword $(PYTHONS)) \
+	    pyproject.toml -o "$$TMPDIR/pins"
+	@{ grep '^#' constraints.txt; sed 's/ *;.*//' "$$TMPDIR/pins"; } > "$$TMPDIR/constraints"
+	@mv "$$TMPDIR/constraints" constraints.txt
+	@$(MAKE) --no-print-directory pins
 	@git --no-pager diff --stat -- constraints.txt
+
+pins: $(STAMP) ## look up whether every pin of constraints.txt has wheels for every Python
+	@for version in $(PYTHONS); do \
+	    $(UV) --no-deps --python-version $$version constraints.txt > /dev/null; \
+	    echo "==> pins: all have wheels for Python $$version"; \
+	done
 
 clean: ## remove results and the tools' caches, keep .venv
 	rm -rf out dist docs/_build .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp

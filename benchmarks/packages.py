@@ -1,7 +1,5 @@
-"""What pip installs: pins, licences, and the wheel in an environment of its own.
+"""What pip installs: licences, and the wheel in an environment of its own.
 
-    python benchmarks/packages.py pins              (make constraints) constraints.txt made again from the newest packages
-    python benchmarks/packages.py check             (make nightly) the present pins looked up for every Python
     python benchmarks/packages.py lowest FOLDER     (make lowest) the wheel with the lowest versions that pyproject.toml allows
     python benchmarks/packages.py pinned FOLDER     the same with the pinned versions
     python benchmarks/packages.py commands FOLDER   every command of the wheel, with the packages of the present environment
@@ -39,56 +37,6 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
     if done.returncode:
         raise RuntimeError(f"{' '.join(map(str, words))} ended with {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}")
     return done.stdout
-
-
-# --------------------------------------------------------------------------------------------------------------------- pins
-def pythons() -> list[str]:
-    """The minor versions that pyproject.toml names, oldest first.
-
-    >>> pythons()[0]
-    '3.11'
-    """
-    return [word.rsplit(" ", 1)[1] for word in PROJECT["classifiers"] if re.search(r"Python :: 3\.\d+$", word)]
-
-
-def pinned() -> list[str]:
-    """name==version, as constraints.txt has them."""
-    return [line for line in PINS.read_text("utf-8").splitlines() if line and not line.startswith("#")]
-
-
-def look_up(version: str, words: list[str], *options: str) -> str:
-    """What pip would install, as wheels, on the first release of a Python, without doing so."""
-    with tempfile.TemporaryDirectory() as nowhere:
-        install = ["-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed", "--only-binary", ":all:"]
-        return run(sys.executable, *install, "--python-version", f"{version}.0", "--target", nowhere, *options, *words)
-
-
-def newest() -> list[str]:
-    """name==version of all that the project and its extras bring, for the oldest Python."""
-    oldest = pythons()[0]
-    if sys.version_info[:2] != tuple(map(int, oldest.split("."))):
-        # pip reads markers such as python_version < "3.12" by the Python it runs on, whatever --python-version is.
-        raise RuntimeError(f"pins are made with the oldest Python, {oldest}; this is {sys.version.split()[0]}")
-    extras = [word for extra in PROJECT["optional-dependencies"].values() for word in extra]
-    # editables is what hatchling wants for `pip install -e`.
-    report = json.loads(look_up(oldest, ["hatchling", "editables", *REQUIREMENTS, *extras], "--report", "-"))
-    found = [f"{package['metadata']['name']}=={package['metadata']['version']}" for package in report["install"]]
-    return sorted(found, key=str.lower)
-
-
-def check(pins: list[str]) -> None:
-    """RuntimeError where a pin has no wheel for one of the Pythons."""
-    for version in pythons():
-        look_up(version, pins, "--no-deps")
-        print(f"{len(pins)} pins have wheels for Python {version}.0 and later")
-
-
-def renew() -> None:
-    """constraints.txt with the newest packages, checked."""
-    pins = newest()
-    check(pins)
-    head = [line for line in PINS.read_text("utf-8").splitlines() if line.startswith("#")]
-    PINS.write_text("\n".join([*head, *pins, ""]), "utf-8")
 
 
 # ----------------------------------------------------------------------------------------------------------------- licences
@@ -261,8 +209,6 @@ def main(words: list[str]) -> int:
     try:
         if kind == "licences":
             LICENCES.write_text(licences(), encoding="utf-8")
-        elif kind in {"pins", "check"}:
-            renew() if kind == "pins" else check(pinned())
         else:
             pins = {"commands": None, "lowest": lowest(), "pinned": ["-c", str(PINS), *REQUIREMENTS]}[kind]
             with tempfile.TemporaryDirectory(prefix="halfplane-") as scratch:

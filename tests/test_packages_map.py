@@ -137,14 +137,21 @@ def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
     assert all(pin.count("==") == 1 for pin in lowest)
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    oldest, *_, newest = packages.pythons()
+    oldest, *_, newest = re.findall(r"Python :: (3\.\d+)", " ".join(project["project"]["classifiers"]))
     assert project["project"]["requires-python"] == f">={oldest}"
     assert project["tool"]["mypy"]["python_version"] == oldest
     assert "target-version" not in project["tool"]["ruff"]  # ruff takes requires-python
     assert f"Any Python from {oldest} to {newest}" in (ROOT / "README.md").read_text(encoding="utf-8")
 
+    beyond = f"3.{int(newest.partition('.')[2]) + 1}"
+    assert project["tool"]["uv"]["environments"] == [f"sys_platform == 'linux' and python_version < '{beyond}'"]
+
     # On the newest Python too, where a requirement may hold that the oldest does not have.
-    pinned = {packages.plain(word): word.partition("==")[2] for word in packages.pinned()}
+    lines = packages.PINS.read_text(encoding="utf-8").splitlines()
+    pins = [line for line in lines if not line.startswith("#")]
+    assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in pins)
+    pinned = {packages.plain(word): word.partition("==")[2] for word in pins}
+    assert len(pinned) == len(pins)
     others = {"halfplane", "pip", "setuptools"}
     ours = {packages.plain(found.name): found.version for found in distributions() if found.name not in others}
     assert {name: pinned.get(name) for name in ours} == ours
