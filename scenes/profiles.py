@@ -454,7 +454,11 @@ def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.
         values = over(end * np.sqrt((1 + NODES) / 2)) - offset
         coefficients = series(values)
         if np.all(np.isfinite(values)) and float(tail(coefficients)) <= noise + 1e-15 * float(np.max(np.abs(values))):
-            return chebyshev.Chebyshev(chebyshev.chebder(coefficients) * 4 / end**2, domain=[0.0, end**2]), end
+            # A derivative multiplies coefficient k by k^2: those that are rounding are dropped.
+            rounding = 3 * max(float(tail(coefficients)), 1e-16 * float(np.max(np.abs(values))))
+            last = int(np.max(np.flatnonzero(np.abs(coefficients) > rounding), initial=1))
+            slope = chebyshev.chebder(coefficients[: last + 1]) * 4 / end**2
+            return chebyshev.Chebyshev(slope, domain=[0.0, end**2]), end
     return chebyshev.Chebyshev([0.0]), 0.0
 
 

@@ -37,7 +37,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from scenes.chebyshev import NODES, Pieces, Powers, halved, series, tail
+from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series, tail
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
@@ -685,8 +685,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         power=stretches[0].power if not least else 2.0,
         extent=profile.extent,
         bends_anywhere=True,
-        # A derivative was taken of h, two of it in dP/da.
-        noise=1e-11,
+        # Of a slope one derivative is taken in dP/da, of a height two.
+        noise=1e-11 if profile.height_function is None else 1e-10,
     )
 
 
@@ -713,9 +713,17 @@ def _stretch(modulus: float, profile: CallableProfile, begin: float, end: float,
         return np.asarray(modulus * np.sum(node.weight * cosine * inner, axis=(-2, -1)))
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and its bend jumps within round-off
-    # of the corner: 4e-15 of the scale can be had for the load, 1e-12 for its derivative.
-    scales = [float(integral(edges[-1:], order).item()) * (1.0, 250.0)[order] if rooted else None for order in (0, 1)]
-    loads, rates = (halved(partial(integral, order=order), edges, scales[order]) for order in (0, 1))
+    # of the corner: 4e-15 of the scale can be had for the load, 1e-12 for its derivative. From the middle on that is so of every
+    # octave by itself. Of a height the slope is a derivative by series, and its bend a second one.
+    places = edges[-1:] if rooted else edges[1:]
+    shares = (1.0, 250.0) if profile.height_function is None else (250.0, 250_000.0)
+    try:
+        loads, rates = (halved(partial(integral, order=order), edges, shares[order] * integral(places, order)) for order in (0, 1))
+    except Unresolved as fault:
+        raise InputError(
+            f"profile: the function is too rough near x = {fault.high:.6g}: the load that a contact of this half-width carries is "
+            "no smooth function; give `breaks`, or a smoother function"
+        ) from fault
     return _Stretch(begin, rooted, loads, rates)
 
 
