@@ -10,6 +10,7 @@ The question::
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk stress and tilt beside P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
+    height_slopes.py    slope of a height function, and what its rounding leaves uncertain
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
 
 Its files and the answer::

@@ -14,10 +14,11 @@ from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
 
-from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail, values_of
+from scenes.chebyshev import Pieces, Unresolved, fit, values_of
 from scenes.errors import InputError, RowError
 from scenes.fitting import FitRequest, fitted_keys
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
+from scenes.height_slopes import Rounding, slope_of_height
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 
 Array = NDArray[np.float64]
@@ -330,16 +331,15 @@ class EvenPolynomial(MayBeFitted):
         return np.asarray(square * polynomial.polyval(square, np.array(self.rises)))
 
 
-# Octaves of x below the extent that a slope is taken over from; of those, the ones in which a series in x^2 may end.
-_OCTAVES, _CORE = 53, 13
+# Octaves of x below the extent that a slope is taken over from.
+_OCTAVES = 53
 
 
 class CallableProfile(Gap):
     """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
 
-    The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given and is a
-    smooth function of x^2 near 0, that of a series in x^2, since h has few digits left there. A corner of the slope is found, a
-    jump refused.
+    The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given, it is that
+    of `height_slopes`. A corner of the slope is found, a jump refused.
 
     >>> profile = CallableProfile(slope_function=lambda x: x**3, extent=2.0)
     >>> round(float(profile.height(1.0)), 14), round(float(profile.slope(0.5)), 14)
@@ -355,6 +355,7 @@ class CallableProfile(Gap):
 
     _slope: Pieces = PrivateAttr()
     _height: Pieces = PrivateAttr()  # above that at the first edge
+    _rounding: Rounding = PrivateAttr()
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
@@ -372,10 +373,11 @@ class CallableProfile(Gap):
         edges = np.union1d(self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0), [at for at in self.breaks if at < self.extent])
         try:
             slope_of: Callable[[Array], ArrayLike] = over
+            self._rounding = Rounding(0.0, 0.0)
             if self.height_function is not None:
-                core, end = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
-                above = fit(over, edges[edges >= min(end, edges[-2])]).derivative
-                edges, slope_of = np.union1d(edges, above.edges), lambda x: np.where(x < end, x * core(x**2), above(x))
+                of_height = slope_of_height(over, edges)
+                edges, slope_of = of_height.edges, of_height.slope
+                self._rounding = of_height.rounding
             self._slope = fit(slope_of, edges)
         except Unresolved as fault:
             raise ValueError(
@@ -430,6 +432,11 @@ class CallableProfile(Gap):
         return np.where(at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above))
 
     @property
+    def rounding_of_height(self) -> Rounding:
+        """What the rounding of a height function leaves uncertain in P(a) and dP/da; nothing where the slope is given."""
+        return self._rounding
+
+    @property
     def exponent(self) -> float:
         """Power of x that the slope follows below the least x that is resolved."""
         first, second = self._slope.edges[0], self._slope.edges[0] * 2
@@ -443,23 +450,6 @@ class CallableProfile(Gap):
         low = np.minimum(inside, self._slope.edges[0])
         below = low * self.slope(low) / (self.exponent + 1)
         return below + np.where(inside > low, self._height(inside), 0.0) + beyond
-
-
-def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev, float]:
-    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end, which is 0 if there is none."""
-    offset = float(over(np.zeros(1)).item())
-    noise = 2e-16 * abs(float(over(edges[-1:]).item()) - offset)
-    for end in edges[::-1].tolist():
-        # T_2k(x/c) = T_k(2 (x/c)^2 - 1): an even series in x is a series in x^2.
-        values = over(end * np.sqrt((1 + NODES) / 2)) - offset
-        coefficients = series(values)
-        if np.all(np.isfinite(values)) and float(tail(coefficients)) <= noise + 1e-15 * float(np.max(np.abs(values))):
-            # A derivative multiplies coefficient k by k^2: those that are rounding are dropped.
-            rounding = 3 * max(float(tail(coefficients)), 1e-16 * float(np.max(np.abs(values))))
-            last = int(np.max(np.flatnonzero(np.abs(coefficients) > rounding), initial=1))
-            slope = chebyshev.chebder(coefficients[: last + 1]) * 4 / end**2
-            return chebyshev.Chebyshev(slope, domain=[0.0, end**2]), end
-    return chebyshev.Chebyshev([0.0]), 0.0
 
 
 class Tabulated(FromFile):

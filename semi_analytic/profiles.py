@@ -685,8 +685,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         power=stretches[0].power if not least else 2.0,
         extent=profile.extent,
         bends_anywhere=True,
-        # Of a slope one derivative is taken in dP/da, of a height two.
-        noise=1e-11 if profile.height_function is None else 1e-10,
+        # A derivative was taken of h', and two of h.
+        noise=max(1e-11, profile.rounding_of_height.stiffness),
     )
 
 
@@ -714,11 +714,11 @@ def _stretch(modulus: float, profile: CallableProfile, begin: float, end: float,
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and its bend jumps within round-off
     # of the corner: 4e-15 of the scale can be had for the load, 1e-12 for its derivative. From the middle on that is so of every
-    # octave by itself. Of a height the slope is a derivative by series, and its bend a second one.
+    # octave by itself. What the values of a height leave uncertain is no more than noise either.
     places = edges[-1:] if rooted else edges[1:]
-    shares = (1.0, 250.0) if profile.height_function is None else (250.0, 250_000.0)
+    floors = (max(4e-15, profile.rounding_of_height.load), max(1e-12, profile.rounding_of_height.stiffness))
     try:
-        loads, rates = (halved(partial(integral, order=order), edges, shares[order] * integral(places, order)) for order in (0, 1))
+        loads, rates = (halved(partial(integral, order=k), edges, floors[k] / 4e-15 * integral(places, k)) for k in (0, 1))
     except Unresolved as fault:
         raise InputError(
             f"profile: the function is too rough near x = {fault.high:.6g}: the load that a contact of this half-width carries is "
