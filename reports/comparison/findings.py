@@ -27,7 +27,7 @@ from scenes.scene import WORDS
 _BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST = 2
-# The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
+# The work that a change of the code moves; what the cache of condensed bodies spares would differ from one run to the next.
 COUNTS = (
     *("degrees of freedom", "contact nodes", "steps solved", "contact iterations", "linear solves", "factorisations"),
     *("slip quadratures", "quadrature nodes"),
