@@ -232,12 +232,14 @@ def test_tension_is_covered_wherever_the_edges_stand_in_their_elements(name, pre
 @pytest.mark.parametrize("name", ["flat-rounded-paper", "blocks"])
 def test_tension_does_not_hang_on_the_last_digits_of_the_pressure(name):
     """At an event the node that meets or leaves has a pressure of round-off, of either sign or none; between blocks every instant
-    has a part of all that are sampled."""
+    has a part of all that are sampled. Every seventh event, and the instant after it, stand for all."""
     answer, rng = fe_run(load_scene(name), MeshSettings.coarse()), np.random.default_rng(1)
-    steps, largest = range(len(answer.time)), answer.pressure.max(axis=1, keepdims=True)
-    tension, uncertain = edge_tension(answer, steps)
+    largest = answer.pressure.max(axis=1, keepdims=True)
     at_events = (answer.pressure != 0) & (np.abs(answer.pressure) < 1e-9 * largest)
-    assert at_events.any(axis=1).sum() > 20
+    events = np.flatnonzero(at_events.any(axis=1))
+    assert len(events) > 20
+    steps = np.unique(np.concatenate([events[::7], events[::7] + 1]).clip(max=len(answer.time) - 1))
+    tension, uncertain = edge_tension(answer, steps)
     noise = 1e-11 * largest * rng.standard_normal(answer.pressure.shape) * (answer.pressure != 0)
     for pressure in (answer.pressure + noise, np.where(at_events, 0.0, answer.pressure)):
         found, doubt = edge_tension(replace(answer, pressure=pressure), steps)
@@ -289,7 +291,7 @@ def test_stress_at_any_place_is_that_of_theory(body):
     side = 1 if body == "lower" else -1
     x = np.array([-2.0, -1.1, -0.9, -0.3, 0.0, 0.4, 0.8, 1.2])
     y = -side * np.array([0.0, 0.01, 0.0, 0.3, 0.786, 0.0, 0.02, 0.0])
-    times = answer.time[answer.last_cycle][::3]
+    times = answer.time[answer.last_cycle][::5]
     found = stress(answer, x, y, times, body=body)
     exact = semi_analytic.stress(answer.scene, x, y, times, body=body)
     off = np.abs(found - exact).max(axis=2) / answer.pressure.max()

@@ -11,11 +11,13 @@ import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import halfplane_fe
+from halfplane_fe.contact import ContactProblem
 from problems import COARSE, FEW_STEPS, PROBLEMS, errors, fe_run, law_violations, problems, step_at
 from scenes import ConvergenceError, SurfaceState, load_scene
 from tolerances import TOLERANCES
@@ -93,9 +95,14 @@ def test_a_few_per_cent_are_refused(problem):
 
 
 def solve_broken(problem):
-    """The answer of the engine as it is now, no increment halved, or None where it gives up by itself."""
+    """The answer of the engine as it is now, no increment halved, or None where it gives up by itself.
+
+    Where Newton's sets chase each other there is no second way: with a broken law that one ends after nine seconds, without an
+    answer too.
+    """
     try:
-        return halfplane_fe.solve(problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf))
+        with mock.patch.object(ContactProblem, "_alternating", return_value=(None, 1, 1)):
+            return halfplane_fe.solve(problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf))
     except (ConvergenceError, ArithmeticError, ValueError):
         return None
 
