@@ -3,6 +3,7 @@
     python benchmarks/bulk_stress.py                (a quarter of an hour)
     python benchmarks/bulk_stress.py 1 2 9 --coarse (some rows, on coarse meshes: seconds a row)
     python benchmarks/bulk_stress.py --loops        (loops out of phase by half-plane theory, against twice the order: 2 minutes)
+    python benchmarks/bulk_stress.py --steady       (the same loops: all cycles beside the steady one alone, one after the other)
 
 E* = R = 1 and two like bodies with E = 2, nu = 0, so that a stress of 2 eps in the lower one is the strain eps. A line has the
 known value (docs/bulk-stress.md; W of rows 7 and 8 is a limit of fine grids, to 3e-5) and what was found minus the known value: by
@@ -208,12 +209,35 @@ def loops() -> int:
     return 0
 
 
+def steady() -> int:
+    """Loops out of phase: W, increments and CPU time of all cycles, and of the last one alone."""
+    print("case                             W, all cycles  1 - W/(W, last alone)  stated  increments  CPU [s]  ratio of times")
+    rows = [row for row in ROWS if row.number in "78"]
+    rows.append(case("", "dovetail-out-of-phase", {}, {}, scene=load_scene("dovetail-out-of-phase")))
+    for row in (*rows, *moderate()):
+        answers = []
+        seconds = []
+        for cycles in ("all", "steady"):
+            begin = time.process_time()
+            answers.append(semi_analytic.solve(row.scene, cycles=cycles, fields="dissipation"))
+            seconds.append(time.process_time() - begin)
+        whole, alone = answers
+        increments = [answer.work.counts.get("increments", 0) for answer in answers]
+        apart, stated = 1 - whole.dissipation / alone.dissipation, alone.record.errors.get("dissipation", 0.0)
+        numbers = f"{whole.dissipation:.10f} {apart:+.1e} {stated:.1e} {increments[0]} {increments[1]}"
+        print(f"{row.words:32} {numbers} {seconds[0]:.1f} {seconds[1]:.1f} {seconds[0] / seconds[1]:.1f}", flush=True)
+    return 0
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rows", nargs="*", help="numbers of rows (default: all)")
     parser.add_argument("--coarse", action="store_true", help="coarse meshes for the finite elements")
     parser.add_argument("--loops", action="store_true", help="loops out of phase by half-plane theory against twice the order")
+    parser.add_argument("--steady", action="store_true", help="all cycles of loops out of phase beside the steady one alone")
     asked = parser.parse_args()
+    if asked.steady:
+        return steady()
     if asked.loops:
         return loops()
     mesh = MeshSettings.coarse() if asked.coarse else MeshSettings()

@@ -56,6 +56,8 @@ STEADY = 1e-6
 # Shares of a cell by which grids are moved, evenly, so that waves of a cell, a half, a third ... cancel in their mean; no two are
 # mirror images under a symmetric contact. How many groups of them tell what is left.
 _SHIFTS, _GROUPS = (np.arange(16) + 0.25) / 16, 4
+# Cycles that grids take up before the last where a coarse one went first, and the last.
+_RESUMED = 2
 # Instants, out of those asked for, at which coarse grids are held against the others.
 _COMPARED = 40
 # Share of the largest slip of a cycle up to which a cell counts as permanently stuck.
@@ -163,6 +165,8 @@ class Grid:
         )
         self._zones: dict[int, Zone] = {}
         self._shift: Array = np.zeros(len(self.x))
+        self._strain = 0.0
+        self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
         self._last: dict[str, Any] | None = None
         self._pressed: dict[tuple[float, float], tuple[Array, Array, Array, Array]] = {}
 
@@ -250,7 +254,10 @@ class Grid:
         zone, here = self._zone(cells), np.minimum(begin[some], self.cells - cells)[:, None] + np.arange(cells)
         free, touching = (moved - start)[some[:, None], here], contact[every, here]
         most, allowed = np.where(touching, limit[some[:, None], here], 0.0), _ROUNDING * limit.max()
-        stuck, direction = force / self.step / zone.whole * zone.rows + free @ zone.stiffness, np.zeros(free.shape, dtype=int)
+        stuck = force / self.step / zone.whole * zone.rows + free @ zone.stiffness
+        # Most cells go on as in the increment before: the first guess, unless it leaves none that stick.
+        direction = np.where(touching, self._directions[some[:, None], here], 0)
+        direction[np.all((direction != 0) | ~touching, axis=1)] = 0
         for _ in range(_TURNS):
             slides = (direction != 0) | ~touching
             number = np.sum(slides, axis=1)
@@ -308,7 +315,8 @@ class Grid:
                 raise ArithmeticError("pressure and shear by turns do not converge")
         inside = self._inside(self._begin, self._count)
         density = (self._shear + q) * (s - self.slip) / 2
-        self._shear, self.slip, self._shift = q, s, shift
+        self._shear, self.slip, self._shift, self._strain = q, s, shift, strain
+        self._directions = directions
         found: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
             "pressure": p,
@@ -327,6 +335,23 @@ class Grid:
         found["loop"] = (force + before["loads"][1]) / 2 * (found["displacement"] - before["displacement"]) - turned
         self._last = found
         return found
+
+    def slip_field(self) -> Callable[[Array], Array]:
+        """Mean slip of the grids as they stand, as a function of points (m,), in contact and outside."""
+        shear, shift, strain = self._shear, float(np.mean(self._shift)), self._strain
+
+        def slip(x: Array) -> Array:
+            moved = [self.compliance_at(x, number) @ row for number, row in enumerate(shear)]
+            return np.asarray(shift - strain * x - np.mean(moved, axis=0))
+
+        return slip
+
+    def resume(self, slip: Callable[[Array], Array], loads: Array) -> None:
+        """Stand under P, Q, eps and alpha (4,) with a slip known from another grid, as far as friction holds it."""
+        load, force, strain, tilt = loads.tolist()
+        self.slip = np.stack([slip(x) for x in self.x])
+        _, self._begin, self._count, _ = self._press(load, tilt, self._height)
+        self._increment(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> Fields:
         """Increments to rows of P, Q, eps and alpha, (n, 4).
@@ -406,22 +431,27 @@ class _Path:
         return np.concatenate([self._known[each.tobytes()] for each in times]), nearest, here
 
 
-def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int, every: int = 1) -> dict[str, Any]:
-    """What grids answer, followed until a cycle repeats the one before, `least` cycles at any rate.
+def _run(grid: Grid, path: _Path, x: Array, asked: Array, numbers: range, least: int, every: int = 1) -> dict[str, Any]:
+    """What grids answer along cycles (-1: the initial loading) until one repeats the one before, `least` cycles at any rate.
 
     By the names of `Followed`. With the grids as first axis: `works` of the cycles (g, c), `work`, `loop` and `density` of the
     last, and `share each`, `slip each` at every so many instants. As means over them at n instants and m points: all else; `share`
-    is q over f p, and `pieces` the largest number of zones that stick.
+    is q over f p, and `pieces` the largest number of zones that stick. `begins` are the mean slips, as functions of x, where each
+    cycle begins.
     """
     n, m, g, half, works = len(asked), len(x), len(grid.x), grid.step / 2, list[Array]()
     out: dict[str, Any] = {name: np.zeros((n, m)) for name in ("share", "slip")} | {"stick_edges": np.full((n, 2), np.nan)}
     out |= {f"{name} each": np.zeros((g, -(-n // every), m)) for name in ("share", "slip")} | {
         "loads": np.zeros((4, n)),
         "pieces": 1,
+        "begins": [],
+        "increments": 0,
     }
     out |= {name: np.zeros(n) for name in ("displacement", "shear_moment")}
     kernels = np.array([grid.compliance_at(x, k) for k in range(g)]) if n else np.zeros(0)
-    for number in range(-1, most if path.loads.path.cycle else 0):
+    for number in numbers:
+        if number >= 0:
+            out["begins"].append(grid.slip_field())
         rows, wanted, here = path.rows(number, asked)
         before = grid.slip
         try:
@@ -431,13 +461,14 @@ def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int,
                 f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of cycle {number + 1}; "
                 "finite elements may take the scene"
             ) from fault
+        out["increments"] += len(rows)
         out["loads"][:, here] = found.loads[wanted].T
         for name in ("displacement", "shear_moment"):
             out[name][here] = np.mean(getattr(found, name)[wanted], axis=1)
         for i, k in zip(here.tolist(), wanted.tolist(), strict=True):
             _, force, strain, _ = found.loads[k]
             shift, share, ends = found.displacement[k] + grid.datum * force, np.zeros((g, m)), np.full((g, 2), np.nan)
-            slip = shift[:, None] - strain * x - np.einsum("gmk,gk->gm", kernels, found.shear[k])
+            slip = shift[:, None] - strain * x - np.matmul(kernels, found.shear[k][..., None])[..., 0]
             for j, state in enumerate(found.state[k]):
                 touching = np.flatnonzero(state != OPEN)
                 runs = np.flatnonzero(np.diff(np.concatenate([[False], state == STICK, [False]]).astype(int)))
@@ -471,7 +502,7 @@ def _run(grid: Grid, path: _Path, x: Array, asked: Array, least: int, most: int,
         "works": np.array(works).T,
         "work": works[-1],
         "loop": np.sum(found.loop, axis=0),
-        "density": np.array([np.interp(x, *each, left=0.0, right=0.0) for each in zip(grid.x, density, strict=True)]),
+        "density": density,
         "permanent": np.mean(ends + half * np.array([-1, 1]), axis=0),
     }
 
@@ -570,10 +601,16 @@ def follow_on_grid(
     time: Array | None = None,
     *,
     most: int = 12,
+    steady: bool = False,
+    pointwise: bool = True,
     cells: int = CELLS,
     increments: int = INCREMENTS,
 ) -> Followed:
     """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is steady to 1e-6 of its work.
+
+    One coarse grid goes first and finds how many cycles that takes. Where only the last is asked for, all coarse ones do, and the
+    fine ones take up their mean slip where the last but one begins: what that leaves locked in is not what the path leaves, and
+    changes W and the zones by less than the fine ones differ from the coarse ones, which the stated error holds.
 
     Pressure and contact edges are those of `contact`, exact. All else is the mean over 16 grids that are moved by shares of a cell.
     Errors are twice the standard error of that mean and what is left of the change from half as many cells and increments, which
@@ -589,6 +626,8 @@ def follow_on_grid(
     x : (k,) points
     time : (n,) instants in any order; every second increment if None
     most : largest number of cycles
+    steady : whether the last cycle alone is wanted, without q and s; of `works` all but the last are then of coarse grids
+    pointwise : whether q, s and the state are wanted at points; NaN and open otherwise
     cells, increments : across the largest contact, a cycle
 
     Raises
@@ -607,27 +646,40 @@ def follow_on_grid(
     low, high = float(np.min(edges)), float(np.max(edges))
     modulus = 2 / contact.intervals.product
 
-    def run(
-        cut: _Path, cells: int, shifts: Array, least: int, most: int, asked: Array, every: int = 1
-    ) -> tuple[Grid, dict[str, Any]]:
+    def grids(cells: int, shifts: Array) -> Grid:
         cell = (high - low) / cells
         extents = np.stack([low - (2 + shifts) * cell, high + (3 - shifts) * cell], axis=1)
-        grid = Grid(height, extents, cells + 5, friction, modulus)
-        return grid, _run(grid, cut, x, asked, least, most, every)
+        return Grid(height, extents, cells + 5, friction, modulus)
 
-    # A coarse grid is cheap: it tells how many cycles it takes.
-    none = np.zeros(0)
-    count = run(coarse, cells // 2, _SHIFTS[:1], needed, max(most, needed), none)[1]["works"].shape[1]
+    def run(cut: _Path, grid: Grid, asked: Array, numbers: range, least: int, every: int = 1) -> dict[str, Any]:
+        out = _run(grid, cut, x if pointwise else np.zeros(0), asked, numbers, least, every)
+        rows = zip(grid.x, out["density"], strict=True)
+        return out | {"density": np.array([np.interp(x, middles, row, left=0.0, right=0.0) for middles, row in rows])}
+
+    whole = range(-1, max(most, needed)) if path.cycle else range(-1, 0)
+    alone = steady and time is None and period is not None
+    first = run(coarse, grids(cells // 2, _SHIFTS if alone else _SHIFTS[:1]), np.zeros(0), whole, needed)
+    count = first["works"].shape[1]
+    resumed = alone and count > _RESUMED
+    numbers = range(count - _RESUMED, count) if resumed else range(-1, count if path.cycle else 0)
     if time is not None:
         asked = np.asarray(time, dtype=float)
+    elif alone and period is not None:
+        last = path.cycle_start + (count - 1) * period
+        asked = np.linspace(last, last + period, increments // 2 + 1)[1:]
     else:
         legs = [np.linspace(leg.start, leg.end, increments // 16 + 1) for leg in path.initial_loading]
         if period is not None:
             legs.append(np.linspace(path.cycle_start, path.cycle_start + count * period, count * (increments // 2) + 1))
         asked = np.unique(np.concatenate(legs))
     every = max(len(asked) // _COMPARED, 1)
-    grid, own = run(fine, cells, _SHIFTS, count, count, asked, every)
-    _, rough = run(coarse, cells // 2, _SHIFTS, count, count, asked[::every])
+    grid = grids(cells, _SHIFTS)
+    if resumed:
+        grid.resume(first["begins"][numbers[0]], loads.values(np.array([path.cycle_start]))[:, 0])
+    own = run(fine, grid, asked, numbers, len(numbers), every)
+    rough = first
+    if not alone:
+        rough = run(coarse, grids(cells // 2, _SHIFTS), asked[::every], numbers, len(numbers))
 
     def error(name: str, order: float, factor: Array | float = 1.0) -> float:
         """Error of the mean over the grids, over the largest value; root mean squares.
@@ -647,8 +699,18 @@ def follow_on_grid(
     contact_edges = np.stack([middle - half, middle + half], axis=-1)
     pressure = contact.pressure_over(x, middle, half)
     touching = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
-    share, works = np.where(touching, own["share"], 0.0), np.mean(own["works"], axis=0)
-    state = np.where(touching, np.where(np.abs(share) < 1 - 1e-12, STICK, np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)), OPEN)
+    works = np.mean(own["works"], axis=0)
+    trend = np.mean(first["works"], axis=0) if resumed else works
+    if resumed:
+        works = np.append(trend[:-1], works[-1])
+    share = np.where(touching, own["share"], 0.0) if pointwise else np.full(touching.shape, np.nan)
+    state = np.where(
+        touching & pointwise, np.where(np.abs(share) < 1 - 1e-12, STICK, np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)), OPEN
+    )
+    errors = {"dissipation": error("work", 1.5), "dissipation_density": error("density", 1)}
+    if pointwise and not alone:
+        errors["shear"] = error("share each", 1, friction * pressure[::every])
+        errors["slip"] = error("slip each", 0.9)
     return Followed(
         time=asked,
         loads=given,
@@ -659,26 +721,22 @@ def follow_on_grid(
         stick_edges=np.clip(own["stick_edges"], contact_edges[:, :1], contact_edges[:, 1:]),
         pressure=pressure,
         shear=friction * pressure * share,
-        slip=own["slip"],
+        slip=own["slip"] if pointwise else np.full(touching.shape, np.nan),
         state=state.astype(np.int8),
         works=works,
         loop=float(np.mean(own["loop"])),
-        remainder=remainder_of(works.tolist()),
-        steady_from=first_repeat(works, STEADY),
+        remainder=remainder_of(trend.tolist()),
+        steady_from=first_repeat(trend, STEADY),
         steady_to=STEADY,
         density=np.mean(own["density"], axis=0),
         permanent_stick_edges=own["permanent"],
         counts={
             "grids": 2 * len(_SHIFTS),
             "cells": cells,
-            "increments": increments * count,
+            "increments": first["increments"] + own["increments"] + (0 if alone else rough["increments"]),
             "pieces": own["pieces"],
         }
+        | ({"cycles on coarse grids alone": numbers[0]} if resumed else {})
         | ({"increments without early slip": early} if (early := grid.without_early_slip) else {}),
-        errors={
-            "dissipation": error("work", 1.5),
-            "dissipation_density": error("density", 1),
-            "shear": error("share each", 1, friction * pressure[::every]),
-            "slip": error("slip each", 0.9),
-        },
+        errors=errors,
     )

@@ -418,7 +418,11 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         points = mirrored_points(1.05 * float(np.max(np.abs(edges_along(loads, leaning)))))
     notes, most = [*neglected_coupling(scene.material)], max(scene.cycles, 2)
     exact: ContactSolution | None = None
-    found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)
+    steady_only = asked is None and cycles == "steady" and wanted <= STEADY_FIELDS
+    pointwise = not wanted.isdisjoint(("shear", "slip", "state"))
+    found = follow_on_grid(
+        loads, leaning, scene.profile.height, friction, points, asked, most=most, steady=steady_only, pointwise=pointwise
+    )
     cells, pieces = found.counts["cells"], found.counts["pieces"]
     error_of_work = f"dissipation to {found.errors['dissipation']:.1e}, "
     of_work = wanted & {"dissipation", "dissipation_density"}
@@ -444,7 +448,8 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         "normal_approach": leaning.approach(middle, half, load, tilt),
     } | {name: getattr(found, name)[rows] for name in ("pressure", "shear", "slip")}
     series = {name: values if name in wanted else np.full_like(values, np.nan) for name, values in series.items()}
-    work, steady = float(found.works[-1]), found.steady_from is not None
+    works = found.works[-1:] if steady_only else found.works
+    work, steady = float(works[-1]), found.steady_from is not None
     if period is not None and not steady:
         notes.append(
             f"the last cycle, number {len(found.works)}, is not steady: by the trend its dissipation is within "
@@ -478,7 +483,7 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         stick_half_width=np.diff(stick_edges)[:, 0] / 2,
         dissipation=work if "dissipation" in wanted else math.nan,
         loop_work=found.loop if steady and "dissipation" in wanted else math.nan,
-        cycle_dissipation=found.works if "dissipation" in wanted else np.full_like(found.works, np.nan),
+        cycle_dissipation=works if "dissipation" in wanted else np.full_like(works, np.nan),
         dissipation_density=found.density if "dissipation_density" in wanted else np.full_like(found.density, np.nan),
         permanent_stick_half_width=float(stays[1] - stays[0]) / 2,
         permanent_stick_edges=stays,
@@ -491,11 +496,11 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     )
     if exact is None:
         return answer
-    number = np.arange(len(found.works))
-    works = np.where(number < (found.steady_from or 0), answer.cycle_dissipation, exact.dissipation)
+    number = np.arange(len(works))
+    better_works = np.where(number < (found.steady_from or 0), answer.cycle_dissipation, exact.dissipation)
     better = {name: getattr(exact, name) for name in _OF_STEADY_CYCLE}
     record = replace(answer.record, errors=dict(answer.record.errors) | dict.fromkeys(of_work, 0.0) | dict(exact.record.errors))
-    return replace(answer, cycle_dissipation=freeze(works), record=record, **better)
+    return replace(answer, cycle_dissipation=freeze(better_works), record=record, **better)
 
 
 def _steady_alone(scene: Scene, wanted: frozenset[str], points: Array | None) -> ContactSolution | None:

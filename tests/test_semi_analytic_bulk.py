@@ -778,6 +778,42 @@ def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
         assert np.all(way * found.shear[zone] >= 0)
 
 
+def test_the_steady_cycle_alone_takes_less_than_half_of_the_increments():
+    """Row 7, six cycles: fine grids take up the last two; W is within the stated error of its limit."""
+    _, work, known_to, stick = BROKEN["bulk, row 7"]
+    scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]), cycles=6)
+    found = solve(scene, cycles="steady", fields=("state", "dissipation", "dissipation_density"))
+    of_all = 6 * (320 + 160 + 160)  # fine grids, coarse grids, and the one that finds the number of cycles
+    assert found.work.counts["increments"] < of_all / 2
+    assert found.work.counts["cycles on coarse grids alone"] == 4
+    error = found.record.errors["dissipation"]
+    assert error < 4e-4
+    assert found.dissipation == pytest.approx(work, abs=known_to + error * work)
+    assert found.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
+    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(found.dissipation, rel=2e-3)
+    assert len(found.cycle_dissipation) == 1
+    assert found.time[-1] - found.time[0] < scene.load.path().period
+    assert np.all(np.isnan(found.shear))
+    assert {1, SLIP_FORWARD, SLIP_REVERSE} < set(np.unique(found.state))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", BROKEN)
+def test_the_steady_cycle_alone_is_the_last_of_all_cycles(row):
+    """W and W(x) within the stated errors, edges and state at nearly every instant."""
+    scene = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0]), cycles=6)
+    fields = ("state", "dissipation", "dissipation_density")
+    whole = solve(scene, fields=fields)
+    found = solve(scene, x=whole.x, cycles="steady", fields=fields)
+    assert found.dissipation == pytest.approx(whole.dissipation, rel=found.record.errors["dissipation"] / 2)
+    error = found.record.errors["dissipation_density"] * np.max(whole.dissipation_density)
+    assert np.max(np.abs(found.dissipation_density - whole.dissipation_density)) < error
+    np.testing.assert_allclose(found.time, whole.time[-len(found.time) :], rtol=1e-12)
+    assert np.mean(found.state != whole.state[-len(found.time) :]) < 0.01
+    apart = np.abs(found.stick_edges - whole.stick_edges[-len(found.time) :])
+    assert np.mean(apart > 2 * HALF / 160) < 0.02  # where the stick zone breaks, its outer edge jumps
+
+
 def on_grids(scene, x, **options):
     """A scene's load path on grids, whatever else takes it."""
     path, most = scene.load.path(), 1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude)
