@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from numpy.typing import NDArray
 from reports.units import minus
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene, freeze
 from scenes.scene import OWN_TOLERANCES
+
+if TYPE_CHECKING:
+    from semi_analytic import Extremes
 
 # -------------------------------------------------------------------------------------------------------- the last cycle
 _FIELDS = ("pressure", "shear", "slip")
@@ -455,9 +458,22 @@ class Pair:
     reference: ContactSolution
     result: ContactSolution
     polygon_reference: ContactSolution | None
+    own: ContactSolution
     scales: _Scales
     expected: Cycle
     found: Cycle
+
+    @cached_property
+    def largest(self) -> Extremes | None:
+        """Theory's own largest values, whatever points it is compared on; None where the reference is no theory."""
+        import semi_analytic
+
+        return semi_analytic.extremes(self.own) if self.own.engine == "semi_analytic" else None
+
+    @property
+    def foreign(self) -> bool:
+        """Whether the result is of another code, on points and instants of its own choice."""
+        return self.result.engine not in _ENGINES
 
     @cached_property
     def touching(self) -> _Mask:
@@ -791,10 +807,50 @@ def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> _Me
     return _Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
 
 
-def _amounts(pair: Pair, of: Callable[[ContactSolution, Cycle], float], scale: str) -> _Measured:
-    """A figure `of` a solution and its last cycle, found less expected over expected."""
-    expected, found = (float(of(*side)) for side in ((pair.reference, pair.expected), (pair.result, pair.found)))
-    return _of_amounts(expected, found, getattr(pair.scales, scale))
+def _of_common(pair: Pair, of: Callable[[Cycle], float], scale: str) -> _Measured:
+    """A value `of` the last cycle of both on common points and instants, found less expected over expected."""
+    return _of_amounts(float(of(pair.expected)), float(of(pair.found)), getattr(pair.scales, scale))
+
+
+# Share of theory's own value by which its value on the result's points may miss it: above, these points say nothing of the value;
+# below the second, both are the same to the digits of a table.
+_UNRESOLVED, _SAME_DIGITS = 0.1, 1e-6
+
+
+def _beside_own(own: float, common: float, found: float, scale: float, *, foreign: bool, note: str = "") -> _Measured:
+    """A value of the result beside the reference's own.
+
+    Parameters
+    ----------
+    own, common : of the reference: its own, and by the rule, points and instants of the result
+    found : of the result
+    scale : what the difference is over where the reference's own is 0
+    foreign : whether the result has points and instants of its own choice. Then the difference is that from `common`, so that
+        their error drops out, and a note says so; where they miss the reference's own by too much there is none
+    """
+    if not math.isfinite(own):
+        return _Measured(value=None, note="infinite in the reference", amounts=(own, found))
+    if not foreign:
+        return _of_amounts(own, found, scale, note=note)
+    apart = abs(common - own) / (abs(own) if abs(own) > 1e-12 * scale else scale)
+    if apart > _UNRESOLVED:
+        return _Measured(
+            value=None,
+            note=f"the result's points and instants are too few: on them the reference has {common:.4g} in place of {own:.4g}",
+            amounts=(own, found),
+        )
+    measured = _of_amounts(common, found, scale, note=note)
+    if apart > _SAME_DIGITS:
+        note = f"the difference is that on the result's points and instants, where the reference has {common:.5g}"
+    return replace(measured, note=note, amounts=(own, found))
+
+
+def _beside_theory(pair: Pair, name: str, common: float, found: float, scale: str) -> _Measured:
+    """The largest `name` of the result beside theory's own; of another reference, beside its value on common points."""
+    own, note = common, ""
+    if pair.largest is not None:
+        own, note = getattr(pair.largest, name), pair.largest.sampled
+    return _beside_own(own, common, found, getattr(pair.scales, scale), foreign=pair.foreign, note=note)
 
 
 def _place(pair: Pair, values: Array) -> float:
@@ -807,45 +863,87 @@ def _place(pair: Pair, values: Array) -> float:
 
 def _of_stick_zone(pair: Pair, of: Callable[[ContactSolution], float]) -> _Measured:
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is none."""
-    expected, found = (float(of(solution)) for solution in (pair.reference, pair.result))
+    own, expected, found = (float(of(solution)) for solution in (pair.own, pair.reference, pair.result))
     lacking = [name_of(s.engine) for s, it in ((pair.reference, expected), (pair.result, found)) if math.isnan(it)]
     if lacking:
-        amounts = None if len(lacking) == 2 else (expected, found)
+        amounts = None if len(lacking) == 2 else (own, found)
         return _Measured(value=None, note=f"none in {' and '.join(lacking)}", amounts=amounts)
-    return _Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
+    return _Measured(value=(found - expected) / pair.scales.half_width, amounts=(own, found))
 
 
 def _middle_of_stick(solution: ContactSolution) -> float:
     return math.nan if solution.permanent_stick_edges is None else float(np.mean(solution.permanent_stick_edges))
 
 
+def _largest_of_pressure(cycle: Cycle) -> float:
+    return float(cycle.pressure.max())
+
+
+def _largest_pressure(pair: Pair) -> _Measured:
+    common, found = _largest_of_pressure(pair.expected), _largest_of_pressure(pair.found)
+    return _beside_theory(pair, "pressure", common, found, "pressure")
+
+
+def _largest_half_width(pair: Pair) -> _Measured:
+    common, found = (
+        float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2 for cycle in (pair.expected, pair.found)
+    )
+    return _beside_theory(pair, "half_width", common, found, "half_width")
+
+
+def _stroke_of_points(slip: Array, touching: _Mask) -> Array:
+    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0 where it never is.
+
+    Out of contact the slip is a displacement and nothing slips.
+    """
+    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
+    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
+    return np.where(touching.any(axis=0), highest - lowest, 0.0)
+
+
 def _largest_slip(pair: Pair) -> _Measured:
-    # Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips.
+    if not pair.result.scene.friction.coefficient:
+        return _none("nothing resists slip")
+    touching = pair.found.state != OPEN
+    if not touching.any():
+        return _none("no instant has points in contact in both")
+    stroke = _stroke_of_points(pair.found.slip, touching)
+    common = float(_stroke_of_points(pair.expected.slip, pair.expected.state != OPEN).max())
+    measured = _beside_theory(pair, "slip", common, float(stroke.max()), "slip")
+    return replace(measured, place=_place(pair, stroke))
+
+
+def _largest_common_slip(pair: Pair) -> _Measured:
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
-    if not pair.result.scene.friction.coefficient or not touching.any():
-        return _none("nothing resists slip" if touching.any() else "no instant has points in contact in both")
-    strokes = [
-        np.max(c.slip, axis=0, where=touching, initial=-np.inf) - np.min(c.slip, axis=0, where=touching, initial=np.inf)
-        for c in (pair.expected, pair.found)
-    ]
-    theirs, ours = (np.where(touching.any(axis=0), stroke, 0.0) for stroke in strokes)
+    if not touching.any():
+        return _none("no instant has points in contact in both")
+    theirs, ours = (_stroke_of_points(cycle.slip, touching) for cycle in (pair.expected, pair.found))
     return _of_amounts(float(theirs.max()), float(ours.max()), pair.scales.slip, place=_place(pair, ours))
 
 
 def _dissipation(pair: Pair) -> _Measured:
-    found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
-    return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
+    by_rule = pair.own is not pair.reference
+    works = (pair.own.dissipation, pair.reference.dissipation, pair.result.dissipation)
+    found = _beside_own(*works, pair.scales.dissipation, foreign=by_rule)
+    if found.absolute:
+        return replace(found, note="the reference dissipates nothing, so the value is absolute")
+    return found
+
+
+def _largest_of_density(cycle: Cycle) -> float:
+    return float(cycle.dissipation_density.max())
 
 
 def _largest_density(pair: Pair) -> _Measured:
-    found = _amounts(pair, lambda _, cycle: cycle.dissipation_density.max(), "density")
-    return replace(found, place=_place(pair, pair.found.dissipation_density))
+    common, found = _largest_of_density(pair.expected), _largest_of_density(pair.found)
+    measured = _beside_theory(pair, "dissipation_density", common, found, "density")
+    return replace(measured, place=_place(pair, pair.found.dissipation_density))
 
 
 def _edge_tension(pair: Pair) -> _Measured:
     if not pair.result.scene.friction.coefficient:
         return _none("frictionless: nothing stretches the faces")
-    sides = [_largest_tension(solution, pair.found.time) for solution in (pair.reference, pair.result)]
+    sides = [_largest_tension(solution, pair) for solution in (pair.own, pair.result)]
     lacking = [name_of(s.engine) for s, side in zip((pair.reference, pair.result), sides, strict=True) if side is None]
     if lacking:
         return _none(f"not known of {' and '.join(lacking)}")
@@ -854,15 +952,12 @@ def _edge_tension(pair: Pair) -> _Measured:
     return replace(measured, uncertainty=(known + doubt) / (pair.scales.shear if measured.absolute else abs(expected)))
 
 
-def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, float] | None:
-    """The largest tension at an edge of contact and its uncertainty [stress]: of theory at the instants `time`."""
+def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
+    """The largest tension at an edge of contact and its uncertainty [stress]."""
     import halfplane_fe
-    import semi_analytic
 
-    if solution.engine == "semi_analytic":
-        values, uncertain = semi_analytic.edge_tension(solution, time)
-        at = np.unravel_index(np.argmax(values), values.shape)
-        return float(max(values[at], 0.0)), float(uncertain[at])
+    if solution.engine == "semi_analytic" and pair.largest is not None:
+        return pair.largest.edge_tension, pair.largest.edge_tension_uncertainty
     largest = halfplane_fe.largest_edge_tension(solution) if solution.engine == "halfplane_fe" else None
     return None if largest is None else (largest.value, largest.uncertainty)
 
@@ -1315,13 +1410,12 @@ def _has_polygon(pair: Pair) -> bool:
 
 METRICS = {row.key: row for row in (
     # The first table: absolute values of both.
-    _row("largest_pressure", "Peak pressure: max p / max p_ref − 1 over the cycle, both over the same points",
-        "of the reference", ("one value", "every point; last cycle"), "pressure",
-        partial(_amounts, of=lambda _, c: c.pressure.max(), scale="pressure"), quantity="stress", judged_by="peak_pressure"),
+    _row("largest_pressure", "Peak pressure: max p / max p_ref − 1 over the cycle, that of the result over its points, that of "
+        "theory its own", "of the reference", ("one value", "every point; last cycle"), "pressure",
+        _largest_pressure, quantity="stress", judged_by="peak_pressure"),
     _row("largest_half_width", "Contact half-width: (largest half distance of the contact edges)/(that of the reference) − 1",
         "of the reference", _ONE_VALUE, "pressure",
-        partial(_amounts, of=lambda _, c: np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0) / 2, scale="half_width"),
-        quantity="length", judged_by="contact_edge"),
+        _largest_half_width, quantity="length", judged_by="contact_edge"),
     _row("permanent_stick", "Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference",
         "of a_ref", _ONE_VALUE, "state whole_cycle",
         partial(_of_stick_zone, of=lambda s: s.permanent_stick_half_width), quantity="length"),
@@ -1329,13 +1423,14 @@ METRICS = {row.key: row for row in (
         "of a_ref", _ONE_VALUE, "state whole_cycle",
         partial(_of_stick_zone, of=_middle_of_stick),
         quantity="length", judged_by="permanent_stick", exists=_UNSYMMETRIC),
-    _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1",
-        "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle",
+    _row("largest_slip", "Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1; that "
+        "of the result over its points, that of theory its own",
+        "of the reference", ("one value", "points while they are in contact; last cycle"), "slip state whole_cycle",
         _largest_slip, quantity="slip", absolute_unit="f p_ref a_ref/E*"),
     _row("dissipation", "Dissipation: W − W_ref",
         "of W_ref", _ONE_VALUE, "dissipation whole_cycle", _dissipation, quantity="energy", absolute_unit=_WORK),
-    _row("dissipation_density_peak", "Largest pointwise dissipation: max w / max w_ref − 1, both over the same points; with "
-        "its place",
+    _row("dissipation_density_peak", "Largest pointwise dissipation: max w / max w_ref − 1, that of the result over its points, "
+        "that of theory its own; with its place",
         "of largest w_ref", _POINTS_OF_CYCLE, "dissipation_density whole_cycle",
         _largest_density, quantity="energy density", absolute_unit=f"{_WORK}/a_ref"),
     _row("edge_tension", "Tension at the trailing edge: largest stress along a face at an edge of contact through the cycle, over "
@@ -1343,6 +1438,16 @@ METRICS = {row.key: row for row in (
         "of the reference", ("one value", "both edges of contact, both bodies; last cycle"), "pressure shear whole_cycle",
         _edge_tension, quantity="stress", absolute_unit="f p_ref"),
     # The others.
+    _row("largest_pressure_common", "Peak pressure, common points: max p / max p_ref − 1 over the cycle, both over the result's "
+        "points and instants", "of the reference", ("one value", "every point; last cycle"), "pressure",
+        partial(_of_common, of=_largest_of_pressure, scale="pressure"), judged_by="peak_pressure"),
+    _row("largest_slip_common", "Largest slip, common points: largest range of s of a point through the cycle, over that of the "
+        "reference, − 1, both over the result's points and instants",
+        "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle friction",
+        _largest_common_slip, absolute_unit="f p_ref a_ref/E*"),
+    _row("dissipation_density_peak_common", "Largest pointwise dissipation, common points: max w / max w_ref − 1, both over the "
+        "result's points", "of largest w_ref", _POINTS_OF_CYCLE, "dissipation_density whole_cycle",
+        partial(_of_common, of=_largest_of_density, scale="density"), absolute_unit=f"{_WORK}/a_ref"),
     _row("peak_pressure", "Peak pressure, worst instant: max p / max p_ref − 1 of an instant, both over the same points",
         "of peak p_ref", _AT_POINTS, "pressure", _peak_pressure),
     _row("pressure", "Pressure, L2: ‖p − p_ref‖/‖p_ref‖, L2 over x",

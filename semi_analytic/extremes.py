@@ -1,0 +1,322 @@
+"""Largest values of half-plane theory through a cycle, found on its own points and instants, whatever answer they stand beside.
+
+The pressure and the contact are largest at the largest load P, since p(x, P) and a(P) grow with P. At a point x the slip s moves
+one way between turning points of P, Q - f P and -Q - f P, and until the edge of contact passes x: the range of s is exact with
+these instants, and the largest one is looked for over x alone. So is the largest friction work W(x). The tension at the edges of
+contact is looked for over time.
+
+A maximum is looked for between kinks, on places that are taken closer and closer around the largest values. Where bulk stress and
+tilt leave no one memory curve, the largest values are those at the answer's own points and instants, and `Extremes.sampled` says so.
+
+# notation: s slip, W(x) friction work per unit area, a half-width, f friction
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import NORMAL_LOAD, ContactSolution, LoadSegment, Scene
+from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.memory import level
+from semi_analytic.profiles import Contact, contact_of
+from semi_analytic.solution import solve
+from semi_analytic.subsurface import edge_tension
+
+Array = NDArray[np.float64]
+
+# Places at first between two kinks, of the whole contact together; places in a round around each candidate.
+_FIRST, _AROUND = 96, 11
+# Candidates: local maxima of at least this share of the largest.
+_MOST_CANDIDATES, _NEARLY = 3, 0.97
+# Rounds at most, each six times closer, and the change of the largest value at which two rounds in a row end the search. A smooth
+# maximum has an error of the square of the spacing: two rounds that change it by less than 1e-12 leave less than 1e-10.
+_ROUNDS, _SETTLED = 16, 1e-12
+# Instants that are looked at for the tension at first, and places for which the passing of the edge adds instants of a long record.
+_INSTANTS, _LONG = 120, 400
+# A place at the edge of contact is in it, but for the last digits of its instant.
+_AT_EDGE = 1e-10
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Largest values of half-plane theory through the last cycle (the whole path, where it does not repeat).
+
+    Attributes
+    ----------
+    pressure, pressure_place : largest pressure [stress], infinite at a sharp tip, and its place [length]
+    half_width : largest half distance of the contact edges [length]
+    slip, slip_place : largest range of the slip of a point while it is in contact, and its place [length]
+    dissipation_density, dissipation_density_place : largest W(x) [energy / area], and its place [length]
+    edge_tension, edge_tension_uncertainty : largest stress along a face at an edge of contact [stress], 0 where all are negative
+    sampled : why the values are no more than the largest at the answer's own points and instants; empty where they are exact
+    """
+
+    pressure: float
+    pressure_place: float
+    half_width: float
+    slip: float
+    slip_place: float
+    dissipation_density: float
+    dissipation_density_place: float
+    edge_tension: float
+    edge_tension_uncertainty: float
+    sampled: str = ""
+
+
+def extremes(answer: ContactSolution) -> Extremes:
+    """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's points play no part.
+
+    Parameters
+    ----------
+    answer : by `solve`, of a scene or of straight steps between its instants; its instants say which cycle is the last
+
+    Returns
+    -------
+    Extremes; NaN for the slip, W(x) and tension of an answer without a whole cycle, whose pressure is that of its instants
+
+    Raises
+    ------
+    InputError, InadmissibleLoadError
+        As `solve`.
+
+    >>> import math
+    >>> few = solve("cattaneo-mindlin", x=[0.3, 0.7], time=[1.0, 2.0, 3.0, 4.0, 5.0])
+    >>> found = extremes(few)
+    >>> round(found.pressure / (2 * 90.62286500739786 / math.pi), 12), round(found.half_width, 12)  # a = 1
+    (1.0, 1.0)
+    """
+    scene = answer.scene
+    contact = _contact(scene)
+    if contact is None:
+        return _sampled(answer)
+    search = _Search(answer, contact)
+    pressure, pressure_place, half_width = search.pressure()
+    nothing = float("nan")
+    slip = slip_place = density = density_place = tension = uncertain = nothing
+    if search.whole:
+        slip, slip_place = search.slip()
+        density, density_place = search.dissipation_density()
+        tension, uncertain = search.edge_tension()
+    return Extremes(pressure, pressure_place, half_width, slip, slip_place, density, density_place, tension, uncertain)
+
+
+def _contact(scene: Scene) -> Contact | None:
+    """The normal contact where the memory of friction is one curve; None where it is not."""
+    if not scene.unsymmetric:
+        return contact_of(scene.profile, scene.material)
+    family = one_curve(scene)
+    return None if family is None else family.contact
+
+
+class _Search:
+    """The maxima of one answer's theory over its last cycle."""
+
+    def __init__(self, answer: ContactSolution, contact: Contact) -> None:
+        self.scene = answer.scene
+        self.contact = contact
+        self.answer = answer
+        self.whole = "whole_cycle" not in answer.work.skipped and len(answer.last_cycle) > 1
+        self.steps = answer.time[answer.last_cycle]
+        self.on_straight_steps = bool(answer.settings.get("straight_steps"))
+        self.monotonic = [] if self.on_straight_steps else _monotonic_parts(self.scene, self.steps[0], self.steps[-1])
+        self.turns = self._turning_times()
+        loads = np.asarray(self.scene.load.path().at(self.turns)[0])
+        self.largest_load_time = float(self.turns[np.argmax(loads)])
+        edges = self._solved(np.zeros(1), self.turns, ()).contact_edges
+        self.edges = edges[np.argmax(loads)]
+        touching = edges[loads > 0]
+        corners = [side * mark for mark in contact.breaks for side in (-1.0, 1.0)]
+        middles = [] if self.scene.unsymmetric else [0.0]
+        marks = np.array([*touching.ravel(), *corners, *middles, float(np.mean(self.edges))])
+        inside = marks[(marks >= self.edges[0]) & (marks <= self.edges[1])]
+        if not self.scene.unsymmetric:
+            inside = inside[inside >= 0]  # the other side is its mirror image
+        self.marks = np.unique(inside)
+
+    def _turning_times(self) -> Array:
+        """Instants between which the slip of a point in contact moves one way."""
+        if not self.whole or self.on_straight_steps:
+            return self.steps
+        times = [self.steps[0], self.steps[-1]]
+        friction = self.scene.friction.coefficient
+        for leg, first, last in self.monotonic:
+            times += [first, last]
+            for what in (level(1, friction), level(-1, friction)):
+                times += [time for time in leg.turning_points(what) if first < time < last]
+        return np.unique(times)
+
+    def _solved(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
+        if self.on_straight_steps:
+            return solve(self.scene, x=x, time=self.answer.time, fields=fields, straight_steps=True)
+        return solve(self.scene, x=x, time=time, fields=fields)
+
+    def pressure(self) -> tuple[float, float, float]:
+        """Largest pressure, its place and the half-width at the largest load."""
+        time = np.array([self.largest_load_time])
+
+        def values(x: Array) -> Array:
+            return np.asarray(solve(self.scene, x=x, time=time, fields=("pressure",)).pressure[0])
+
+        largest, place = _largest(values, self.marks)
+        return largest, place, float(np.diff(self.edges)[0]) / 2
+
+    def slip(self) -> tuple[float, float]:
+        """Largest range of the slip of a point while it is in contact, and its place."""
+        if not self.scene.friction.coefficient:
+            return 0.0, 0.0
+
+        def values(x: Array) -> Array:
+            time = np.unique(np.concatenate([self.turns, self._passings(x)]))
+            found = self._solved(x, time, ("slip",))
+            rows = found.last_cycle if self.on_straight_steps else np.arange(len(found.time))
+            edges = found.contact_edges[rows]
+            room = _AT_EDGE * float(np.diff(self.edges)[0])
+            left, right = edges[:, :1] - room, edges[:, 1:] + room
+            touching = (x >= left) & (x <= right) & (found.normal_load[rows] > 0)[:, None]
+            slip = found.slip[rows]
+            highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
+            lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
+            return np.where(touching.any(axis=0), highest - lowest, 0.0)
+
+        return _largest(values, self.marks)
+
+    def _passings(self, x: Array) -> Array:
+        """Instants at which an edge of contact passes one of the places (n,); none of a long record at many places."""
+        if self.on_straight_steps or (len(self.monotonic) > _LONG and len(x) > _MOST_CANDIDATES * _AROUND):
+            return np.empty(0)
+        edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
+        times = []
+        for leg, first, last in self.monotonic:
+            begin, end = (float(leg.loads(time)[0]) for time in (first, last))
+            crossed = edge_load[(edge_load > min(begin, end)) & (edge_load < max(begin, end))]
+            if len(crossed):
+                times.append(leg.time_of(NORMAL_LOAD, crossed - begin, first, last))
+        return np.concatenate(times) if times else np.empty(0)
+
+    def dissipation_density(self) -> tuple[float, float]:
+        """Largest W(x), and its place."""
+        ends = self.steps[[0, -1]]
+
+        def values(x: Array) -> Array:
+            return np.asarray(self._solved(x, ends, ("dissipation_density",)).dissipation_density)
+
+        return _largest(values, self.marks)
+
+    def edge_tension(self) -> tuple[float, float]:
+        """Largest stress along a face at an edge of contact, and its uncertainty."""
+        if self.scene.unsymmetric:
+            return _largest_tension(self.answer)
+        uncertain = 0.0
+
+        def values(time: Array) -> Array:
+            nonlocal uncertain
+            tension, errors = edge_tension(self.scene, time)
+            uncertain = max(uncertain, float(errors.max()))
+            return np.asarray(tension.max(axis=(1, 2)))
+
+        largest, _ = _largest(values, self.turns if self.monotonic else self.steps, _INSTANTS)
+        return max(largest, 0.0), uncertain
+
+
+def _monotonic_parts(scene: Scene, start: float, end: float) -> list[tuple[LoadSegment, float, float]]:
+    """The legs of the path from `start` to `end`, each cut where P turns."""
+    path = scene.load.path()
+    legs = list(path.initial_loading)
+    if path.period is not None:
+        number = max(round((start - path.cycle_start) / path.period), 0)
+        legs = list(path.cycle_legs(number))
+    parts = []
+    for leg in legs:
+        ends = [leg.start, *(time for time in sorted(leg.turning_points(NORMAL_LOAD)) if leg.start < time < leg.end), leg.end]
+        parts += [(leg, first, last) for first, last in pairwise(ends)]
+    return [part for part in parts if part[2] > start and part[1] < end]
+
+
+def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST) -> tuple[float, float]:
+    """Largest value and its place, over the range of `marks`, between which the function is smooth.
+
+    >>> top, place = _largest(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
+    >>> round(top, 12), round(place, 5)
+    (1.0, 0.3)
+    """
+    if len(marks) == 1:
+        return float(values(marks)[0]), float(marks[0])
+    each = max(first // (len(marks) - 1), 2)
+    places = np.unique([np.linspace(low, high, each + 1) for low, high in pairwise(marks)])
+    found = values(places)
+    best = int(np.argmax(found))
+    largest, place = float(found[best]), float(places[best])
+    brackets = _brackets(places, found)
+    settled = 0
+    for _ in range(_ROUNDS):
+        if not np.isfinite(largest) or settled == 2:
+            break
+        inner = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
+        around = np.unique(np.concatenate(inner))
+        found = values(around)
+        best = int(np.argmax(found))
+        change = float(found[best]) - largest
+        if change > 0:
+            largest, place = float(found[best]), float(around[best])
+        settled = settled + 1 if change <= _SETTLED * abs(largest) else 0
+        brackets = [_closer(bracket, places, around, found) for bracket, places in zip(brackets, inner, strict=True)]
+    return largest, place
+
+
+def _brackets(places: Array, found: Array) -> list[tuple[float, float]]:
+    """The neighbours of each local maximum that is nearly the largest."""
+    rim = np.array([-np.inf])
+    rises = found >= np.concatenate([rim, found[:-1]])
+    falls = found >= np.concatenate([found[1:], rim])
+    peaks = np.flatnonzero(rises & falls & (found >= _NEARLY * np.max(found)))
+    highest = peaks[np.argsort(-found[peaks], kind="stable")][:_MOST_CANDIDATES]
+    last = len(places) - 1
+    return [(float(places[max(k - 1, 0)]), float(places[min(k + 1, last)])) for k in highest]
+
+
+def _closer(bracket: tuple[float, float], inner: Array, around: Array, found: Array) -> tuple[float, float]:
+    """The neighbours of the largest of the places within a bracket."""
+    values = found[np.searchsorted(around, inner)]
+    ends = np.concatenate([bracket[:1], inner, bracket[1:]])
+    best = int(np.argmax(values)) + 1
+    return float(ends[best - 1]), float(ends[best + 1])
+
+
+# ------------------------------------------------------------------------------------------------ no one memory curve
+def _sampled(answer: ContactSolution) -> Extremes:
+    """The largest values at the answer's own points and instants."""
+    rows = answer.last_cycle
+    pressure = answer.pressure[rows].max(axis=0)
+    edges = answer.contact_edges[rows]
+    touching = answer.state[rows] != 0
+    slip = answer.slip[rows]
+    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
+    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
+    stroke = np.where(touching.any(axis=0), highest - lowest, 0.0)
+    density = answer.dissipation_density
+    tension, uncertain = _largest_tension(answer)
+    return Extremes(
+        float(pressure.max()),
+        float(answer.x[np.argmax(pressure)]),
+        float(np.nanmax(np.diff(edges, axis=1), initial=0.0)) / 2,
+        float(stroke.max()),
+        float(answer.x[np.argmax(stroke)]),
+        float(density.max()),
+        float(answer.x[np.argmax(density)]),
+        tension,
+        uncertain,
+        "bulk stress and tilt leave no one memory curve, so the largest values of theory are those at "
+        f"{len(answer.x)} points and {len(rows)} instants",
+    )
+
+
+def _largest_tension(answer: ContactSolution) -> tuple[float, float]:
+    """The largest tension at an edge of contact at the answer's instants, and its uncertainty [stress]."""
+    values, uncertain = edge_tension(answer, answer.time[answer.last_cycle])
+    at = np.unravel_index(np.argmax(values), values.shape)
+    return float(max(values[at], 0.0)), float(uncertain[at])
