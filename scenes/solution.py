@@ -365,3 +365,17 @@ _ARRAYS = {one.name: one for one in (*fields(ContactSolution), *fields(Record)) 
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
 _FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")
+
+
+def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
+    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0 where it never is.
+
+    Out of contact the slip is a displacement and nothing slips.
+
+    >>> range_of_slip(np.array([[0.0, 1.0], [2.0, 5.0]]), np.array([[True, True], [True, False]])).tolist()
+    [2.0, 0.0]
+    """
+    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
+    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
+    never = ~touching.any(axis=0)
+    return np.where(never, 0.0, np.where(never, 0.0, highest) - np.where(never, 0.0, lowest))

@@ -5,22 +5,26 @@ one way between turning points of P, Q - f P and -Q - f P, and until the edge of
 these instants, and the largest one is looked for over x alone. So is the largest friction work W(x). The tension at the edges of
 contact is looked for over time.
 
-A maximum is looked for between kinks, on places that are taken closer and closer around the largest values. Where bulk stress and
-tilt leave no one memory curve, the largest values are those at the answer's own points and instants, and `Extremes.sampled` says so.
+A maximum is looked for between kinks, on places that are taken closer and closer around the largest values. Where
+bulk stress and tilt leave no one memory curve, the largest values are those at the points and instants that `solve`
+takes by itself, and `Extremes.sampled` states it.
 
 # notation: s slip, W(x) friction work per unit area, a half-width, f friction
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import NORMAL_LOAD, ContactSolution, LoadSegment, Scene
+from scenes import NORMAL_LOAD, OPEN, ContactSolution, LoadSegment, Scene
+from scenes.solution import range_of_slip
 from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.memory import level
 from semi_analytic.profiles import Contact, contact_of
@@ -53,7 +57,8 @@ class Extremes:
     slip, slip_place : largest range of the slip of a point while it is in contact, and its place [length]
     dissipation_density, dissipation_density_place : largest W(x) [energy / area], and its place [length]
     edge_tension, edge_tension_uncertainty : largest stress along a face at an edge of contact [stress], 0 where all are negative
-    sampled : why the values are no more than the largest at the answer's own points and instants; empty where they are exact
+    sampled : why the values are no more than the largest at the points and instants that `solve` takes by itself; empty
+        where they are exact
     """
 
     pressure: float
@@ -93,16 +98,23 @@ def extremes(answer: ContactSolution) -> Extremes:
     scene = answer.scene
     contact = _contact(scene)
     if contact is None:
-        return _sampled(answer)
-    search = _Search(answer, contact)
-    pressure, pressure_place, half_width = search.pressure()
-    nothing = float("nan")
-    slip = slip_place = density = density_place = tension = uncertain = nothing
-    if search.whole:
-        slip, slip_place = search.slip()
-        density, density_place = search.dissipation_density()
-        tension, uncertain = search.edge_tension()
-    return Extremes(pressure, pressure_place, half_width, slip, slip_place, density, density_place, tension, uncertain)
+        return _of_default_points(scene)
+    rows = answer.last_cycle
+    has_cycle = "whole_cycle" not in answer.work.skipped and len(rows) > 1
+    if not has_cycle or answer.settings.get("straight_steps"):
+        return _Search(answer, contact, has_cycle).extremes()
+    start = float(answer.time[rows[0]])
+    end = float(answer.time[rows[-1]])
+    return _of_cycle(scene, start, end)
+
+
+@lru_cache(maxsize=32)
+def _of_cycle(scene: Scene, start: float, end: float) -> Extremes:
+    """The largest values between two instants of the scene's own path."""
+    contact = _contact(scene)
+    assert contact is not None
+    ends = solve(scene, x=0.0, time=[start, end], fields=())
+    return _Search(ends, contact, has_cycle=True).extremes()
 
 
 def _contact(scene: Scene) -> Contact | None:
@@ -116,12 +128,12 @@ def _contact(scene: Scene) -> Contact | None:
 class _Search:
     """The maxima of one answer's theory over its last cycle."""
 
-    def __init__(self, answer: ContactSolution, contact: Contact) -> None:
+    def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
         self.scene = answer.scene
         self.contact = contact
         self.answer = answer
-        self.whole = "whole_cycle" not in answer.work.skipped and len(answer.last_cycle) > 1
-        self.steps = answer.time[answer.last_cycle]
+        self.has_cycle = has_cycle
+        self.steps = answer.time[answer.last_cycle] if answer.settings.get("straight_steps") else answer.time
         self.on_straight_steps = bool(answer.settings.get("straight_steps"))
         self.monotonic = [] if self.on_straight_steps else _monotonic_parts(self.scene, self.steps[0], self.steps[-1])
         self.turns = self._turning_times()
@@ -138,9 +150,29 @@ class _Search:
             inside = inside[inside >= 0]  # the other side is its mirror image
         self.marks = np.unique(inside)
 
+    def extremes(self) -> Extremes:
+        """Every maximum; NaN for what needs a whole cycle where there is none."""
+        pressure, pressure_place, half_width = self.pressure()
+        slip = slip_place = density = density_place = tension = uncertainty = math.nan
+        if self.has_cycle:
+            slip, slip_place = self.slip()
+            density, density_place = self.dissipation_density()
+            tension, uncertainty = self.edge_tension()
+        return Extremes(
+            pressure=pressure,
+            pressure_place=pressure_place,
+            half_width=half_width,
+            slip=slip,
+            slip_place=slip_place,
+            dissipation_density=density,
+            dissipation_density_place=density_place,
+            edge_tension=tension,
+            edge_tension_uncertainty=uncertainty,
+        )
+
     def _turning_times(self) -> Array:
         """Instants between which the slip of a point in contact moves one way."""
-        if not self.whole or self.on_straight_steps:
+        if not self.has_cycle or self.on_straight_steps:
             return self.steps
         times = [self.steps[0], self.steps[-1]]
         friction = self.scene.friction.coefficient
@@ -178,10 +210,7 @@ class _Search:
             room = _AT_EDGE * float(np.diff(self.edges)[0])
             left, right = edges[:, :1] - room, edges[:, 1:] + room
             touching = (x >= left) & (x <= right) & (found.normal_load[rows] > 0)[:, None]
-            slip = found.slip[rows]
-            highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
-            lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
-            return np.where(touching.any(axis=0), highest - lowest, 0.0)
+            return range_of_slip(found.slip[rows], touching)
 
         return _largest(values, self.marks)
 
@@ -210,7 +239,7 @@ class _Search:
     def edge_tension(self) -> tuple[float, float]:
         """Largest stress along a face at an edge of contact, and its uncertainty."""
         if self.scene.unsymmetric:
-            return _largest_tension(self.answer)
+            return _largest_tension(self.scene, _between(self.turns, _INSTANTS))
         uncertain = 0.0
 
         def values(time: Array) -> Array:
@@ -246,15 +275,14 @@ def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST
     """
     if len(marks) == 1:
         return float(values(marks)[0]), float(marks[0])
-    each = max(first // (len(marks) - 1), 2)
-    places = np.unique([np.linspace(low, high, each + 1) for low, high in pairwise(marks)])
+    places = _between(marks, first)
     found = values(places)
     best = int(np.argmax(found))
     largest, place = float(found[best]), float(places[best])
     brackets = _brackets(places, found)
-    settled = 0
+    settled_rounds = 0
     for _ in range(_ROUNDS):
-        if not np.isfinite(largest) or settled == 2:
+        if not np.isfinite(largest) or settled_rounds == 2:
             break
         inner = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
         around = np.unique(np.concatenate(inner))
@@ -263,9 +291,21 @@ def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST
         change = float(found[best]) - largest
         if change > 0:
             largest, place = float(found[best]), float(around[best])
-        settled = settled + 1 if change <= _SETTLED * abs(largest) else 0
+        settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest) else 0
         brackets = [_closer(bracket, places, around, found) for bracket, places in zip(brackets, inner, strict=True)]
     return largest, place
+
+
+def _between(marks: Array, count: int) -> Array:
+    """The marks and about `count` places between them, equally spaced from each to the next, at least one.
+
+    >>> _between(np.array([0.0, 1.0, 3.0]), 4).tolist()
+    [0.0, 0.5, 1.0, 2.0, 3.0]
+    """
+    if len(marks) == 1:
+        return marks
+    each = max(count // (len(marks) - 1), 2)
+    return np.unique([np.linspace(low, high, each + 1) for low, high in pairwise(marks)])
 
 
 def _brackets(places: Array, found: Array) -> list[tuple[float, float]]:
@@ -288,35 +328,33 @@ def _closer(bracket: tuple[float, float], inner: Array, around: Array, found: Ar
 
 
 # ------------------------------------------------------------------------------------------------ no one memory curve
-def _sampled(answer: ContactSolution) -> Extremes:
-    """The largest values at the answer's own points and instants."""
+@lru_cache(maxsize=8)
+def _of_default_points(scene: Scene) -> Extremes:
+    """The largest values at the points and instants that `solve` takes by itself."""
+    answer = solve(scene)
     rows = answer.last_cycle
     pressure = answer.pressure[rows].max(axis=0)
     edges = answer.contact_edges[rows]
-    touching = answer.state[rows] != 0
-    slip = answer.slip[rows]
-    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
-    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
-    stroke = np.where(touching.any(axis=0), highest - lowest, 0.0)
+    slip_range = range_of_slip(answer.slip[rows], answer.state[rows] != OPEN)
     density = answer.dissipation_density
-    tension, uncertain = _largest_tension(answer)
+    tension, uncertainty = _largest_tension(answer, answer.time[rows])
     return Extremes(
-        float(pressure.max()),
-        float(answer.x[np.argmax(pressure)]),
-        float(np.nanmax(np.diff(edges, axis=1), initial=0.0)) / 2,
-        float(stroke.max()),
-        float(answer.x[np.argmax(stroke)]),
-        float(density.max()),
-        float(answer.x[np.argmax(density)]),
-        tension,
-        uncertain,
-        "bulk stress and tilt leave no one memory curve, so the largest values of theory are those at "
+        pressure=float(pressure.max()),
+        pressure_place=float(answer.x[np.argmax(pressure)]),
+        half_width=float(np.nanmax(np.diff(edges, axis=1), initial=0.0)) / 2,
+        slip=float(slip_range.max()),
+        slip_place=float(answer.x[np.argmax(slip_range)]),
+        dissipation_density=float(density.max()),
+        dissipation_density_place=float(answer.x[np.argmax(density)]),
+        edge_tension=tension,
+        edge_tension_uncertainty=uncertainty,
+        sampled="bulk stress and tilt leave no one memory curve, so the largest values of theory are those at "
         f"{len(answer.x)} points and {len(rows)} instants",
     )
 
 
-def _largest_tension(answer: ContactSolution) -> tuple[float, float]:
-    """The largest tension at an edge of contact at the answer's instants, and its uncertainty [stress]."""
-    values, uncertain = edge_tension(answer, answer.time[answer.last_cycle])
-    at = np.unravel_index(np.argmax(values), values.shape)
-    return float(max(values[at], 0.0)), float(uncertain[at])
+def _largest_tension(source: ContactSolution | Scene, time: Array) -> tuple[float, float]:
+    """The largest tension at an edge of contact at some instants, and its uncertainty [stress]."""
+    values, uncertainties = edge_tension(source, time)
+    worst = np.unravel_index(np.argmax(values), values.shape)
+    return float(max(values[worst], 0.0)), float(uncertainties[worst])

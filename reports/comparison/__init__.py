@@ -61,7 +61,7 @@ class Comparison(Pair):
     ----------
     reference, result : the two solutions
     polygon_reference : the reference's answer on the very polygon that the result stepped through, or None
-    own : the reference as it is, where `reference` follows a rule of the result; else the same
+    plain_reference : the reference as it is, where `reference` follows a rule of the result; else the same
     scales : what makes it dimensionless
     expected, found : last cycle of the reference (on the result's points and instants) and of the result
     metrics : in the order of the table
@@ -216,7 +216,7 @@ def compare(
     *,
     polygon_reference: ContactSolution | None = None,
     scales_from: ContactSolution | None = None,
-    own: ContactSolution | None = None,
+    plain_reference: ContactSolution | None = None,
     tolerances: Mapping[str, float] | None = None,
 ) -> Comparison:
     """How far `result` is from `reference` in the last cycle, metric by metric.
@@ -228,7 +228,7 @@ def compare(
     result : the answer judged
     polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
         the steps apart from all others
-    own : the reference as it is, where `reference` has states, edges and dissipation by the rule of the result: what the first
+    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by the rule of the result: what the first
         table shows of it; `reference` if None
     scales_from : what the scales are read off, where the reference holds few instants; the reference if None
     tolerances : key of a metric -> largest |E| admitted, before those of the scene; where neither says anything, the tolerances
@@ -252,7 +252,7 @@ def compare(
         _refuse_other_question(other, result)
     found = last_cycle(result)
     expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
-    pair = Pair(reference, result, polygon_reference, own or reference, scales(scales_from or reference), expected, found)
+    pair = Pair(reference, result, polygon_reference, plain_reference or reference, scales(scales_from or reference), expected, found)
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
         metrics=judge(pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)),

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from reports.units import minus
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene, freeze
 from scenes.scene import OWN_TOLERANCES
+from scenes.solution import range_of_slip
 
 if TYPE_CHECKING:
     from semi_analytic import Extremes
@@ -458,7 +459,7 @@ class Pair:
     reference: ContactSolution
     result: ContactSolution
     polygon_reference: ContactSolution | None
-    own: ContactSolution
+    plain_reference: ContactSolution
     scales: _Scales
     expected: Cycle
     found: Cycle
@@ -468,12 +469,12 @@ class Pair:
         """Theory's own largest values, whatever points it is compared on; None where the reference is no theory."""
         import semi_analytic
 
-        return semi_analytic.extremes(self.own) if self.own.engine == "semi_analytic" else None
+        return semi_analytic.extremes(self.plain_reference) if self.plain_reference.engine == "semi_analytic" else None
 
     @property
-    def foreign(self) -> bool:
-        """Whether the result is of another code, on points and instants of its own choice."""
-        return self.result.engine not in _ENGINES
+    def has_external_result(self) -> bool:
+        """Whether the result is no finite-element answer of this project: its points and instants are its own choice."""
+        return self.result.engine != "halfplane_fe"
 
     @cached_property
     def touching(self) -> _Mask:
@@ -817,40 +818,40 @@ def _of_common(pair: Pair, of: Callable[[Cycle], float], scale: str) -> _Measure
 _UNRESOLVED, _SAME_DIGITS = 0.1, 1e-6
 
 
-def _beside_own(own: float, common: float, found: float, scale: float, *, foreign: bool, note: str = "") -> _Measured:
+def _beside_own(extremum: float, common: float, measured: float, scale: float, *, external: bool, note: str = "") -> _Measured:
     """A value of the result beside the reference's own.
 
     Parameters
     ----------
-    own, common : of the reference: its own, and by the rule, points and instants of the result
-    found : of the result
+    extremum, common : of the reference: its own, and by the rule, points and instants of the result
+    measured : of the result
     scale : what the difference is over where the reference's own is 0
-    foreign : whether the result has points and instants of its own choice. Then the difference is that from `common`, so that
+    external : whether the result has points and instants of its own choice. Then the difference is that from `common`, so that
         their error drops out, and a note says so; where they miss the reference's own by too much there is none
     """
-    if not math.isfinite(own):
-        return _Measured(value=None, note="infinite in the reference", amounts=(own, found))
-    if not foreign:
-        return _of_amounts(own, found, scale, note=note)
-    apart = abs(common - own) / (abs(own) if abs(own) > 1e-12 * scale else scale)
-    if apart > _UNRESOLVED:
-        return _Measured(
-            value=None,
-            note=f"the result's points and instants are too few: on them the reference has {common:.4g} in place of {own:.4g}",
-            amounts=(own, found),
-        )
-    measured = _of_amounts(common, found, scale, note=note)
-    if apart > _SAME_DIGITS:
+    amounts = (extremum, measured)
+    if math.isinf(extremum) and math.isfinite(measured):
+        return _Measured(value=None, note="infinite in the reference", amounts=amounts)
+    if not external:
+        return _of_amounts(extremum, measured, scale, note=note)
+    size = abs(extremum) if abs(extremum) > 1e-12 * scale else scale
+    missed = abs(common - extremum) / size
+    if missed > _UNRESOLVED:
+        few = f"the result's points and instants are too few: on them the reference has {common:.4g} in place of {extremum:.4g}"
+        return _Measured(value=None, note=few, amounts=amounts)
+    if missed > _SAME_DIGITS:
         note = f"the difference is that on the result's points and instants, where the reference has {common:.5g}"
-    return replace(measured, note=note, amounts=(own, found))
+    return replace(_of_amounts(common, measured, scale, note=note), amounts=amounts)
 
 
-def _beside_theory(pair: Pair, name: str, common: float, found: float, scale: str) -> _Measured:
+def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale: str) -> _Measured:
     """The largest `name` of the result beside theory's own; of another reference, beside its value on common points."""
-    own, note = common, ""
+    extremum = common
+    note = ""
     if pair.largest is not None:
-        own, note = getattr(pair.largest, name), pair.largest.sampled
-    return _beside_own(own, common, found, getattr(pair.scales, scale), foreign=pair.foreign, note=note)
+        extremum = getattr(pair.largest, name)
+        note = pair.largest.sampled
+    return _beside_own(extremum, common, measured, getattr(pair.scales, scale), external=pair.has_external_result, note=note)
 
 
 def _place(pair: Pair, values: Array) -> float:
@@ -863,7 +864,7 @@ def _place(pair: Pair, values: Array) -> float:
 
 def _of_stick_zone(pair: Pair, of: Callable[[ContactSolution], float]) -> _Measured:
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is none."""
-    own, expected, found = (float(of(solution)) for solution in (pair.own, pair.reference, pair.result))
+    own, expected, found = (float(of(solution)) for solution in (pair.plain_reference, pair.reference, pair.result))
     lacking = [name_of(s.engine) for s, it in ((pair.reference, expected), (pair.result, found)) if math.isnan(it)]
     if lacking:
         amounts = None if len(lacking) == 2 else (own, found)
@@ -885,20 +886,13 @@ def _largest_pressure(pair: Pair) -> _Measured:
 
 
 def _largest_half_width(pair: Pair) -> _Measured:
-    common, found = (
-        float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2 for cycle in (pair.expected, pair.found)
-    )
-    return _beside_theory(pair, "half_width", common, found, "half_width")
+    common = _largest_half_distance(pair.expected)
+    measured = _largest_half_distance(pair.found)
+    return _beside_theory(pair, "half_width", common, measured, "half_width")
 
 
-def _stroke_of_points(slip: Array, touching: _Mask) -> Array:
-    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0 where it never is.
-
-    Out of contact the slip is a displacement and nothing slips.
-    """
-    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
-    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
-    return np.where(touching.any(axis=0), highest - lowest, 0.0)
+def _largest_half_distance(cycle: Cycle) -> float:
+    return float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2
 
 
 def _largest_slip(pair: Pair) -> _Measured:
@@ -907,8 +901,8 @@ def _largest_slip(pair: Pair) -> _Measured:
     touching = pair.found.state != OPEN
     if not touching.any():
         return _none("no instant has points in contact in both")
-    stroke = _stroke_of_points(pair.found.slip, touching)
-    common = float(_stroke_of_points(pair.expected.slip, pair.expected.state != OPEN).max())
+    stroke = range_of_slip(pair.found.slip, touching)
+    common = float(range_of_slip(pair.expected.slip, pair.expected.state != OPEN).max())
     measured = _beside_theory(pair, "slip", common, float(stroke.max()), "slip")
     return replace(measured, place=_place(pair, stroke))
 
@@ -917,14 +911,14 @@ def _largest_common_slip(pair: Pair) -> _Measured:
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     if not touching.any():
         return _none("no instant has points in contact in both")
-    theirs, ours = (_stroke_of_points(cycle.slip, touching) for cycle in (pair.expected, pair.found))
+    theirs, ours = (range_of_slip(cycle.slip, touching) for cycle in (pair.expected, pair.found))
     return _of_amounts(float(theirs.max()), float(ours.max()), pair.scales.slip, place=_place(pair, ours))
 
 
 def _dissipation(pair: Pair) -> _Measured:
-    by_rule = pair.own is not pair.reference
-    works = (pair.own.dissipation, pair.reference.dissipation, pair.result.dissipation)
-    found = _beside_own(*works, pair.scales.dissipation, foreign=by_rule)
+    by_rule = pair.plain_reference is not pair.reference
+    works = (pair.plain_reference.dissipation, pair.reference.dissipation, pair.result.dissipation)
+    found = _beside_own(*works, pair.scales.dissipation, external=by_rule)
     if found.absolute:
         return replace(found, note="the reference dissipates nothing, so the value is absolute")
     return found
@@ -943,7 +937,7 @@ def _largest_density(pair: Pair) -> _Measured:
 def _edge_tension(pair: Pair) -> _Measured:
     if not pair.result.scene.friction.coefficient:
         return _none("frictionless: nothing stretches the faces")
-    sides = [_largest_tension(solution, pair) for solution in (pair.own, pair.result)]
+    sides = [_largest_tension(solution, pair) for solution in (pair.plain_reference, pair.result)]
     lacking = [name_of(s.engine) for s, side in zip((pair.reference, pair.result), sides, strict=True) if side is None]
     if lacking:
         return _none(f"not known of {' and '.join(lacking)}")
@@ -1440,7 +1434,7 @@ METRICS = {row.key: row for row in (
     # The others.
     _row("largest_pressure_common", "Peak pressure, common points: max p / max p_ref − 1 over the cycle, both over the result's "
         "points and instants", "of the reference", ("one value", "every point; last cycle"), "pressure",
-        partial(_of_common, of=_largest_of_pressure, scale="pressure"), judged_by="peak_pressure"),
+        partial(_of_common, of=_largest_of_pressure, scale="pressure")),
     _row("largest_slip_common", "Largest slip, common points: largest range of s of a point through the cycle, over that of the "
         "reference, − 1, both over the result's points and instants",
         "of the reference", ("one value", "points in contact in both; last cycle"), "slip state whole_cycle friction",

@@ -150,8 +150,8 @@ def score_solution(
         whole = whole_path(solution.scene)
     like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
     # Without a rule that both follow the reference stands for itself.
-    own = None if like is reference else reference
-    found = compare(like, solution, polygon_reference=steps, scales_from=whole, own=own, tolerances=tolerances)
+    plain = None if like is reference else reference
+    found = compare(like, solution, polygon_reference=steps, scales_from=whole, plain_reference=plain, tolerances=tolerances)
     checks = certificates(reference)
     found = replace(found, reference=reference, reference_certificates=checks, notes=(*words, *found.notes))
     return Report(found, guesses=guesses)

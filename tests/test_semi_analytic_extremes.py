@@ -1,0 +1,123 @@
+"""Theory's own largest values: independent of the points and instants of what stands beside them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import reports
+import semi_analytic
+from reports.comparison import compare
+from scenes import ContactSolution, Scene, load_scene
+
+FIRST_TABLE = ("largest_pressure", "largest_half_width", "largest_slip", "dissipation", "dissipation_density_peak")
+
+# A layer under a block of a few tenths of its contact: the points of a mesh of these bodies all lie inside theory's stick zone.
+THIN_LAYERS = {
+    "name": "thin-layers",
+    "material": {
+        "lower": {"young_modulus": 20e3, "poisson_ratio": 0.45},
+        "upper": {"young_modulus": 210e3, "poisson_ratio": 0.3},
+    },
+    "profile": {"kind": "hertz", "radius": 1000.0},
+    "bodies": {
+        "lower": {"kind": "block", "width": 10.0, "height": 0.3},
+        "upper": {"kind": "block", "width": 10.0, "height": 5.0},
+    },
+    "friction": {"coefficient": 0.5},
+    "load": {"kind": "polygon", "initial_loading": [[60.0, 0.0], [60.0, 18.0]]},
+}
+
+
+def on_points(scene: Scene, x: np.ndarray, steps: int) -> ContactSolution:
+    """What stands in for a finite-element answer: theory on the points and instants of some mesh."""
+    path = scene.load.path()
+    end = path.initial_loading[-1].end
+    initial = np.linspace(path.start, end, 9)[1:]
+    if path.period is None:
+        time = initial
+    else:
+        time = np.concatenate([initial, path.cycle_start + path.period * np.linspace(0.0, 2.0, 2 * steps + 1)[1:]])
+    return dataclasses.replace(semi_analytic.solve(scene, x=x, time=time), engine="halfplane_fe")
+
+
+def theory_values(scene: Scene, x: np.ndarray, steps: int) -> dict[str, float]:
+    """Key of a metric of the first table -> theory's value in it beside a result on the points x."""
+    result = on_points(scene, x, steps)
+    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
+    comparison = compare(reference, result)
+    values = {key: comparison.metric(key).amounts[0] for key in FIRST_TABLE}
+    values["edge_tension"] = semi_analytic.extremes(reference).edge_tension
+    return values
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "nowell-hills"])
+def test_theory_has_the_same_largest_values_beside_any_mesh(name: str) -> None:
+    scene = load_scene(name)
+    beside_coarse = theory_values(scene, np.linspace(-1.31, 1.27, 24), 16)
+    beside_fine = theory_values(scene, np.linspace(-1.2, 1.23, 121), 40)
+    assert beside_fine == pytest.approx(beside_coarse, rel=1e-9, abs=0.0)
+    assert min(beside_fine.values()) > 0
+
+
+def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
+    """The result is theory on few points: nothing differs there, but its points miss the largest values."""
+    scene = load_scene("hertz-paper")
+    result = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
+    comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
+    for key in ("largest_pressure", "largest_slip", "dissipation_density_peak"):
+        assert comparison.metric(f"{key}_common").value == pytest.approx(0.0, abs=1e-12)
+        assert comparison.metric(key).value < -1e-4
+
+
+def test_largest_slip_is_that_of_theorys_contact_where_every_point_sticks() -> None:
+    """Slip at the edge of contact at constant P: (A f/pi) int arccosh(a/a(eta)) d eta from P - Q/f to P."""
+    scene = Scene.model_validate(THIN_LAYERS)
+    result = on_points(scene, np.linspace(-0.9, 0.9, 31), 0)  # theory sticks within 1.16 mm
+    comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
+    theory, measured = comparison.metric("largest_slip").amounts
+    modulus = 1 / ((1 - 0.45**2) / 20e3 + (1 - 0.3**2) / 210e3)
+    load, friction = 60.0, 0.5
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    # eta = P (1 - u^2) takes the root out of the arccosh at the edge.
+    largest = math.sqrt(18.0 / friction / load)
+    u = largest * (1 + nodes) / 2
+    integral = largest / 2 * np.sum(weights * np.arccosh(1 / np.sqrt(1 - u**2)) * 2 * load * u)
+    assert theory == pytest.approx(2 / modulus * friction / math.pi * integral, rel=1e-9)
+    assert theory == pytest.approx(3.0557e-4, rel=1e-4)
+    assert measured < 1e-12
+
+
+def test_largest_slip_agrees_with_a_fine_grid_of_points_and_instants() -> None:
+    scene = load_scene("hertz-paper")
+    path = scene.load.path()
+    time = path.cycle_start + path.period * np.linspace(1.0, 2.0, 8001)
+    x = np.array([1.0205, 1.021, 1.0215])
+    answer = semi_analytic.solve(scene, x=x, time=time, fields=("slip", "state"))
+    touching = answer.state != 0
+    low = np.min(answer.slip, axis=0, where=touching, initial=np.inf)
+    high = np.max(answer.slip, axis=0, where=touching, initial=-np.inf)
+    sampled = float(np.max(high - low))
+    extremum = semi_analytic.extremes(answer).slip
+    assert sampled <= extremum * (1 + 1e-12)
+    assert extremum == pytest.approx(sampled, rel=3e-4)
+
+
+def test_score_of_few_points_shows_theorys_half_width() -> None:
+    """Elements far larger than the contact: its edges by these points say nothing of theory."""
+    scene = load_scene("hertz-normal")
+    half_width = semi_analytic.extremes(semi_analytic.solve(scene)).half_width
+    for spacing in (60.0, 6.0, 0.04):
+        x = spacing * half_width * np.arange(-40, 41)
+        load = semi_analytic.solve(scene).normal_load.max()
+        if spacing > 1:
+            pressure = np.where(x == 0, load / (spacing * half_width), 0.0)
+        else:
+            pressure = 2 * load / (math.pi * half_width) * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+        report = reports.score(x, pressure, None, scene=scene, loads=([load], [0.0]))
+        assert report.metric("largest_half_width").amounts[0] == pytest.approx(half_width, rel=1e-9)
+        if spacing > 1:
+            assert "too few" in report.metric("largest_half_width").note
