@@ -139,7 +139,7 @@ class _Search:
         self.turns = self._turning_times()
         loads = np.asarray(self.scene.load.path().at(self.turns)[0])
         self.largest_load_time = float(self.turns[np.argmax(loads)])
-        edges = self._solved(np.zeros(1), self.turns, ()).contact_edges
+        edges = solve(self.scene, x=0.0, time=self.turns, fields=()).contact_edges
         self.edges = edges[np.argmax(loads)]
         touching = edges[loads > 0]
         corners = [side * mark for mark in contact.breaks for side in (-1.0, 1.0)]
