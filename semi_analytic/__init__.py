@@ -26,7 +26,7 @@ From a request to an answer::
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: all of it together
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
-    extremes.py             largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of themselves
+    largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of themselves
     damping.py              hysteresis: secant stiffness, damping ratio, tangential compliance
 
 Arrays of ellipses in one call::
@@ -40,7 +40,7 @@ from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipati
 from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
-from semi_analytic.extremes import Extremes, extremes
+from semi_analytic.largest_values import Extremes, extremes
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
 from semi_analytic.solution import FIELDS, solve
 from semi_analytic.subsurface import edge_tension, stress

@@ -252,7 +252,9 @@ def compare(
         _refuse_other_question(other, result)
     found = last_cycle(result)
     expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
-    pair = Pair(reference, result, polygon_reference, plain_reference or reference, scales(scales_from or reference), expected, found)
+    pair = Pair(
+        reference, result, polygon_reference, plain_reference or reference, scales(scales_from or reference), expected, found
+    )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
         metrics=judge(pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)),
