@@ -237,7 +237,8 @@ FAULTS: dict[str, tuple[Callable[[], ContactSolution], dict[str, float], str, Co
     "every reversal 2 steps early": (lambda: to_and_fro(-2), {"slip_reversal": -2 / STEPS}, "state", to_and_fro(0)),
     "every reversal 3 steps late": (lambda: to_and_fro(3), {"slip_reversal": 3 / STEPS}, "state", to_and_fro(0)),
     "slip 2 % high": (lambda: slipping(1.02),
-        equal(0.02, "largest_slip", "largest_slip_common") | {"slip": 0.01 * float(np.sqrt(np.mean(X[INSIDE[0]] ** 2)) / np.abs(X[INSIDE[0]]).max())},
+        equal(0.02, "largest_slip", "largest_slip_common")
+        | {"slip": 0.01 * float(np.sqrt(np.mean(X[INSIDE[0]] ** 2)) / np.abs(X[INSIDE[0]]).max())},
         "slip_maximum", slipping()),
     "slip low by a constant": (lambda: slipping(offset=-0.06), {"slip": 0.01, "slip_maximum": -0.01}, "", slipping()),
     "slip high by a constant": (lambda: slipping(offset=0.06), {"slip": 0.01, "slip_maximum": 0.01}, "", slipping()),

@@ -228,8 +228,8 @@ def compare(
     result : the answer judged
     polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
         the steps apart from all others
-    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by the rule of the result: what the first
-        table shows of it; `reference` if None
+    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by the rule of the
+        result: what the first table shows of it; `reference` if None
     scales_from : what the scales are read off, where the reference holds few instants; the reference if None
     tolerances : key of a metric -> largest |E| admitted, before those of the scene; where neither says anything, the tolerances
         of the project's own engines judge bodies for which half-plane theory is exact, and real bodies are not judged
