@@ -38,7 +38,7 @@ ACCURATE, SAME = 1e-12, 1e-13
 DENSE = 1e-11  # of the largest of W(x), of f times the largest pressure, of a slip
 # Scenes with bulk stress or tilt have their references in `[[expected]]`.
 NAMES = tuple(name for name in scene_names() if not load_scene(name).load.has_bulk_or_tilt)
-POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
+POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series")
 PLACES = (0.25, 0.6, 0.9)  # of a slip zone, at which W(x) has references
 _TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
 _PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])  # over the largest half-width

@@ -131,9 +131,7 @@ def on_roller(
 # ------------------------------------------------------------------------------------------------------------------- the cases
 # The library in one revolution, but for the two whose time series make decks of many hundred instants; those that take two
 # revolutions to become steady in two; a stiffer stick.
-CASES = {
-    name: partial(measured, name, DeckSettings(cycles=1)) for name in sorted(scene_names()) if name not in ("flight", "time-series")
-}
+CASES = {name: partial(measured, name, DeckSettings(cycles=1)) for name in sorted(scene_names()) if name != "time-series"}
 CASES |= {
     f"{name}, 2 revolutions": partial(measured, name, DeckSettings())
     for name in ("hertz-paper", "cattaneo-mindlin", "flat-pad-on-block")

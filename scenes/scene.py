@@ -27,7 +27,7 @@ Origin = Literal["paper", "benchmark", "made-up-record"]
 ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
 BodyTag = Literal["half-planes", "bodies", "block", "pad", "cylinder", "unlike"]
 LoadKind = Literal["ellipse", "polygon", "harmonics", "time-series"]
-LoadTag = Literal["line", "constant-load", "normal-only", "other-sense", "bulk", "tilt", "unloading"]
+LoadTag = Literal["line", "constant-load", "normal-only", "bulk", "tilt", "unloading"]
 Happens = Literal["partial-slip", "full-stick", "near-sliding", "frictionless"]
 Tag = Literal[Origin, ProfileTag, BodyTag, LoadKind, LoadTag, Happens, "closed-form"]
 """The last: what its expected numbers rest on."""

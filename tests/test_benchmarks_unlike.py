@@ -10,7 +10,8 @@ import pytest
 
 import halfplane_fe
 from meshes import MeshSettings
-from scenes import ContactSolution, Scene, load_scene
+from scene_cases import scene_of
+from scenes import ContactSolution, Scene
 from semi_analytic import grid as dense_grid
 
 P, F, K = math.pi / 4, 0.5, 0.6  # E* = R = a = 1
@@ -58,7 +59,7 @@ def test_long_increments_wrong_friction_and_sliding_are_seen() -> None:
 
 def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> tuple[float, float]:
     """W of the second cycle and its largest pressure, of a polygon of loads; the first line in equal steps of the half-width."""
-    scene, part = load_scene(name), np.arange(1, increments + 1)[:, None] / increments
+    scene, part = scene_of(name), np.arange(1, increments + 1)[:, None] / increments
     modulus = 1 / sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
     initial, end = scene.load.initial_loading, scene.load.initial_loading[-1]
     half = 1.15 * math.sqrt(4 * max(p for p, _ in initial) * scene.profile.radius / (math.pi * modulus))
@@ -76,7 +77,7 @@ def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> t
 
 
 def expected(name: str, engine: str, quantity: str = "dissipation") -> float:
-    return next(one.value for one in load_scene(name).expected if (one.engine, one.quantity) == (engine, quantity))
+    return next(one.value for one in scene_of(name).expected if (one.engine, one.quantity) == (engine, quantity))
 
 
 @pytest.mark.parametrize(("name", "beta"), NAMES.items())

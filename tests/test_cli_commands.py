@@ -317,9 +317,9 @@ def test_every_scene_of_the_library_is_listed_and_can_be_started_from(tmp_path: 
         (tmp_path / name).mkdir()
         assert halfplane(tmp_path / name, "init", "my.toml", "--from", name).returncode == 0
         assert load_scene(tmp_path / name / "my.toml").load == load_scene(name).load
-    flight = tmp_path / "flight"
-    assert everything(flight) == {"my.toml", "flight.csv", "flight.py"}
-    assert "flight.csv: the file is there already" in refused(flight, "init", "other.toml", "--from", "flight")
+    record = tmp_path / "time-series"
+    assert everything(record) == {"my.toml", "time-series.csv"}
+    assert "time-series.csv: the file is there already" in refused(record, "init", "other.toml", "--from", "time-series")
 
 
 def test_one_scene_in_detail(tmp_path: Path) -> None:
@@ -511,7 +511,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert found["verdicts"] == {"confirmed": 0, "refined": 1, "contradicted": 0}
     assert (found["statements"][0]["verdict"], found["misprints"][0]["proven"]) == ("refined", None)
 
-    assert said("scenes", "flight")[1]["scenes"][0]["files"] == ["flight.csv", "flight.py"]
+    assert said("scenes", "time-series")[1]["scenes"][0]["files"] == ["time-series.csv"]
     semi_analytic.solve("cattaneo-mindlin").save(tmp_path / "result.nc")
     assert said("diff", "result.nc", "result.nc")[1]["same"] is True
 

@@ -356,7 +356,7 @@ DISK_JOBS = {
     "score": ("score", "x/reference.nc", "--scene", "cattaneo-mindlin", "--out", "x", "--quiet"),
     "export": ("export", "blocks", "--out", "x", "--quiet"),
     "diff": ("diff", "x", "new/baseline.json", "--accept", "--quiet"),
-    "init": ("init", "scene.toml", "--from", "flight", "--quiet"),
+    "init": ("init", "scene.toml", "--from", "time-series", "--quiet"),
     "paper": ("paper", "--out", "x", "--quiet"),
     "map": ("map", "all", "--out", "maps", "--pages", "--quiet"),
 }

@@ -12,6 +12,7 @@ import pytest
 
 import halfplane_fe
 import halfplane_fe.run
+import scene_cases
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
 from halfplane_fe.contact import ContactProblem, InterfaceState
@@ -23,6 +24,7 @@ from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepp
 from reports import compare, write
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import bulk_strain
+from scene_cases import CASES
 from scenes import (
     Block,
     Bodies,
@@ -52,8 +54,8 @@ sys.path.remove(str(BENCHMARKS))
 
 
 def scene_of(name):
-    """A library scene; "..., unlike" with an upper body of aluminium."""
-    scene = load_scene(name.removesuffix(", unlike"))
+    """A scene of a file; "..., unlike" with an upper body of aluminium."""
+    scene = scene_cases.scene_of(name.removesuffix(", unlike"))
     return scene.vary(material=UNLIKE) if name.endswith("unlike") else scene
 
 
@@ -66,7 +68,7 @@ AT_ONCE = {
     *("hertz-normal", "full-stick", "cattaneo-mindlin", "cattaneo-mindlin, unlike", "near-sliding", "harmonics", "time-series"),
     *("flight", "unload-reload", "roller-line-of-action", "tilted-flat-pad", "thin-blocks", "flat-pad-on-block", "rounded-wedge"),
 }
-EVERY = [*scene_names(), "hertz-paper, unlike", "cattaneo-mindlin, unlike", "hertz-normal, unlike"]
+EVERY = [*scene_names(), *CASES, "hertz-paper, unlike", "cattaneo-mindlin, unlike", "hertz-normal, unlike"]
 
 
 @pytest.mark.parametrize("name", [name if name in AT_ONCE else pytest.param(name, marks=pytest.mark.slow) for name in EVERY])

@@ -25,6 +25,7 @@ from halfplane_fe.fields import profile_kinks
 from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
+from scene_cases import scene_of
 from scenes import Block, Bodies, Elastic, EllipseLoad, InputError, Materials, SurfaceState, load_scene
 from tolerances import check
 
@@ -357,7 +358,7 @@ EDGES = ("contact", "stick")
 @functools.cache
 def errors_and_uncertainties(name, edge, mesh=MESH):
     """Both (n_steps - 1, 2), in surface elements."""
-    answer = fe_run(load_scene(name), mesh, SolverSettings(steps_per_cycle=48))
+    answer = fe_run(scene_of(name), mesh, SolverSettings(steps_per_cycle=48))
     exact = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
     error = np.abs(getattr(answer, f"{edge}_edges") - getattr(exact, f"{edge}_edges"))
     element = answer.settings["element_size"]

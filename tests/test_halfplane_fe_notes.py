@@ -19,6 +19,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
 from reports.comparison.words import summary_rows
+from scene_cases import scene_of
 from scenes import (
     Block,
     Bodies,
@@ -129,7 +130,7 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
 
     Shifting nodes by a share of an element moves W by up to 3e-4 at a/48 and 3e-5 at a/160.
     """
-    scene, shares = load_scene("phase-180"), []
+    scene, shares = scene_of("phase-180"), []
     known = halfplane_fe.solve(scene, ROUGH).scales
     true = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
     for share in (0.0, 0.375, 0.625, 0.75):

@@ -28,6 +28,7 @@ from reports.maps.corrections import (
 )
 from reports.maps.laws import MAPS, PUBLISHED, STUDIES, Line, bound, errors, figures, lines, read
 from reports.sweep import load_study
+from scene_cases import scene_of
 from scenes import Block, Bodies, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
 from semi_analytic.profiles import contact_of
 
@@ -95,7 +96,7 @@ def test_a_bound_counts_the_uncertainty() -> None:
 # ----------------------------------------------------------------------------------------------------------------- theory
 def test_without_bodies_it_is_half_plane_theory() -> None:
     """Measured 2e-4: chords of the loop, cells of the memory."""
-    scene = load_scene("phase-45")
+    scene = scene_of("phase-45")
     load, material = scene.load, scene.material
     assert isinstance(load, EllipseLoad)
     p0 = load.mean_normal_load

@@ -37,6 +37,7 @@ from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, Signs, load_mapping
 from reports.scoring.study import Level, element_size, results_in, score_folder, study
 from reports.scoring.surface import SurfaceResult, surface_result
+from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
 from score_results import X, exact, rows, written
 
@@ -102,7 +103,7 @@ def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:
 @pytest.mark.parametrize("name", ["cattaneo-mindlin", "phase-180"])
 def test_instants_stay_on_their_branch_where_the_path_goes_to_and_fro(name: str, count: int, noise: float) -> None:
     """Between equally near places the earliest is taken, and not the one that is next to a sample of the path."""
-    scene = load_scene(name)
+    scene = scene_of(name)
     path = scene.load.path()
     time = path.cycle_start + path.period * (scene.cycles - 1 + np.linspace(0, 1, count))
     off = np.diff(_on_path(name, time, noise)) - np.diff(time)
@@ -743,7 +744,7 @@ LOOP_FAULTS = {
     "time": ("time,U,Q", lambda u, q: (np.r_[0.0, 2.0, 1.0 + np.arange(2, len(u))], u, q), (), ""),
     "rig": ("U,Q", lambda u, q: (u, q), ("--rig-compliance", "nan"), "--rig-compliance nan is refused"),
     "tolerance": ("U,Q", lambda u, q: (u, q), ("--tolerance", "5%"), "a loop has none"),
-    "no loop": ("U,Q", lambda u, q: (u, q), ("--scene", "flight"), "its loads do not repeat"),
+    "no loop": ("U,Q", lambda u, q: (u, q), ("--scene", str(FOLDER / "flight.toml")), "its loads do not repeat"),
 }
 
 

@@ -38,6 +38,7 @@ from reports.comparison.words import (
 )
 from reports.page.writing import outline, sketch
 from reports.units import minus, units
+from scene_cases import scene_of
 from scenes import Block, Bodies, ContactSolution, Cylinder, InputError, Pad, Scene, load_scene, scene_names
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import cattaneo_mindlin, with_fields
@@ -390,7 +391,7 @@ class TestPage:
 @pytest.mark.parametrize(("name", "found"), [("unlike-beta-tenth", True), ("cattaneo-mindlin", False)])
 def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines(name: str, found: bool) -> None:
     """The same pressure, 10 % off, is a finding where theory leaves the coupling out, and an error where theory is exact."""
-    exact = semi_analytic.solve(load_scene(name), cycles="steady")
+    exact = semi_analytic.solve(scene_of(name), cycles="steady")
     off = replace(exact, pressure=1.1 * exact.pressure, engine="halfplane_fe")
     comparison = replace(compare(exact, off, tolerances=OWN_TOLERANCES), result_certificates=())
     assert not comparison.passed

@@ -23,6 +23,7 @@ from reports.cli.scene_files import tagged
 from reports.comparison import Report, compare, laws
 from reports.comparison.laws import certificates
 from reports.comparison.words import as_json
+from scene_cases import CASES, FOLDER, scene_of
 from scenes import (
     ContactSolution,
     EllipseLoad,
@@ -38,8 +39,8 @@ from scenes import (
 )
 
 ROOT = Path(__file__).parents[1]
-LIBRARY = ROOT / "scenes" / "library"
 NAMES = scene_names()
+EVERY = (*NAMES, *CASES)  # of the library and of tests/scenes
 FINITE, THEORY = "finite elements", "half-plane theory"
 WANTED = 16
 # These run on the coarse mesh in every test run; test_contract.py freezes twelve scenes.
@@ -87,7 +88,6 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
         "line": periodic and float(np.ptp(turns[:, 0])) > 0 and bool(wide[1] < 1e-9 * wide[0]),
         "bulk": load.bulk_stress_lower is not None or load.bulk_stress_upper is not None,
         "tilt": any(one is not None for one in (load.tilt, load.moment, load.line_of_action)),
-        "other-sense": isinstance(load, EllipseLoad) and -180 < load.phase_degrees < 0,
     }
 
 
@@ -117,7 +117,7 @@ def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: str) -> None:
     """Those of the default settings, which test_reports_published holds to the code."""
-    scene = load_scene(name)
+    scene = scene_of(name)
     content = (ROOT / "reports" / "published" / "values.json").read_text(encoding="utf-8")
     figures = json.loads(content)["scenes"][name]["frozen"]
     for one in scene.expected:
@@ -127,13 +127,13 @@ def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: st
             assert abs(value / one.value - 1) <= one.tolerance, one
 
 
-@pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in NAMES])
+@pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in EVERY])
 def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
     """Elements of a/8 and a/32: pressure and half-width to 4 %, dissipation to 15 % (worst: 13.2 %, flat-pad-on-block).
 
     One number states a larger tolerance of its own: the published roller's stress on linear elements of 1.5 mm.
     """
-    scene = load_scene(name)
+    scene = scene_of(name)
     solution = halfplane_fe.solve(scene, mesh=MeshSettings.coarse())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
@@ -143,9 +143,9 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
-    scene = load_scene(name)
+    scene = scene_of(name)
     findings = list(laws.expected_numbers(scene, [halfplane_fe.solve(scene)]))
     assert not [one for one in findings if not one.met]
 
@@ -153,7 +153,7 @@ def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
 # ---------------------------------------------------------------------------------- sources that are neither of the engines
 def value_of(name: str, quantity: str) -> float:
     """The expected number of the finite elements."""
-    return next(one.value for one in load_scene(name).expected if (one.engine, one.quantity) == (FINITE, quantity))
+    return next(one.value for one in scene_of(name).expected if (one.engine, one.quantity) == (FINITE, quantity))
 
 
 def modulus(scene: Scene) -> float:
@@ -180,7 +180,7 @@ def periodic(e_star: float, radius: float, distance: float, half_width: float, t
 def test_numbers_of_the_row_of_contacts() -> None:
     """Contacts far from each other are those of Hertz."""
     assert periodic(1.0, 1.0, 1e4, 1.0) == pytest.approx((math.pi / 4, 0.5), rel=1e-6)
-    scene = load_scene("row-of-contacts")
+    scene = scene_of("row-of-contacts")
     e_star, load, distance = modulus(scene), scene.load.initial_loading[0][0], scene.bodies.lower.width
     half_width = brentq(lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load, 0.5, 1.3, xtol=1e-14)
     assert value_of("row-of-contacts", "largest_half_width") == pytest.approx(half_width, rel=1e-10)
@@ -190,7 +190,7 @@ def test_numbers_of_the_row_of_contacts() -> None:
 
 def test_numbers_of_the_thin_blocks() -> None:
     """Two like layers sink alike: one of half the modulus on which the parabola is rigid."""
-    scene = load_scene("thin-blocks")
+    scene = scene_of("thin-blocks")
     steel = scene.material.lower
     layer = layer_truth.Layer(steel.young_modulus / 2, steel.poisson_ratio, scene.bodies.lower.height, scene.profile.radius)
     load = scene.load.mean_normal_load + scene.load.normal_amplitude
@@ -203,7 +203,7 @@ def test_numbers_of_the_thin_blocks() -> None:
 @pytest.mark.parametrize("name", ["large-pad", "large-pad-steep"])
 def test_numbers_of_the_large_pads(name: str) -> None:
     """P = E* int_0^a x h'/sqrt(a^2 - x^2) dx with the slope of an arc, x/sqrt(R^2 - x^2), by quadrature over x = a sin t."""
-    scene = load_scene(name)
+    scene = scene_of(name)
     radius, load = scene.profile.radius, scene.load.initial_loading[0][0]
     a = value_of(name, "largest_half_width")
     carried = (
@@ -216,23 +216,23 @@ def test_beta_of_the_unlike_half_planes() -> None:
     from halfplane_fe.dundurs import dundurs
 
     for name, beta in (("unlike-beta-tenth", 0.1), ("unlike-beta-fifth", 0.2)):
-        assert abs(dundurs(load_scene(name).material).beta) == pytest.approx(beta, rel=1e-12)
+        assert abs(dundurs(scene_of(name).material).beta) == pytest.approx(beta, rel=1e-12)
 
 
 def test_the_flight_is_what_its_script_makes() -> None:
-    made = runpy.run_path(str(LIBRARY / "flight.py"))["text"]()
-    assert made == (LIBRARY / "flight.csv").read_text(encoding="utf-8")
+    made = runpy.run_path(str(FOLDER / "flight.py"))["text"]()
+    assert made == (FOLDER / "flight.csv").read_text(encoding="utf-8")
     assert made.startswith("# made by flight.py, not measured")
-    assert set(scene_companions("flight")) == {"flight.csv", "flight.py"}
+    assert set(scene_companions("time-series")) == {"time-series.csv"}
 
 
 # -------------------------------------------------------------------------------------------------- the check is able to fail
 @pytest.fixture(scope="module")
 def mindlin() -> ContactSolution:
-    return semi_analytic.solve(load_scene("cattaneo-mindlin"))
+    return semi_analytic.solve(scene_of("cattaneo-mindlin"))
 
 
-SCALE = 2 / modulus(load_scene("cattaneo-mindlin")) * (0.5 * 90.62286500739786) ** 2  # W of a zero is over A f^2 P^2
+SCALE = 2 / modulus(scene_of("cattaneo-mindlin")) * (0.5 * 90.62286500739786) ** 2  # W of a zero is over A f^2 P^2
 NONE = ("permanent_stick_half_width", "stick_share", "stick_centre", "moment", "lower_face_displacement")
 # What is expected, of what the answer holds or as a number; the difference that is found, NaN for no such thing.
 PLANTED: dict[str, tuple[str, Callable[[float], float], Callable[[float], float]]] = {

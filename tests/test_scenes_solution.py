@@ -133,7 +133,7 @@ def test_figures_of_a_solution():
             draw()
 
 
-@pytest.mark.parametrize("scene_name", ["hertz-paper", "hertz-normal", "dovetail-in-phase", "unload-reload"])
+@pytest.mark.parametrize("scene_name", ["hertz-paper", "hertz-normal", "dovetail-out-of-phase", "unload-reload"])
 def test_a_printed_solution_has_five_lines(scene_name):
     """With the numbers that a reader asks for first, and none of the arrays."""
     solution = semi_analytic.solve(scene_name)

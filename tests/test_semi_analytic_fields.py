@@ -10,6 +10,7 @@ import semi_analytic.history
 import semi_analytic.load_series
 from problems import errors, problems
 from reports.comparison import laws
+from scene_cases import CASES, scene_of
 from scenes import (
     CallableProfile,
     Compound,
@@ -131,12 +132,12 @@ def broken_laws(scene, answer):
 
 
 # On grids for seconds, as a loop of test_semi_analytic_bulk.py is.
-NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name == "dovetail-out-of-phase")) for name in scene_names()]
+NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name == "dovetail-out-of-phase")) for name in (*scene_names(), *CASES)]
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_scene_of_the_library_keeps_the_laws_and_meets_what_is_expected_of_it(name):
-    scene = load_scene(name)
+def test_every_scene_keeps_the_laws_and_meets_what_is_expected_of_it(name):
+    scene = scene_of(name)
     answer = solve(scene)
     assert broken_laws(scene, answer) == set()
     findings = list(laws.expected_numbers(scene, [answer]))

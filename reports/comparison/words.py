@@ -49,7 +49,7 @@ def stretch(scene: Scene) -> str:
     """What values of a whole path are of: the "last cycle" where it repeats, else the "whole record" or the "whole path".
 
     >>> from scenes import load_scene
-    >>> [stretch(load_scene(name)) for name in ("hertz-paper", "flight", "hertz-normal")]
+    >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
     ['last cycle', 'whole record', 'whole path']
     """
     if scene.load.path().period is not None:
@@ -61,7 +61,7 @@ def of_stretch(text: str, scene: Scene) -> str:
     """`text` of a metric, whose rows speak of the last cycle, with the word for what this scene's values are of.
 
     >>> from scenes import load_scene
-    >>> of_stretch("one value; last cycle", load_scene("flight")), of_stretch("over the cycle", load_scene("hertz-normal"))
+    >>> of_stretch("one value; last cycle", load_scene("time-series")), of_stretch("over the cycle", load_scene("hertz-normal"))
     ('one value; whole record', 'over the path')
     """
     found = stretch(scene)

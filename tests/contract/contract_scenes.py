@@ -1,4 +1,4 @@
-"""The scenes of the contract: the whole library, and drawn ones at the ends of what the half-plane engine accepts.
+"""The scenes of the contract: those of files, and drawn ones at the ends of what the half-plane engine accepts.
 
 A drawn scene is a plain dictionary, as a scene file holds it, so that the frozen file needs no code to be read. Python functions
 cannot be frozen: the four scenes in `FUNCTIONS` are made here.
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from scene_cases import CASES
 from scenes import CallableLoad, CallableProfile, Elastic, Materials, Scene, scene_names
 
 UNIT = {"young_modulus": 2.0, "poisson_ratio": 0.0}  # two of these have E* = 1
@@ -125,5 +126,5 @@ def functions() -> dict[str, Scene]:
 
 
 def library() -> tuple[str, ...]:
-    """Every scene of the library."""
-    return scene_names()
+    """Every scene that is a file: of the library, and of tests/scenes."""
+    return tuple(sorted((*scene_names(), *CASES)))

@@ -15,9 +15,10 @@ import numpy as np
 
 import halfplane_fe
 import reports
+import scene_cases
 import semi_analytic
 from meshes import MeshSettings
-from scenes import ContactSolution, InadmissibleLoadError, InputError, Scene, load_scene
+from scenes import ContactSolution, InadmissibleLoadError, InputError, Scene
 
 HERE = Path(__file__).parent
 GRIDS = ("pressure", "shear", "slip")
@@ -48,9 +49,9 @@ def frozen(name: str) -> dict[str, Any]:
 
 
 def scene_of(name: str) -> Scene:
-    """A scene of the contract: of the library, drawn (from the frozen file), or made of Python functions."""
+    """A scene of the contract: of a file, drawn (from the frozen file), or made of Python functions."""
     if name in contract_scenes.library():
-        return load_scene(name)
+        return scene_cases.scene_of(name)
     if name in (made := contract_scenes.functions()):
         return made[name]
     drawn = frozen("half_plane")[name]["scene"]
@@ -153,7 +154,7 @@ def places_and_instants(scene: Scene) -> tuple[list[float], list[float]]:
 @cache
 def finite_elements(name: str) -> ContactSolution:
     """The answer on the coarse mesh."""
-    return halfplane_fe.solve(load_scene(name), mesh=MeshSettings.coarse())
+    return halfplane_fe.solve(scene_cases.scene_of(name), mesh=MeshSettings.coarse())
 
 
 def fe_values(answer: ContactSolution) -> dict[str, Any]:
@@ -242,7 +243,7 @@ def main(kinds: list[str]) -> None:
             scene = (
                 Scene.model_validate_json(json.dumps({"name": name} | drawn[name]))
                 if name in drawn
-                else made.get(name) or load_scene(name)
+                else made.get(name) or scene_cases.scene_of(name)
             )
             kept: dict[str, Any] = {"scene": drawn[name]} if name in drawn else {}
             refused = refusal(scene)
