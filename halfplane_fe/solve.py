@@ -372,7 +372,7 @@ def _peak_uncertainty(
     fine = surface_grading(mesh, scales, scene.profile, max(mesh.upper_ratio, 1.0))
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.element * scales.half_width
-    return peak_uncertainty(peak, scene.profile, coarse, fine, depth=least_depth(scene), plain=plain)
+    return peak_uncertainty(peak, scene.profile, coarse, fine, mesh, depth=least_depth(scene), plain=plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
