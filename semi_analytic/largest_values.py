@@ -103,7 +103,9 @@ def extremes(answer: ContactSolution) -> Extremes:
     has_cycle = "whole_cycle" not in answer.work.skipped and len(rows) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
         return _Search(answer, contact, has_cycle).extremes()
-    start = float(answer.time[rows[0]])
+    path = scene.load.path()
+    # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
+    start = float(path.start if path.period is None else answer.time[rows[0]])
     end = float(answer.time[rows[-1]])
     return _of_cycle(scene, start, end)
 
@@ -253,17 +255,23 @@ class _Search:
 
 
 def _monotonic_parts(scene: Scene, start: float, end: float) -> list[tuple[LoadSegment, float, float]]:
-    """The legs of the path from `start` to `end`, each cut where P turns."""
+    """The legs of the path from `start` to `end`, each cut where P turns; `start` may lie anywhere in a cycle."""
     path = scene.load.path()
     legs = list(path.initial_loading)
     if path.period is not None:
-        number = max(round((start - path.cycle_start) / path.period), 0)
-        legs = list(path.cycle_legs(number))
+        first_cycle = math.floor((start - path.cycle_start) / path.period + _AT_EDGE)
+        last_cycle = math.ceil((end - path.cycle_start) / path.period - _AT_EDGE)
+        for number in range(max(first_cycle, 0), last_cycle):
+            legs += path.cycle_legs(number)
+    room = _AT_EDGE * (end - start)
     parts = []
     for leg in legs:
-        ends = [leg.start, *(time for time in sorted(leg.turning_points(NORMAL_LOAD)) if leg.start < time < leg.end), leg.end]
-        parts += [(leg, first, last) for first, last in pairwise(ends)]
-    return [part for part in parts if part[2] > start and part[1] < end]
+        begin = max(leg.start, start)
+        finish = min(leg.end, end)
+        turns = [time for time in sorted(leg.turning_points(NORMAL_LOAD)) if begin < time < finish]
+        if finish - begin > room:
+            parts += [(leg, first, last) for first, last in pairwise([begin, *turns, finish])]
+    return parts
 
 
 def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST) -> tuple[float, float]:

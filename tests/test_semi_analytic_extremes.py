@@ -135,3 +135,28 @@ def test_straight_steps_have_largest_values_of_their_own() -> None:
     assert dataclasses.astuple(semi_analytic.extremes(more))[:-1] == pytest.approx(of_steps, rel=1e-9)
     of_path = semi_analytic.extremes(semi_analytic.solve(scene))
     assert 0.9 < semi_analytic.extremes(few).slip / of_path.slip < 1.0
+
+
+@pytest.mark.parametrize("start", [1.3, 2.0, 2.6])
+def test_a_steady_cycle_may_begin_anywhere(start: float) -> None:
+    scene = load_scene("hertz-paper")
+    path = scene.load.path()
+    times = path.cycle_start + path.period * np.linspace(start, start + 1, 9)
+    elsewhere = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.1, 0.9], time=times))
+    steady = semi_analytic.extremes(semi_analytic.solve(scene))
+    assert elsewhere.slip == pytest.approx(steady.slip, rel=1e-9)
+    assert elsewhere.dissipation_density == pytest.approx(steady.dissipation_density, rel=1e-9)
+    assert elsewhere.edge_tension == pytest.approx(steady.edge_tension, rel=1e-9)
+
+
+def test_first_increment_of_a_path_without_cycles_plays_no_part() -> None:
+    """Theory takes the whole path, wherever a solver's first increment ends."""
+    load = {"kind": "polygon", "initial_loading": [[30.0, 0.0], [60.0, 14.0], [50.0, 20.0]]}
+    scene = Scene.model_validate(THIN_LAYERS | {"load": load})
+    path = scene.load.path()
+    values = []
+    for first in (0.2, 1.3):
+        time = np.linspace(first, path.initial_loading[-1].end, 8)
+        values.append(semi_analytic.extremes(semi_analytic.solve(scene, x=[0.0, 1.0], time=time)))
+    assert values[0].slip > 0
+    assert dataclasses.astuple(values[0])[:-1] == pytest.approx(dataclasses.astuple(values[1])[:-1], rel=1e-9)
