@@ -62,6 +62,8 @@ _CLOSE, _NEXT = 0.01, 1e-6
 _BETWEEN, _MEMBERS = 12, 4096
 # Share of P - P_b up to which Lam is one smooth integral, and of P from which on it is a difference.
 _NEARBY, _APART = 0.3, 0.02
+# Last digits that Lam loses at most where it is an integral: nodes, the inverse a(P) and the slope dP/da at each.
+_OF_AREA = 100
 
 
 def as_is(values: ArrayLike) -> Array:
@@ -309,17 +311,21 @@ class PunchSuperposition:
         0.19314718056
         """
         p, d = np.broadcast_arrays(as_is(load), as_is(slipped))
-        front = np.maximum(p - d, 0.0)
-        number = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
-        smooth = (d < _NEARBY * (front - self._begin_loads[number])) & (p <= np.append(self._begin_loads, np.inf)[number + 1])
-        if self.bends_anywhere:
-            smooth &= d <= _APART * p  # twelve nodes would miss a half-width at which P hardly grows
-        far = ~smooth & (d > _APART * p)
+        far = self._is_far(p, d)
         result = np.zeros(p.shape)
         for here, area in ((far, self._area_apart), (~far & (d > 0), self._area_within)):
             if np.any(here):
                 result[here] = area(p[here], d[here])
         return result
+
+    def _is_far(self, p: Array, d: Array) -> NDArray[np.bool_]:
+        """Where Lam of P and P - P_c is taken as a difference of larger numbers; elsewhere as an integral of positive terms."""
+        front = np.maximum(p - d, 0.0)
+        number = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
+        smooth = (d < _NEARBY * (front - self._begin_loads[number])) & (p <= np.append(self._begin_loads, np.inf)[number + 1])
+        if self.bends_anywhere:
+            smooth &= d <= _APART * p  # twelve nodes would miss a half-width at which P hardly grows
+        return np.asarray(~smooth & (d > _APART * p))
 
     def _area_apart(self, load: Array, slipped: Array) -> Array:
         # P - P_c says no more of P_c than its last digit: 0 would stand for any smaller one, and its logarithm for 700.
@@ -343,13 +349,16 @@ class PunchSuperposition:
                 np.arange(len(which)) - np.repeat(np.cumsum(count[at_once]) - count[at_once], count[at_once]) + first[which] - 1
             )
             low, high = np.maximum(front[which], ends[behind]), np.minimum(load[which], ends[behind + 1])
+            # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
+            last = ends[behind + 1] >= load[which]
+            length = np.where(last, np.maximum(slipped[which] - (low - front[which]), 0.0), high - low)
             parts = np.zeros(len(which))
-            smooth = (behind > 0) | (high - low < _NEARBY * low)
+            smooth = (behind > 0) | (length < _NEARBY * low)
             for rooted in (True, False):
                 some = smooth == rooted
                 if not np.any(some):
                     continue
-                here, begin, way = which[some], low[some, None], (high - low)[some, None]
+                here, begin, way = which[some], low[some, None], length[some, None]
                 if rooted:
                     inner = np.sqrt(begin - ends[behind[some], None])
                     reach = way / np.where(way > 0, inner + np.sqrt(inner * inner + way), 1.0)  # none of a span that rounding ends
@@ -379,17 +388,26 @@ class PunchSuperposition:
             value, left = self._outside(order, np.abs(values[0]), values[1])
             near = np.minimum(half, np.abs(values[0])) - self.least
         elif name == "dissipation_kernel":
-            load, slipped = values
-            value, left = self.dissipation_kernel(load, slipped), self._logarithm(0, advance)[1]
-            # Far apart it is a difference of larger numbers; close together the last digit of P counts.
-            left = left + 8 * _EPS * load * (1 + np.abs(np.log(np.maximum(half, _EPS))))
-            near = np.abs(half - self.half_width(load - slipped))
+            return self._area_error(*values)
         else:
             value, left = self._logarithm(order, advance)
             value, near = value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance)), half
         # What the last digit of a half-width does to the result, and errors of P(a).
         last_digit = 8 * _EPS * half / np.maximum(near, _EPS * np.maximum(half, np.finfo(float).tiny))
         return left + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
+
+    def _area_error(self, load: Array, slipped: Array) -> Array:
+        """Estimated error of Lam from above.
+
+        An integral of positive terms, each with all its digits, loses a share of itself. P ln(a/c) - int P/alpha d alpha loses last
+        digits of both, which are P times the same logarithm or less, and what the series of the second leaves out.
+        """
+        value = self.dissipation_kernel(load, slipped)
+        upper, lower = self.law.advance(np.stack([load, np.maximum(load - slipped, _EPS / 4 * load)]))
+        logarithm, left = self._logarithm(0, upper)
+        ratio = np.log1p((upper - lower) / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0)))
+        of_difference = left + (8 * _EPS + self.noise) * (load * ratio + np.abs(logarithm))
+        return np.where(self._is_far(load, slipped), of_difference, 0.0) + (_OF_AREA * _EPS + self.noise) * value
 
     def _last_digit_of_variable(self, order: int, distance: Array, advance: Array) -> Array:
         """What the last digit of v does to the pressure at |x| = `distance`, arrays of one shape.

@@ -65,7 +65,7 @@ from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, level, pieces,
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
-from semi_analytic.steady_ellipse import ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import digits_of_loop, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
@@ -77,6 +77,11 @@ _TINY = float(np.finfo(float).tiny)
 _EPS = float(np.finfo(float).eps)
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
+# So many times that rounding may be in it where U is no closed form: fifty last digits of each primitive in a difference of two.
+_OF_LOOP = 100.0
+# Below this share of P in P - P_c the integral of Q dU has been 1e-3 to 0.1 of W off where P nearly vanishes, more than its
+# rounding: there Lam is an integral of positive terms over a range on which P(a) is a line, and needs no second route.
+_SLIPS_ENOUGH = 1e-6
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -767,7 +772,8 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.steady_from is not None and number >= history.steady_from:
-            works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), 0.0
+            own = float(digits_of_loop(ellipse)[0])
+            works[number] = unit * float(sum(part[0] for part in works_over_time(ellipse, contact))), own if own > PROMISED else 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
             own = float(split.error / split.total) if split.error else 0.0
@@ -963,7 +969,11 @@ def _errors(
         errors["loop_work"] = found.each_error + apart if found.each_error + apart > PROMISED else 0.0
         errors["dissipation"] = found.each_error
         if work > 0 and not contact.closed_form:
-            errors["dissipation"] += apart + unit * math.fsum(_left_of_work(contact, span) for span in found.spans) / work
+            # What the last digits of U leave in the loop says nothing of W.
+            rounding = _OF_LOOP * found.loop[1] / work if found.loop is not None else 0.0
+            if apart > rounding and slipped_share(found.spans) > _SLIPS_ENOUGH:
+                errors["dissipation"] += apart
+            errors["dissipation"] += unit * math.fsum(_left_of_work(contact, span) for span in found.spans) / work
         errors["dissipation_density"] += errors["dissipation"]
     names = (*fields, "loop_work", *(f"{name} at the edge" for name in fields))
     return {name: error for name, error in errors.items() if error and name in names}

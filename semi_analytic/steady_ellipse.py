@@ -293,6 +293,8 @@ Pieces = tuple[Indices, Indices, Array, Array, Indices]
 
 # Of W, and of the last digits of loads and angles: how many of them their errors are.
 _RELATIVE, _DIGITS, _OF_SERIES = 2e-12, 1e-15, 1e-13
+# Of a loop: a power of three of its amplitudes, and as much for their angles.
+_OF_LOOP = 6.0
 # Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000 random loops.
 _OF_RULES = 5e-11
 
@@ -309,6 +311,18 @@ def roundoff_error(e: Ellipses, work: Array) -> Array:
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
     slip = _DIGITS * size
     return (_RELATIVE + _DIGITS * lost) * np.abs(work) + slip * slip
+
+
+def digits_of_loop(e: Ellipses) -> Array:
+    """Relative error of W from above that the last digits of the loop leave where all else is exact, (m,).
+
+    W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of r and P1 along the phase; r
+    sin(phase) has the digits of pi - phase where that is small.
+    """
+    size, least = e.amplitude + (e.u + e.v) / 2, np.minimum(e.u, e.v)
+    across, along = e.u * e.sine, e.u * e.cosine + e.amplitude
+    of_phase = np.where(along < 0, -along / np.where(across > _TINY * size, across, np.inf), 0.0)
+    return _OF_LOOP * _DIGITS * (1 + size / np.where(least > _TINY * size, least, np.inf) + math.pi * of_phase)
 
 
 def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:

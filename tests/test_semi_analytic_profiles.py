@@ -118,7 +118,11 @@ def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(n
             if isinstance(contact, PunchSuperposition) and not moment:
                 estimate = float(contact.quadrature_error(kernel, *arguments))
                 close = arguments[0] / arguments[1] if kernel == "dissipation_kernel" else 1.0
-                assert abs(value - exact) <= estimate + 1e-14 * abs(exact), (kernel, a, arguments)
+                of_truth = 1e-14
+                if kernel == "dissipation_kernel":  # the exact value is that between two half-widths of a last digit each
+                    inner = float(contact.half_width(arguments[0] - arguments[1]))
+                    of_truth += 8 * np.finfo(float).eps * float(a) / (float(a) - inner)
+                assert abs(value - exact) <= estimate + of_truth * abs(exact), (kernel, a, arguments)
                 assert estimate <= 1e-9 * close * abs(exact) * (1 + abs(math.log(a))), (kernel, a, arguments)
 
 
