@@ -225,11 +225,11 @@ def test_next_to_no_slip_on_a_wedge_states_no_more_than_its_kernel_loses():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_so_it_is_of_random_loops(seed):
-    """Thirty a seed. Measured: true errors up to 3e-15, stated ones of 5e-14 to 5e-11."""
+    """Eight a seed. Measured of 60: true errors up to 7e-14, stated ones of 3e-14 to 2e-13."""
     chance = np.random.default_rng(100 + seed)
-    for _ in range(30):
+    for _ in range(8):
         loop = random_loop(chance)
         error, stated = judged(loop)
         assert error <= max(stated, ROUNDING), loop
