@@ -9,7 +9,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe.edges import law_states
 from meshes import MeshSettings
-from scenes import STICK, Elastic, Friction, Hertz, Materials, PolygonLoad, Scene, TimeSeriesLoad
+from scenes import STICK, Elastic, Friction, Hertz, Materials, PolygonLoad, Scene, TimeSeriesLoad, load_scene
 
 RADIUS = 1000.0
 LOAD = 1e-3
@@ -93,3 +93,16 @@ def test_permanent_stick_is_the_intersection_of_the_stick_zones_of_the_last_cycl
     assert answer.permanent_stick_half_width == pytest.approx((right.min() - left.max()) / 2, rel=1e-12)
     expected = semi_analytic.solve(answer.scene).permanent_stick_half_width
     assert answer.permanent_stick_half_width == pytest.approx(expected, abs=0.2 * answer.settings["element_size"])
+
+
+def test_an_instant_whose_nodes_move_next_to_nothing_does_not_narrow_the_permanent_stick() -> None:
+    """Between unlike bodies single increments label nodes slip that move by 1e-9 to 1e-5 of the largest range of slip."""
+    answer = halfplane_fe.solve(load_scene("unlike-beta-fifth"), mesh=MeshSettings.coarse())
+    cycle = answer.last_cycle
+    range_of_slip = np.ptp(answer.slip[cycle], axis=0)
+    always_closed = np.all(answer.state[cycle] > 0, axis=0)
+    stand_still = always_closed & (range_of_slip <= 1e-5 * range_of_slip.max())
+    outermost = np.abs(answer.x[stand_still]).max()
+    assert answer.permanent_stick_half_width >= outermost
+    # The stick zone of one of the instants is narrower.
+    assert np.nanmin(answer.stick_edges[cycle][:, 1]) < outermost

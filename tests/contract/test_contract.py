@@ -1,7 +1,7 @@
 """The contract: values of both engines and of comparisons that a rebuild must not move.
 
-`make contract` runs all of it, `make test` a part. The frozen files were made once, by `python tests/contract/contract_values.py
-KIND`, and are made again only for what an issue says that it changes.
+`make contract` runs all of it, `make test` a part. The frozen files were made once, by
+`PYTHONPATH=tests python tests/contract/contract_values.py KIND`, and are made again only for what an issue says that it changes.
 """
 
 from __future__ import annotations
