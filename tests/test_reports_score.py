@@ -90,7 +90,7 @@ def test_the_history_is_found_without_times(name: str, by: str) -> None:
 
 def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:
     """The times that the loads at `time` are matched to."""
-    scene = load_scene(name)
+    scene = scene_of(name)
     normal, tangential = scene.load.path().at(time)
     draw = noise * np.random.default_rng(len(time)).standard_normal((2, len(time)))
     normal, tangential = normal * (1 + draw[0]), tangential + np.max(normal) * draw[1]
