@@ -171,27 +171,36 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     if not inside.any():  # the very first increment failed
         return nothing
     x = problem.interface.x
-
-    def by_nodes(stick: NDArray[np.bool_], closed: NDArray[np.bool_]) -> Array:
-        """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost nodes."""
-        contact = np.stack([x[np.argmax(closed, axis=1)], x[len(x) - 1 - np.argmax(closed[:, ::-1], axis=1)]], axis=1)
-        return stick_edges(x, stick, closed, contact, anywhere=scene.unsymmetric)
-
+    anywhere = scene.unsymmetric
     dropped = np.setdiff1d(np.flatnonzero(inside), run.kept)
-    zones = [edges[inside[run.kept]], by_nodes(seen[dropped] == STICK, seen[dropped] != OPEN)]
-    left, right = np.concatenate(zones).T
+    zones_of_dropped = _zones_by_nodes(x, seen[dropped] == STICK, seen[dropped] != OPEN, anywhere)
+    left, right = np.concatenate([edges[inside[run.kept]], zones_of_dropped]).T
     common = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
     permanent = common if common[0] < common[1] else nothing
-    if scene.unsymmetric or problem.interface.coupling is not None:
-        slip = np.array([run.states[k].slip for k in np.flatnonzero(inside)])
-        moved = np.ptp(slip, axis=0)
-        share = _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED
-        creeps = np.all(seen[inside] != OPEN, axis=0) & (moved <= share * moved.max())
-        if creeps.any():
-            ever_closed = np.any(seen[inside] != OPEN, axis=0)
-            creeping = by_nodes(creeps[None], ever_closed[None])[0]
-            permanent = np.array([np.fmin(permanent[0], creeping[0]), np.fmax(permanent[1], creeping[1])])
-    return permanent
+    if not (scene.unsymmetric or problem.interface.coupling is not None):
+        return permanent
+    closed = seen[inside] != OPEN
+    slip = np.array([run.states[k].slip for k in np.flatnonzero(inside)])
+    creeps = _creeping(slip, closed, _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
+    if not creeps.any():
+        return permanent
+    ever_closed = np.any(closed, axis=0)
+    left_end, right_end = _zones_by_nodes(x, creeps[None], ever_closed[None], anywhere)[0]
+    return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
+
+
+def _zones_by_nodes(x: Array, stick: NDArray[np.bool_], closed: NDArray[np.bool_], anywhere: bool) -> Array:
+    """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost nodes."""
+    first = np.argmax(closed, axis=1)
+    last = len(x) - 1 - np.argmax(closed[:, ::-1], axis=1)
+    contact = np.stack([x[first], x[last]], axis=1)
+    return stick_edges(x, stick, closed, contact, anywhere=anywhere)
+
+
+def _creeping(slip: Array, closed: NDArray[np.bool_], share: float) -> NDArray[np.bool_]:
+    """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range of slip; arrays (m, n)."""
+    moved = np.ptp(slip, axis=0)
+    return np.all(closed, axis=0) & (moved <= share * moved.max())
 
 
 @dataclass(frozen=True)
