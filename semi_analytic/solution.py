@@ -539,19 +539,39 @@ def _steady_alone(scene: Scene, wanted: frozenset[str], points: Array | None) ->
 _INSTANTS_IN_PHASE = 400
 
 
+def _instants_in_phase(loads: PathLoads) -> tuple[Array, Array]:
+    """Times of the first cycle (n,), evenly over each leg and at every turning point, and P, Q, eps and alpha at them (4, n)."""
+    legs = loads.path.cycle
+    times = []
+    for leg in legs:
+        even = np.linspace(leg.start, leg.end, _INSTANTS_IN_PHASE // len(legs) + 2)[1:]
+        times.append(np.unique(np.append(even, loads.turns(leg))))
+    return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
+
+
+def _work_in_phase(ways: tuple[Way, Way]) -> tuple[float, float]:
+    """W of a cycle, and by what share of it half as many nodes change it."""
+    work = math.fsum(way.work(WAY_NODES) for way in ways)
+    by_half_the_nodes = math.fsum(way.work(WAY_NODES // 2) for way in ways)
+    return work, abs(by_half_the_nodes / work - 1)
+
+
+def _density_in_phase(ways: tuple[Way, Way], x: Array) -> tuple[Array, float]:
+    """W(x) of a cycle at points (k,), and by what share of the largest half as many nodes change it."""
+    forward, reverse = ways
+    density = forward.density(x, WAY_NODES) + reverse.density(x, WAY_NODES)
+    by_half_the_nodes = forward.density(x, WAY_NODES // 2) + reverse.density(x, WAY_NODES // 2)
+    largest = float(np.max(density))
+    change = _largest(np.abs(by_half_the_nodes - density))
+    return density, change / largest if largest > 0 else 0.0
+
+
 def _in_phase(scene: Scene, ways: tuple[Way, Way], wanted: frozenset[str], points: Array | None, started: float) -> ContactSolution:
     """The second cycle of loads in phase, which is steady: what of it does not depend on the initial loading."""
     path = scene.load.path()
     loads, leaning = leaning_profile(scene)
     forward, reverse = ways
-    times = []
-    rows = []
-    for leg in path.cycle:
-        even = np.linspace(leg.start, leg.end, _INSTANTS_IN_PHASE // len(path.cycle) + 2)[1:]
-        times.append(np.unique(np.append(even, loads.turns(leg))))
-        rows.append(loads.values(times[-1]))
-    time = np.concatenate(times)
-    load, force, _, tilt = np.concatenate(rows, axis=1)
+    time, (load, force, _, tilt) = _instants_in_phase(loads)
     period = path.cycle[-1].end - path.cycle_start
     lowest, highest = time[np.argmin(force)], time[np.argmax(force)]
     rises = (time - lowest) % period <= (highest - lowest) % period
@@ -568,17 +588,15 @@ def _in_phase(scene: Scene, ways: tuple[Way, Way], wanted: frozenset[str], point
         slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
         state = np.where(_within(contact_edges, x), np.where(_within(stick_edges, x), np.int8(STICK), slides), state)
     approach = leaning.approach(middle, half, load, tilt) if "normal_approach" in wanted else nothing[:, 0]
-    work = loop = math.nan
+    work = math.nan
+    loop = math.nan
     density = np.full(len(x), math.nan)
     errors = {}
     if "dissipation" in wanted:
         loop = loop_of(ways)
-        work, coarse = (math.fsum(way.work(count) for way in ways) for count in (WAY_NODES, WAY_NODES // 2))
-        errors["dissipation"] = abs(coarse / work - 1)
+        work, errors["dissipation"] = _work_in_phase(ways)
     if "dissipation_density" in wanted:
-        density, coarse_density = (forward.density(x, count) + reverse.density(x, count) for count in (WAY_NODES, WAY_NODES // 2))
-        largest = float(np.max(density))
-        errors["dissipation_density"] = _largest(np.abs(coarse_density - density)) / largest if largest > 0 else 0.0
+        density, errors["dissipation_density"] = _density_in_phase(ways, x)
     stays = stick_edges[np.argmax(force)]
     lower, upper = loads.stresses(time)
     return _answer(
