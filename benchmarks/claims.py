@@ -1,13 +1,17 @@
-"""Every number that the project claims, measured now: printed, stored in docs/numbers.json and docs/numbers.md.
+"""Every number that the project claims, measured now: printed, stored in docs/numbers.json and
+docs/numbers.md.
 
     make numbers                              (python benchmarks/claims.py, half an hour)
-    make numbers SECTIONS='"Finite*" Time'    (those sections alone; the others stay as they were measured)
+    make numbers SECTIONS='"Finite*" Time'    (those sections alone; the others stay as they were
+                                              measured)
     python benchmarks/claims.py --pages       (none: the page from docs/numbers.json)
 
-A claim that misses its limit is printed and written all the same, and the exit code is 1. The page has the ten claims that matter
-most, every claim that is missed, and of each section the claim nearest to its limit; docs/numbers.json has all.
+A claim that misses its limit is printed and written all the same, and the exit code is 1. The page
+has the ten claims that matter most, every claim that is missed, and of each section the claim
+nearest to its limit; docs/numbers.json has all.
 
-What every benchmark shares is here too: the row (what, measured, limit, how), the runner, times, files, tables.
+What every benchmark shares is here too: the row (what, measured, limit, how), the runner, times,
+files, tables.
 """
 
 from __future__ import annotations
@@ -57,15 +61,31 @@ SECTIONS = {
 }
 # The ten that matter most: words, section, row.
 TEN = (
-    ("friction work of 41 ellipses by theory, against 30 digits", "Half-plane engine: extremes", "worst relative error of W"),
-    ("a cycle of 400 instants at 200 points by theory", "Half-plane engine: histories", "solve(hertz-paper), one cycle"),
+    (
+        "friction work of 41 ellipses by theory, against 30 digits",
+        "Half-plane engine: extremes",
+        "worst relative error of W",
+    ),
+    (
+        "a cycle of 400 instants at 200 points by theory",
+        "Half-plane engine: histories",
+        "solve(hertz-paper), one cycle",
+    ),
     (
         "a measured history of 10^6 rows",
         "Half-plane engine: histories",
         "CSV file of 10^6 rows read and solved, dissipation of every step",
     ),
-    ("dissipation of 10^6 load ellipses by theory", "Half-plane engine: batches", "batch of 10^6 Hertz ellipses: time"),
-    ("dissipation of the paper's cycle by finite elements, against theory", "Finite elements", "hertz-paper, FE: dissipation"),
+    (
+        "dissipation of 10^6 load ellipses by theory",
+        "Half-plane engine: batches",
+        "batch of 10^6 Hertz ellipses: time",
+    ),
+    (
+        "dissipation of the paper's cycle by finite elements, against theory",
+        "Finite elements",
+        "hertz-paper, FE: dissipation",
+    ),
     (
         "shear of Cattaneo and Mindlin in L2",
         "Finite elements: Cattaneo-Mindlin and the flat face",
@@ -76,15 +96,29 @@ TEN = (
         "Finite elements: beside peers",
         "... time over Kratos's, side by side",
     ),
-    ("mesh error of the dissipation between real blocks", "Real bodies", "blocks 10 a high and wide, mesh error: dissipation"),
-    ("known errors that the stated uncertainty misses", "Error budget", "budget: share not covered by the stated uncertainty"),
-    ("a whole run with its page, from nothing", "Time", "cold `halfplane run hertz-paper` with the page"),
+    (
+        "mesh error of the dissipation between real blocks",
+        "Real bodies",
+        "blocks 10 a high and wide, mesh error: dissipation",
+    ),
+    (
+        "known errors that the stated uncertainty misses",
+        "Error budget",
+        "budget: share not covered by the stated uncertainty",
+    ),
+    (
+        "a whole run with its page, from nothing",
+        "Time",
+        "cold `halfplane run hertz-paper` with the page",
+    ),
 )
 Stored = dict[str, dict[str, Any]]
 
 
 class Row(NamedTuple):
-    """One claim: what, the value measured, the limit of its size (None: shown only), and how it was found."""
+    """One claim: what, the value measured, the limit of its size (None: shown only), and how it was
+    found.
+    """
 
     what: str
     measured: float
@@ -106,21 +140,37 @@ class Row(NamedTuple):
 
 
 def chosen(words: Sequence[str], names: Iterable[str]) -> list[str]:
-    """The names that the words ask for, whole, in part or by pattern; all where there is no word, none for --pages.
+    """The names that the words ask for, whole, in part or by pattern; all where there is no word,
+    none for --pages.
 
-    >>> chosen(["Finite"], ["Finite", "Finite, again"]), chosen(["again"], ["Finite", "Finite, again"])
+    >>> (
+    ...     chosen(["Finite"], ["Finite", "Finite, again"]),
+    ...     chosen(["again"], ["Finite", "Finite, again"]),
+    ... )
     (['Finite'], ['Finite, again'])
     """
     names = list(names)
-    found = [n for n in names if not words or any(n == word if word in names else fnmatch(n, f"*{word}*") for word in words)]
+    found = [
+        n
+        for n in names
+        if not words
+        or any(n == word if word in names else fnmatch(n, f"*{word}*") for word in words)
+    ]
     if not found and list(words) != ["--pages"]:
-        print(f"nothing is called {' or '.join(words)}; there are: {'; '.join(names)}", file=sys.stderr)
+        print(
+            f"nothing is called {' or '.join(words)}; there are: {'; '.join(names)}",
+            file=sys.stderr,
+        )
         raise SystemExit(2)
     return found
 
 
-def measure(store: Path, cases: Mapping[str, Callable[[], Any]], words: Sequence[str]) -> dict[str, Any]:
-    """Measure the cases asked for, each stored as soon as it is measured; all that is stored, in the order of the cases."""
+def measure(
+    store: Path, cases: Mapping[str, Callable[[], Any]], words: Sequence[str]
+) -> dict[str, Any]:
+    """Measure the cases asked for, each stored as soon as it is measured; all that is stored, in
+    the order of the cases.
+    """
     for name in chosen(words, cases):
         print(f"==> {name}", flush=True)
         begun = time.perf_counter()
@@ -133,11 +183,17 @@ def measure(store: Path, cases: Mapping[str, Callable[[], Any]], words: Sequence
 
 def commit() -> str:
     """The commit that is measured, with a plus sign where files were changed since."""
-    found = subprocess.run(["git", "describe", "--always", "--dirty=+"], capture_output=True, text=True, cwd=ROOT, check=False)
+    found = subprocess.run(
+        ["git", "describe", "--always", "--dirty=+"],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        check=False,
+    )
     return found.stdout.strip()
 
 
-# --------------------------------------------------------------------------------------------------------------------- files
+# -------------------------------------------------------------------------------------------- files
 def markdown(head: str, cells: Iterable[Sequence[object]]) -> list[str]:
     """Lines of a table; the head as "a | b | c".
 
@@ -145,7 +201,9 @@ def markdown(head: str, cells: Iterable[Sequence[object]]) -> list[str]:
     ['| a | b |', '|---|---|', '| 1 | x\\\\|y |']
     """
     lines = [f"| {head} |", "|---" * (head.count(" | ") + 1) + "|"]
-    return lines + ["| " + " | ".join(str(cell).replace("|", r"\|") for cell in row) + " |" for row in cells]
+    return lines + [
+        "| " + " | ".join(str(cell).replace("|", r"\|") for cell in row) + " |" for row in cells
+    ]
 
 
 def stored(file: Path) -> dict[str, Any]:
@@ -157,9 +215,11 @@ def write_json(file: Path, content: Any) -> None:
     file.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-# --------------------------------------------------------------------------------------------------------------------- times
+# -------------------------------------------------------------------------------------------- times
 def seconds(*works: Callable[[], Any], times: int = 1) -> list[float]:
-    """Least process time of each work, in turn, so that what else the machine does falls on all alike; several times: warm."""
+    """Least process time of each work, in turn, so that what else the machine does falls on all
+    alike; several times: warm.
+    """
     found = np.full((times, len(works)), np.inf)
     for turn in range(-1 if times > 1 else 0, times):
         for k, work in enumerate(works):
@@ -183,11 +243,15 @@ def with_children(work: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def cold(statement: str) -> tuple[float, float, list[float]]:
-    """A statement in a process of its own in benchmarks/: CPU seconds, peak memory [GiB], the numbers that it has in `found`."""
+    """A statement in a process of its own in benchmarks/: CPU seconds, peak memory [GiB], the
+    numbers that it has in `found`.
+    """
     code = f"found = []; {statement}; from claims import memory; print(*found, memory())"
     command = [sys.executable, "-c", code]
     folder = Path(__file__).parent
-    spent, done = with_children(lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder))
+    spent, done = with_children(
+        lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder)
+    )
     *found, peak = map(float, done.stdout.split())
     return spent, peak * 1e6 / 2**30, found
 
@@ -195,10 +259,14 @@ def cold(statement: str) -> tuple[float, float, list[float]]:
 def memory() -> float:
     """Peak of this process in MB; ru_maxrss starts from its parent's."""
     status = Path("/proc/self/status").read_text(encoding="utf-8")
-    return int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM"))) * 1024 / 1e6
+    return (
+        int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")))
+        * 1024
+        / 1e6
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------------ numbers
+# ------------------------------------------------------------------------------------------ numbers
 def section(title: str) -> Callable[[], Iterator[Row]]:
     """What measures a section; its module is imported only now."""
     module, function = SECTIONS[title].split(".")
@@ -210,7 +278,11 @@ def measured(title: str) -> dict[str, Any]:
     rows = []
     for row in section(title)():
         rows.append(row._asdict() | {"measured": float(row.measured)})
-        print(f"{'MISSED ' if row.met is False else ''}{row.what}: {row.measured:.3g} {row.unit} (limit {row.limit})", flush=True)
+        print(
+            f"{'MISSED ' if row.met is False else ''}{row.what}: {row.measured:.3g} {row.unit}"
+            f" (limit {row.limit})",
+            flush=True,
+        )
     return {"commit": commit(), "rows": rows}
 
 
@@ -219,46 +291,86 @@ def rows_of(known: Stored, title: str) -> list[Row]:
 
 
 def summary(known: Stored, title: str) -> tuple[Any, ...]:
-    """Of a section: its claims, limits satisfied, and the satisfied claim nearest to its limit (the first where none has one)."""
+    """Of a section: its claims, limits satisfied, and the satisfied claim nearest to its limit (the
+    first where none has one).
+    """
     rows = rows_of(known, title)
     limited = [row for row in rows if row.limit is not None]
     nearest = max(
-        (row for row in limited if row.limit and row.met), key=lambda r: abs(r.measured) / (r.limit or 1), default=rows[0]
+        (row for row in limited if row.limit and row.met),
+        key=lambda r: abs(r.measured) / (r.limit or 1),
+        default=rows[0],
     )
     satisfied = f"{sum(bool(row.met) for row in limited)} of {len(limited)}"
-    return title, len(rows), satisfied, nearest.what, *nearest.cells[1:3], nearest.how, known[title]["commit"]
+    return (
+        title,
+        len(rows),
+        satisfied,
+        nearest.what,
+        *nearest.cells[1:3],
+        nearest.how,
+        known[title]["commit"],
+    )
 
 
 def ten_of(known: Stored) -> list[str]:
     """The first table of the page."""
-    found = [(words, next(row for row in rows_of(known, title) if row.what == what)) for words, title, what in TEN]
-    cells = [(w, f"{abs(r.measured):.2g} {r.unit}", "" if r.limit is None else f"{r.limit:g} {r.unit}") for w, r in found]
+    found = [
+        (words, next(row for row in rows_of(known, title) if row.what == what))
+        for words, title, what in TEN
+    ]
+    cells = [
+        (w, f"{abs(r.measured):.2g} {r.unit}", "" if r.limit is None else f"{r.limit:g} {r.unit}")
+        for w, r in found
+    ]
     return markdown("what | measured | limit", cells)
 
 
 def page_of(known: Stored) -> str:
     """docs/numbers.md."""
     sections = [summary(known, title) for title in SECTIONS if title in known]
-    missed = [(title, row) for title, *_ in sections for row in rows_of(known, title) if row.met is False]
+    missed = [
+        (title, row) for title, *_ in sections for row in rows_of(known, title) if row.met is False
+    ]
     shown = missed[: MOST_ROWS - len(TEN) - len(sections)]
-    more = f"Missed, {len(missed)} in all" + (f", the first {len(shown)}" if len(shown) < len(missed) else "")
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh"))
+    more = f"Missed, {len(missed)} in all" + (
+        f", the first {len(shown)}" if len(shown) < len(missed) else ""
+    )
+    packages = ", ".join(
+        f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh")
+    )
     text = [
         "# Numbers",
         "",
-        "What the project claims, written by `make numbers` and by nothing else. Errors are relative unless a unit is given; times "
-        "are of one run on a machine that others share: the same code has taken half as long again an hour later. "
-        f"All {sum(one[1] for one in sections)} rows are in `docs/numbers.json`, by section, each with its limit, "
-        "how it was measured and the commit.",
+        (
+            "What the project claims, written by `make numbers` and by nothing else. Errors are"
+            " relative unless a unit is given; times are of one run on a machine that others"
+            " share: the same code has taken half as long again an hour later. All"
+            f" {sum(one[1] for one in sections)} rows are in `docs/numbers.json`, by section, each"
+            " with its limit, how it was measured and the commit."
+        ),
         "",
-        f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, {platform.machine()}.",
+        (
+            f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores,"
+            f" {platform.machine()}."
+        ),
         *("", "## The ten that matter most", "", *ten_of(known)),
         *("", "## Every section, and its claim nearest to the limit", ""),
-        *markdown("section | claims | limits satisfied | nearest to its limit | measured | limit | how | commit", sections),
+        *markdown(
+            "section | claims | limits satisfied | nearest to its limit | measured | limit | how |"
+            " commit",
+            sections,
+        ),
         *("", f"## {more}" if missed else "Every claim that has a limit satisfies it."),
     ]
     if missed:
-        text += ["", *markdown("section | claim | measured | limit | met | how", [(title, *row.cells) for title, row in shown])]
+        text += [
+            "",
+            *markdown(
+                "section | claim | measured | limit | met | how",
+                [(title, *row.cells) for title, row in shown],
+            ),
+        ]
     return "\n".join(text) + "\n"
 
 

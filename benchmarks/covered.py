@@ -1,16 +1,21 @@
-"""Does the stated uncertainty cover the known error, what does it cost, and which term does a planted fault fall on?
+"""Does the stated uncertainty cover the known error, what does it cost, and which term does a
+planted fault fall on?
 
-    python benchmarks/covered.py models [COUNT] [SEED]      finite elements on random scenes (60 scenes: three minutes)
-    python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases); exit code 1 below 95 %
+    python benchmarks/covered.py models [COUNT] [SEED]      finite elements on random scenes (60
+                                                            scenes: three minutes)
+    python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases);
+                                                            exit code 1 below 95 %
 
-Budgets: of half-planes the true error is known, the whole discrepancy; what the measured terms leave unexplained must be covered by
-the stated uncertainty at least 95 times of 100, over the metrics of the first table and the half-plane scenes of the library, on a
-mesh of twice the default sizes (a/80 at the edges) with the default steps. Metrics that are nothing but round-off error,
+Budgets: of half-planes the true error is known, the whole discrepancy; what the measured terms
+leave unexplained must be covered by the stated uncertainty at least 95 times of 100, over the
+metrics of the first table and the half-plane scenes of the library, on a mesh of twice the default
+sizes (a/80 at the edges) with the default steps. Metrics that are nothing but round-off error,
 |E| < 1e-11, are not counted: they would be covered for free.
 
-Blame: faults are planted in either engine. A metric sees a fault where its value leaves the band of the healthy run, |E| + u.
-Blamed is the largest term of the budget of the metric that left it farthest; "model" is what no term accounts for: on half-planes
-there must be nothing, so one of the engines is wrong. What the steps do to the dissipation is a metric by itself, and exact.
+Blame: faults are planted in either engine. A metric sees a fault where its value leaves the band of
+the healthy run, |E| + u. Blamed is the largest term of the budget of the metric that left it
+farthest; "model" is what no term accounts for: on half-planes there must be nothing, so one of the
+engines is wrong. What the steps do to the dissipation is a metric by itself, and exact.
 """
 
 from __future__ import annotations
@@ -35,18 +40,42 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare
-from reports.comparison.budget import Budget, ErrorBudget, climb, coarser, error_budget, theory_on_steps, without_steps
+from reports.comparison.budget import (
+    Budget,
+    ErrorBudget,
+    climb,
+    coarser,
+    error_budget,
+    theory_on_steps,
+    without_steps,
+)
 from reports.comparison.metrics import are_half_planes
-from scenes import ContactSolution, ConvergenceError, FlatRounded, Hertz, InputError, Materials, Scene, load_scene, scene_names
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    Scene,
+    load_scene,
+    scene_names,
+)
 from semi_analytic.profiles import contact_of
 
-COARSE, MESH, STEPS = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80), MeshSettings(), SolverSettings()
+COARSE, MESH, STEPS = (
+    MeshSettings(element_size=1 / 12, edge_element_size=1 / 80),
+    MeshSettings(),
+    SolverSettings(),
+)
 ROUNDED_OFF = 1e-11
 
 
-# ------------------------------------------------------------------------------------------------------------------ budgets
+# ------------------------------------------------------------------------------------------ budgets
 def beside_theory(result: ContactSolution) -> Comparison:
-    """As `halfplane run` compares: theory on the points and instants of the result, and on the polygon of its increments."""
+    """As `halfplane run` compares: theory on the points and instants of the result, and on the
+    polygon of its increments.
+    """
     reference = semi_analytic.solve(result.scene, x=result.x, time=result.time)
     return compare(reference, result, polygon_reference=theory_on_steps(result))
 
@@ -55,9 +84,13 @@ def plain(scene: Scene, mesh: MeshSettings, steps: SolverSettings = STEPS) -> Co
     return beside_theory(halfplane_fe.solve(scene, mesh, steps))
 
 
-def budget_of(comparison: Comparison, mesh: MeshSettings, steps: SolverSettings, spent: float) -> ErrorBudget:
+def budget_of(
+    comparison: Comparison, mesh: MeshSettings, steps: SolverSettings, spent: float
+) -> ErrorBudget:
     """The budget of a run that took so many CPU seconds."""
-    runs = climb(comparison, mesh, steps, lambda _name: contextlib.nullcontext(lambda *_progress: None))
+    runs = climb(
+        comparison, mesh, steps, lambda _name: contextlib.nullcontext(lambda *_progress: None)
+    )
     return error_budget(comparison, runs, spent)
 
 
@@ -70,11 +103,17 @@ def budgeted(scene: Scene, mesh: MeshSettings = COARSE) -> ErrorBudget:
 
 def headlines(found: ErrorBudget) -> list[Budget]:
     """What the first table shows and is more than round-off error."""
-    return [one for one in found.budgets if one.metric.definition.headline and abs(one.total) > ROUNDED_OFF]
+    return [
+        one
+        for one in found.budgets
+        if one.metric.definition.headline and abs(one.total) > ROUNDED_OFF
+    ]
 
 
 def budgets() -> Iterator[Row]:
-    """How often the stated uncertainty covers the known error, by metric and over all; its cost; real bodies."""
+    """How often the stated uncertainty covers the known error, by metric and over all; its cost;
+    real bodies.
+    """
     scenes = {name: load_scene(name) for name in scene_names()}
     library = {name: budgeted(scene) for name, scene in scenes.items() if are_half_planes(scene)}
     pairs = [(name, one) for name, found in library.items() for one in headlines(found)]
@@ -82,10 +121,20 @@ def budgets() -> Iterator[Row]:
     what = "budget: metrics that have no uncertainty, a term not being measured"
     yield Row(what, len(pairs) - len(known), None, "left out below")
     missed = [f"{name} {one.metric.key}" for name, one in known if not one.honest]
-    how = f"{len(known) - len(missed)} of {len(known)} covered over {len(library)} scenes; not: {', '.join(missed) or 'none'}"
-    yield Row("budget: share not covered by the stated uncertainty", len(missed) / len(known), 0.05, how)
+    how = (
+        f"{len(known) - len(missed)} of {len(known)} covered over {len(library)} scenes; not:"
+        f" {', '.join(missed) or 'none'}"
+    )
+    yield Row(
+        "budget: share not covered by the stated uncertainty", len(missed) / len(known), 0.05, how
+    )
     thin = sum(abs(one.rest) > (one.uncertainty or 0.0) / 10 for _, one in known) / len(known)
-    yield Row("budget: ... by a tenth of it", thin, None, "the count can fail: no uncertainty is a blank cheque")
+    yield Row(
+        "budget: ... by a tenth of it",
+        thin,
+        None,
+        "the count can fail: no uncertainty is a blank cheque",
+    )
 
     def sharpness(ones: list[Budget]) -> float:
         return float(np.median([(one.uncertainty or 0.0) / abs(one.total) for one in ones]))
@@ -93,43 +142,85 @@ def budgets() -> Iterator[Row]:
     yield Row("budget: u over |E|, median", sharpness([one for _, one in known]), None, "sharpness")
     for key in dict.fromkeys(one.metric.key for _, one in known):
         mine = [one for _, one in known if one.metric.key == key]
-        how = f"{sum(bool(one.honest) for one in mine)} of {len(mine)}; u/|E| {sharpness(mine):.2g} in the median"
-        yield Row(f"budget: {key} not covered", sum(not one.honest for one in mine) / len(mine), None, how)
+        how = (
+            f"{sum(bool(one.honest) for one in mine)} of {len(mine)}; u/|E| {sharpness(mine):.2g}"
+            " in the median"
+        )
+        yield Row(
+            f"budget: {key} not covered", sum(not one.honest for one in mine) / len(mine), None, how
+        )
     ratios = {name: found.cost for name, found in library.items()}
     worst = max(ratios, key=ratios.__getitem__)
-    yield Row("budget, twice the default sizes: cost over the plain run, worst scene", ratios[worst], None, worst)
+    yield Row(
+        "budget, twice the default sizes: cost over the plain run, worst scene",
+        ratios[worst],
+        None,
+        worst,
+    )
     for name in ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper"):
         how = "CPU time; default mesh; every body condensed anew"
-        yield Row(f"budget of {name}: cost over the plain run", budgeted(scenes[name], MESH).cost, 4.0, how)
+        yield Row(
+            f"budget of {name}: cost over the plain run",
+            budgeted(scenes[name], MESH).cost,
+            4.0,
+            how,
+        )
     # The far-field runs stand on 4 h: doubling L there and on the run's mesh.
     for label, factor in (("h", 1.0), ("4h", 4.0)):
         cut, _ = coarser(COARSE, STEPS, factor)
         paper = scenes["hertz-paper"]
-        near, far = (without_steps(plain(paper, replace(cut, far_radius=radius))) for radius in (10.0, 20.0))
+        near, far = (
+            without_steps(plain(paper, replace(cut, far_radius=radius))) for radius in (10.0, 20.0)
+        )
         for key in ("dissipation", "peak_pressure"):
             what = f"far field on {label}: {key} at L = 10 a less at 20 a"
-            yield Row(what, (near[key] or 0.0) - (far[key] or 0.0), None, "hertz-paper, scatter of meshing anew included")
+            yield Row(
+                what,
+                (near[key] or 0.0) - (far[key] or 0.0),
+                None,
+                "hertz-paper, scatter of meshing anew included",
+            )
     yield real_bodies([scene for scene in scenes.values() if not scene.bodies.half_planes])
 
 
 def real_bodies(scenes: list[Scene]) -> Row:
-    """Real bodies have no known answer: the idealisation error +- u of the budget against the discrepancy on half the sizes."""
+    """Real bodies have no known answer: the idealisation error +- u of the budget against the
+    discrepancy on half the sizes.
+    """
     covered, missed = 0, []
     for scene in scenes:
         fine = without_steps(plain(scene, MESH))
         for one in headlines(budgeted(scene)):
             if (truth := fine.get(one.metric.key)) is not None and one.uncertainty is not None:
                 inside = abs(one.rest - truth) <= one.uncertainty
-                covered, missed = covered + inside, missed + ([] if inside else [f"{scene.name} {one.metric.key}"])
-    how = f"the discrepancy on half the sizes within u: {covered} of {covered + len(missed)}; not: {', '.join(missed) or 'none'}"
-    return Row("budget, real bodies: share not covered", len(missed) / (covered + len(missed)), 0.05, how)
+                covered, missed = (
+                    covered + inside,
+                    missed + ([] if inside else [f"{scene.name} {one.metric.key}"]),
+                )
+    how = (
+        f"the discrepancy on half the sizes within u: {covered} of {covered + len(missed)}; not:"
+        f" {', '.join(missed) or 'none'}"
+    )
+    return Row(
+        "budget, real bodies: share not covered", len(missed) / (covered + len(missed)), 0.05, how
+    )
 
 
-# -------------------------------------------------------------------------------------------------------------------- blame
+# -------------------------------------------------------------------------------------------- blame
 THEORY = semi_analytic.solve
 STEP = "dissipation_step"
-# Where the worst of single instants, or one of few, is too much a matter of chance to blame anything by.
-LEFT_OUT = ("stick_edge", "state", "full_stick", "slip_reversal", "place", "resultant", "energy", "tangential_displacement")
+# Where the worst of single instants, or one of few, is too much a matter of chance to blame
+# anything by.
+LEFT_OUT = (
+    "stick_edge",
+    "state",
+    "full_stick",
+    "slip_reversal",
+    "place",
+    "resultant",
+    "energy",
+    "tangential_displacement",
+)
 
 
 class Fault(NamedTuple):
@@ -142,12 +233,23 @@ class Fault(NamedTuple):
     mesh: MeshSettings = MESH
 
 
-def theory(change: Callable[[Scene], Scene] = lambda scene: scene, sign: float = 1.0) -> must_fail.Planted:
-    """Half-plane theory answers another question, or with the wrong sign of q and U, and says that it is what was asked."""
+def theory(
+    change: Callable[[Scene], Scene] = lambda scene: scene, sign: float = 1.0
+) -> must_fail.Planted:
+    """Half-plane theory answers another question, or with the wrong sign of q and U, and says that
+    it is what was asked.
+    """
 
     def planted(scene: Scene, *given: Any, **named: Any) -> ContactSolution:
         found = THEORY(change(scene), *given, **named)
-        turned = {name: sign * getattr(found, name) for name in ("shear", "tangential_displacement", "slip")} if sign < 0 else {}
+        turned = (
+            {
+                name: sign * getattr(found, name)
+                for name in ("shear", "tangential_displacement", "slip")
+            }
+            if sign < 0
+            else {}
+        )
         return replace(found, scene=scene, **turned)
 
     return mock.patch.object(semi_analytic, "solve", planted)
@@ -155,7 +257,11 @@ def theory(change: Callable[[Scene], Scene] = lambda scene: scene, sign: float =
 
 def other_nu(scene: Scene) -> Scene:
     """Poisson's ratio of the upper body 0.4."""
-    return scene.vary(material=Materials(upper=scene.material.upper.vary(poisson_ratio=0.4), lower=scene.material.lower))
+    return scene.vary(
+        material=Materials(
+            upper=scene.material.upper.vary(poisson_ratio=0.4), lower=scene.material.lower
+        )
+    )
 
 
 def rubbing(scene: Scene) -> Scene:
@@ -166,7 +272,9 @@ def rubbing(scene: Scene) -> Scene:
 def other_body() -> must_fail.Planted:
     """The FE model condenses an upper body of another Poisson's ratio."""
     make = must_fail.SOLVE.condensed_pair
-    return mock.patch.object(must_fail.SOLVE, "condensed_pair", lambda scene, *given: make(other_nu(scene), *given))
+    return mock.patch.object(
+        must_fail.SOLVE, "condensed_pair", lambda scene, *given: make(other_nu(scene), *given)
+    )
 
 
 ROUGH = functools.partial(must_fail.rough, size=MESH.edge_element_size)
@@ -176,16 +284,28 @@ FAULTS = (
     # Friction then works the wrong way round: the residuals of the laws say so.
     Fault("FE: sign of Q flipped", "solver", lambda: must_fail.equilibrium(must_fail.turned_round)),
     Fault("FE: nu of the upper body 0.4 for 0.3", "model", other_body),
-    Fault("FE: mesh mis-graded, a/10 where edges travel", "mesh", mesh=MeshSettings(element_size=0.1, edge_element_size=0.1)),
-    Fault("FE: gap off by h/10 at mid-side nodes, by 4 h/10 on twice the size", "mesh", lambda: must_fail.gap(ROUGH)),
+    Fault(
+        "FE: mesh mis-graded, a/10 where edges travel",
+        "mesh",
+        mesh=MeshSettings(element_size=0.1, edge_element_size=0.1),
+    ),
+    Fault(
+        "FE: gap off by h/10 at mid-side nodes, by 4 h/10 on twice the size",
+        "mesh",
+        lambda: must_fail.gap(ROUGH),
+    ),
     Fault(
         "FE: penalty too soft, 3 E*/h",
         "penalty",
         settings=must_fail.SOFT | {"normal_stiffness": 3.0, "tangential_stiffness": 3.0},
     ),
-    # With events landed on, four increments a revolution leave every metric in its band: friction work follows the curve.
+    # With events landed on, four increments a revolution leave every metric in its band: friction
+    # work follows the curve.
     Fault(
-        "FE: steps too long, 4 a revolution, no event landed on", "step", must_fail.blind, must_fail.LONG | {"steps_per_cycle": 4}
+        "FE: steps too long, 4 a revolution, no event landed on",
+        "step",
+        must_fail.blind,
+        must_fail.LONG | {"steps_per_cycle": 4},
     ),
     Fault("theory: friction 1 % high", "model", lambda: theory(rubbing)),
     Fault("theory: signs of q, U and s flipped", "model", lambda: theory(sign=-1.0)),
@@ -205,19 +325,31 @@ class Found(NamedTuple):
         return abs(self.values[key]) + (abs(self.values[key]) if doubt is None else doubt)
 
     def blamed(self, key: str) -> str:
-        """The term that has the largest share of a metric, or may have; the model only where it stands out of its uncertainty."""
+        """The term that has the largest share of a metric, or may have; the model only where it
+        stands out of its uncertainty.
+        """
         if key == STEP:
             return "step"
         one = self.budgets[key]
-        parts = {term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in one.terms}
+        parts = {
+            term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in one.terms
+        }
         parts["model"] = abs(one.rest) if one.resolved else 0.0
         return max(parts, key=parts.__getitem__)
 
 
 def seen(faulty: Found, healthy: Found) -> dict[str, float]:
     """How many healthy bands wide each metric is that has left its own, the widest first."""
-    wide = {key: abs(value) / healthy.band(key) for key, value in faulty.values.items() if healthy.values.get(key)}
-    return dict(sorted(((key, ratio) for key, ratio in wide.items() if ratio > 1), key=lambda item: -item[1]))
+    wide = {
+        key: abs(value) / healthy.band(key)
+        for key, value in faulty.values.items()
+        if healthy.values.get(key)
+    }
+    return dict(
+        sorted(
+            ((key, ratio) for key, ratio in wide.items() if ratio > 1), key=lambda item: -item[1]
+        )
+    )
 
 
 def with_fault(fault: Fault) -> Found:
@@ -226,51 +358,94 @@ def with_fault(fault: Fault) -> Found:
     with fault.plant():
         comparison = plain(load_scene("hertz-paper"), fault.mesh, settings)
         terms = budget_of(comparison, fault.mesh, settings, 1.0).budgets
-    known = {one.metric.key: one for one in terms if not any(part in one.metric.key for part in LEFT_OUT)}
-    return Found({key: one.total for key, one in known.items()} | {STEP: comparison.metric(STEP).value or 0.0}, known)
+    known = {
+        one.metric.key: one for one in terms if not any(part in one.metric.key for part in LEFT_OUT)
+    }
+    return Found(
+        {key: one.total for key, one in known.items()}
+        | {STEP: comparison.metric(STEP).value or 0.0},
+        known,
+    )
 
 
 def blame() -> Iterator[Row]:
     """A row for each fault: 0 where it was seen and the right term blamed, else 1."""
     healthy = with_fault(Fault("none", ""))
-    yield Row("healthy: metrics that leave their own band", len(seen(healthy, healthy)), 0.0, f"{len(healthy.values)} metrics")
+    yield Row(
+        "healthy: metrics that leave their own band",
+        len(seen(healthy, healthy)),
+        0.0,
+        f"{len(healthy.values)} metrics",
+    )
     for fault in FAULTS:
         faulty = with_fault(fault)
         caught = seen(faulty, healthy)
         blamed = faulty.blamed(next(iter(caught))) if caught else "nobody"
-        how = f"seen by {', '.join(f'{key} ({ratio:.3g} bands)' for key, ratio in list(caught.items())[:3])}; blamed: {blamed}"
+        how = (
+            "seen by"
+            f" {', '.join(f'{key} ({ratio:.3g} bands)' for key, ratio in list(caught.items())[:3])};"
+            f" blamed: {blamed}"
+        )
         yield Row(fault.name, float(blamed != fault.blamed), 0.0, how)
 
 
-# ------------------------------------------------------------------------------------------------------------------- sweeps
-# Signed errors of every quantity; the worst instants of three metrics, of which stick edges jump from node to node.
+# ------------------------------------------------------------------------------------------- sweeps
+# Signed errors of every quantity; the worst instants of three metrics, of which stick edges jump
+# from node to node.
 FRICTIONS, PRESETS = [0.9, 1.0, 1.2, 1.5, 2.0], ("default", "coarse")
 
 
 def cheap() -> Iterator[Row]:
-    """Errors between half-planes, where every one is known: how many there are, how many the cheap uncertainty covers."""
+    """Errors between half-planes, where every one is known: how many there are, how many the cheap
+    uncertainty covers.
+    """
     from jobs import F, swept
 
     from reports.sweep.solving import QUANTITIES
 
-    names, known = [*(f"error.{name}" for name in QUANTITIES), "pressure", "shear", "stick_edge"], {}
+    names, known = (
+        [
+            *(f"error.{name}" for name in QUANTITIES),
+            "pressure",
+            "shear",
+            "stick_edge",
+        ],
+        {},
+    )
     for preset in PRESETS:
         asked = {"scene": "hertz-paper", "figures": names, "uncertainty": "cheap", "preset": preset}
         finished = swept(asked, F | {"values": FRICTIONS})[0]
         for name in names:
-            for f, e, u in zip(*(finished[key].tolist() for key in ("f", name, f"{name}.uncertainty")), strict=True):
-                known |= {f"{name} at f = {f:g}, {preset}": abs(e) / u} if math.isfinite(e + u) else {}
+            for f, e, u in zip(
+                *(finished[key].tolist() for key in ("f", name, f"{name}.uncertainty")), strict=True
+            ):
+                known |= (
+                    {f"{name} at f = {f:g}, {preset}": abs(e) / u} if math.isfinite(e + u) else {}
+                )
     missed = [f"{where} ({share:.2g})" for where, share in known.items() if share > 1]
     shares = sorted(known.values())
-    how = f"hertz-paper, {len(names)} figures, {len(FRICTIONS)} frictions, {' and '.join(PRESETS)} mesh"
+    how = (
+        f"hertz-paper, {len(names)} figures, {len(FRICTIONS)} frictions, {' and '.join(PRESETS)}"
+        " mesh"
+    )
     yield Row("known errors between half-planes", len(known), None, how)
-    yield Row("... covered by the cheap uncertainty", len(known) - len(missed), None, "; ".join(missed) or "all")
+    yield Row(
+        "... covered by the cheap uncertainty",
+        len(known) - len(missed),
+        None,
+        "; ".join(missed) or "all",
+    )
     yield Row("... error over uncertainty, median", shares[len(shares) // 2], None, "")
     for tenths in (1, 9):
-        yield Row(f"... error over uncertainty, {tenths} of ten below", shares[len(shares) * tenths // 10], None, "")
+        yield Row(
+            f"... error over uncertainty, {tenths} of ten below",
+            shares[len(shares) * tenths // 10],
+            None,
+            "",
+        )
 
 
-# ------------------------------------------------------------------------------------------------------------ random models
+# ------------------------------------------------------------------------------------ random models
 # W below this share of A f^2 P^2, P the largest load, hardly slips, and is counted apart.
 LITTLE, MEAN = 1e-4, 90.0
 
@@ -293,37 +468,61 @@ def random_profile(draw: np.random.Generator, number: int) -> dict[str, Any]:
 
 
 def random_model(draw: np.random.Generator, number: int) -> Scene:
-    """An ellipse that stays away from gross sliding by 1e-3 to 0.9 of f P; f from 0.05 to 1.5; every second on blocks."""
-    f, swing, phase = np.exp(draw.uniform(np.log(0.05), np.log(1.5))), draw.uniform(0, 0.95), draw.uniform(0, 180)
+    """An ellipse that stays away from gross sliding by 1e-3 to 0.9 of f P; f from 0.05 to 1.5;
+    every second on blocks.
+    """
+    f, swing, phase = (
+        np.exp(draw.uniform(np.log(0.05), np.log(1.5))),
+        draw.uniform(0, 0.95),
+        draw.uniform(0, 180),
+    )
     offset, away = draw.random(), np.exp(draw.uniform(np.log(1e-3), np.log(0.9)))
     angle = np.linspace(0, 2 * np.pi, 4001)
     wave = offset + (1 - offset) * np.cos(angle - np.radians(phase))
     most = (1 - away) / np.max(np.abs(wave) / (f * MEAN * (1 + swing * np.cos(angle))))
     block = {"kind": "block", "width": draw.uniform(8, 30), "height": draw.uniform(4, 30)}
-    loads = {"mean_normal_load": MEAN, "normal_amplitude": MEAN * swing, "mean_tangential_load": most * offset}
+    loads = {
+        "mean_normal_load": MEAN,
+        "normal_amplitude": MEAN * swing,
+        "mean_tangential_load": most * offset,
+    }
     made = {
         "name": f"random-{number}",
         "material": load_scene("hertz-paper").model_dump(mode="json")["material"],
         "profile": random_profile(draw, number // 2),
         "friction": {"coefficient": float(f)},
-        "load": {"kind": "ellipse", **loads, "tangential_amplitude": most * (1 - offset), "phase_degrees": phase},
+        "load": {
+            "kind": "ellipse",
+            **loads,
+            "tangential_amplitude": most * (1 - offset),
+            "phase_degrees": phase,
+        },
     }
-    return Scene.model_validate(made | ({"bodies": {"lower": block, "upper": block}} if number % 2 else {}))
+    return Scene.model_validate(
+        made | ({"bodies": {"lower": block, "upper": block}} if number % 2 else {})
+    )
 
 
 def models(count: int = 60, seed: int = 2) -> int:
-    """Whether the stated uncertainty of W covers its error; none is taken out, refused scenes are counted apart.
+    """Whether the stated uncertainty of W covers its error; none is taken out, refused scenes are
+    counted apart.
 
-    Half-planes against theory; blocks against a/320, half the growth of elements inwards and a tenth of the step tolerance, whose
-    error is a sixth of the default's or less.
+    Half-planes against theory; blocks against a/320, half the growth of elements inwards and a
+    tenth of the step tolerance, whose error is a sixth of the default's or less.
     """
     draw, ratios, outcome = np.random.default_rng(seed), [], Counter[str]()
     for number in range(count):
         scene = random_model(draw, number)
-        head = f"{number:3d} {scene.profile.kind:13s} {'half-planes' if scene.bodies.half_planes else 'blocks':11s}"
+        head = (
+            f"{number:3d} {scene.profile.kind:13s}"
+            f" {'half-planes' if scene.bodies.half_planes else 'blocks':11s}"
+        )
         try:
             found = halfplane_fe.solve(scene)
-            finer = {"mesh": MeshSettings(edge_element_size=1 / 320, growth=0.1), "settings": SolverSettings(step_tolerance=5e-5)}
+            finer = {
+                "mesh": MeshSettings(edge_element_size=1 / 320, growth=0.1),
+                "settings": SolverSettings(step_tolerance=5e-5),
+            }
             if scene.bodies.half_planes:
                 true = THEORY(scene, x=[0.0], fields=("dissipation",)).dissipation
             else:
@@ -332,27 +531,43 @@ def models(count: int = 60, seed: int = 2) -> int:
             outcome["refused or not converged"] += 1
             print(f"{head} {reason}", flush=True)
             continue
-        work = true / (2 / found.scales.modulus * (scene.friction.coefficient * found.scales.load) ** 2)
-        error, stated = ((value / max(true, 1e-300)) for value in (found.dissipation - true, found.dissipation_uncertainty))
-        outcome["hardly slips: " * (work < LITTLE) + ("covered" if abs(error) <= stated else "not covered")] += 1
+        work = true / (
+            2 / found.scales.modulus * (scene.friction.coefficient * found.scales.load) ** 2
+        )
+        error, stated = (
+            (value / max(true, 1e-300))
+            for value in (found.dissipation - true, found.dissipation_uncertainty)
+        )
+        outcome[
+            "hardly slips: " * (work < LITTLE)
+            + ("covered" if abs(error) <= stated else "not covered")
+        ] += 1
         ratios += [stated / max(abs(error), 1e-300)] if work >= LITTLE else []
-        print(f"{head} W {work:.1e} of A f^2 P^2, error {error:+.1e}, stated {stated:.1e}", flush=True)
-    print(f"seed {seed}: {dict(outcome)}, stated over true error, median {np.median(ratios) if ratios else np.nan:.3g}")
+        print(
+            f"{head} W {work:.1e} of A f^2 P^2, error {error:+.1e}, stated {stated:.1e}", flush=True
+        )
+    print(
+        f"seed {seed}: {dict(outcome)}, stated over true error, median"
+        f" {np.median(ratios) if ratios else np.nan:.3g}"
+    )
     return 0
 
 
-# ---------------------------------------------------------------------------------------------------------- measured profiles
-# Profile and fit; what the engine promises of any W, which is all that is uncertain where W does not depend on the fitted numbers.
+# -------------------------------------------------------------------------------- measured profiles
+# Profile and fit; what the engine promises of any W, which is all that is uncertain where W does
+# not depend on the fitted numbers.
 FITS = (("hertz", "hertz"), ("hertz", "even_polynomial"), ("hertz", "smoothing_spline"))
 FITS += (("flat_rounded", "flat_rounded"), ("flat_rounded", "smoothing_spline"))
 SPAN, PROMISED = 3.0, 1e-9  # mm
 
 
 def measured_profile(random: np.random.Generator, number: int) -> tuple[Scene, Scene]:
-    """A true scene, and with noisy rows and a fit that can describe them; InputError where the fit has no answer.
+    """A true scene, and with noisy rows and a fit that can describe them; InputError where the fit
+    has no answer.
 
-    A parabola of radius 500 to 2,000 mm or a flat of half-length 0.2 to 0.7 mm, 31 to 1,001 uneven rows over 3 mm with the
-    middle up to 0.3 mm off, noise of 1 to 50 nm, an ellipse of loads whose largest contact is a = 1 mm.
+    A parabola of radius 500 to 2,000 mm or a flat of half-length 0.2 to 0.7 mm, 31 to 1,001 uneven
+    rows over 3 mm with the middle up to 0.3 mm off, noise of 1 to 50 nm, an ellipse of loads whose
+    largest contact is a = 1 mm.
     """
     (shape, kind), radius = FITS[number % len(FITS)], float(random.uniform(500, 2000))
     truth: Hertz | FlatRounded = Hertz(radius=radius)
@@ -360,24 +575,43 @@ def measured_profile(random: np.random.Generator, number: int) -> tuple[Scene, S
         truth = FlatRounded(radius=radius / 3, flat_half_length=float(random.uniform(0.2, 0.7)))
     rows = int(np.exp(random.uniform(np.log(31), np.log(1001.5))))
     noise = float(np.exp(random.uniform(np.log(1e-6), np.log(50e-6))))
-    x = np.linspace(-SPAN / 2, SPAN / 2, rows) + SPAN / rows * random.uniform(-0.4, 0.4, rows)  # never two rows in one place
+    # never two rows in one place
+    x = np.linspace(-SPAN / 2, SPAN / 2, rows) + SPAN / rows * random.uniform(-0.4, 0.4, rows)
     middle = float(random.uniform(-0.3, 0.3))
-    h = truth.height(x - middle) + noise * random.standard_normal(rows) + random.uniform(-1e-3, 1e-3)
+    h = (
+        truth.height(x - middle)
+        + noise * random.standard_normal(rows)
+        + random.uniform(-1e-3, 1e-3)
+    )
     base, share = load_scene("hertz-paper"), float(random.uniform(0.0, 0.6))
     mean = float(contact_of(truth, base.material).load(1.0)) / (1 + share)
     load = {"mean_normal_load": mean, "normal_amplitude": share * mean, "mean_tangential_load": 0.0}
-    load["tangential_amplitude"] = float(random.uniform(0.2, 0.9)) * base.friction.coefficient * mean * (1 - share)
+    load["tangential_amplitude"] = (
+        float(random.uniform(0.2, 0.9)) * base.friction.coefficient * mean * (1 - share)
+    )
     load["phase_degrees"] = float(random.uniform(30, 150))
-    load["initial_loading"] = "straight"  # the paper's parabola may slide; W of the steady cycle does not depend on it
-    fitted = {"kind": "tabulated", "points": np.column_stack([x, h]), "fit": {"kind": kind, "noise": noise}}
-    return base.vary(load=load, profile=truth), base.vary(name=f"case {number}", load=load, profile=fitted)
+    # the paper's parabola may slide; W of the steady cycle does not depend on it
+    load["initial_loading"] = "straight"
+    fitted = {
+        "kind": "tabulated",
+        "points": np.column_stack([x, h]),
+        "fit": {"kind": kind, "noise": noise},
+    }
+    return base.vary(load=load, profile=truth), base.vary(
+        name=f"case {number}", load=load, profile=fitted
+    )
 
 
 def profiles(count: int = 200, seed: int = 1) -> int:
-    """Whether W of noisy profilometer rows is answered, and lies within the uncertainty that `reports.profile_fit` states."""
+    """Whether W of noisy profilometer rows is answered, and lies within the uncertainty that
+    `reports.profile_fit` states.
+    """
     from reports.profile_fit import fit_uncertainty
 
-    random, outcomes = np.random.default_rng(seed), defaultdict[str, list[tuple[float, float]]](list)
+    random, outcomes = (
+        np.random.default_rng(seed),
+        defaultdict[str, list[tuple[float, float]]](list),
+    )
     for number in range(count):
         label = " fitted by ".join(FITS[number % len(FITS)])
         try:
@@ -394,9 +628,14 @@ def profiles(count: int = 200, seed: int = 1) -> int:
     for label, rows in outcomes.items():
         error, stated = 100 * np.array(rows).T
         inside, rms = 100 * np.mean(error <= stated), np.sqrt(np.mean(error**2))
-        words = f"error rms {rms:.2g} %, largest {error.max():.2g} %; stated, median {np.median(stated):.2g} %"
+        words = (
+            f"error rms {rms:.2g} %, largest {error.max():.2g} %; stated, median"
+            f" {np.median(stated):.2g} %"
+        )
         print(f"{label}: W within its uncertainty in {inside:.1f} % of {len(rows)}; {words}")
-    share = float(np.mean([error <= stated for rows in outcomes.values() for error, stated in rows]))
+    share = float(
+        np.mean([error <= stated for rows in outcomes.values() for error, stated in rows])
+    )
     print(f"all: W within its uncertainty in {100 * share:.1f} %")
     return 1 if answered < count or share < 0.95 else 0
 

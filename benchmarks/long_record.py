@@ -1,7 +1,8 @@
 """A measured record on real bodies: what `halfplane run` takes of it, in seconds, memory and files.
 
-The scene is that of `halfplane init --bodies` (a pad on a block) with f = 0.7; its loads are rows of time, P and Q as a machine
-would write them: 17 cycles in 2,000 rows, P with noise of 1 % of its mean and Q of its amplitude, from a fixed seed.
+The scene is that of `halfplane init --bodies` (a pad on a block) with f = 0.7; its loads are rows
+of time, P and Q as a machine would write them: 17 cycles in 2,000 rows, P with noise of 1 % of its
+mean and Q of its amplitude, from a fixed seed.
 
     python benchmarks/long_record.py SCENE.toml [--rows N]                      write the scene, of N rows
     python benchmarks/long_record.py SCENE.toml --run OUT [OPTIONS OF RUN]      and run it; print what it took
@@ -25,15 +26,22 @@ MEAN, NORMAL, TANGENTIAL = 90.0, 30.0, 30.0
 
 
 def rows_of(count: int) -> np.ndarray:
-    """(count, 3) time [s], P and Q [N/mm], Q a quarter of a cycle behind P: the first rows of the same record."""
+    """(count, 3) time [s], P and Q [N/mm], Q a quarter of a cycle behind P: the first rows of the
+    same record.
+    """
     turn = 2 * np.pi * CYCLES / (ROWS - 1) * np.arange(count)
     noise = NOISE * np.random.default_rng(SEED).standard_normal((count, 2))
-    normal, tangential = MEAN * (1 + noise[:, 0]) + NORMAL * np.cos(turn), TANGENTIAL * (np.sin(turn) + noise[:, 1])
+    normal, tangential = (
+        MEAN * (1 + noise[:, 0]) + NORMAL * np.cos(turn),
+        TANGENTIAL * (np.sin(turn) + noise[:, 1]),
+    )
     return np.column_stack([0.01 * np.arange(count), normal, tangential])
 
 
 def scene_text(count: int) -> str:
-    """The scene file: that of `init --bodies`, with f = 0.7 and the record in place of the ellipse."""
+    """The scene file: that of `init --bodies`, with f = 0.7 and the record in place of the
+    ellipse.
+    """
     text = re.sub(r"coefficient = \S+", "coefficient = 0.7", example(bodies=True))
     rows = ",\n".join(f"  [{t:.2f}, {p:.6f}, {q:.6f}]" for t, p, q in rows_of(count))
     load = f'[load]\nkind = "time_series"\nrows = [\n{rows},\n]\n\n'
@@ -42,7 +50,9 @@ def scene_text(count: int) -> str:
 
 
 def run(scene: Path, out: Path, options: list[str]) -> int:
-    """`halfplane run` in a child process, of which CPU seconds and peak memory are the system's own figures."""
+    """`halfplane run` in a child process, of which CPU seconds and peak memory are the system's own
+    figures.
+    """
     child = os.fork()
     if not child:
         words = [sys.executable, "-m", "reports", "run", str(scene), "--out", str(out), *options]
@@ -58,7 +68,9 @@ def run(scene: Path, out: Path, options: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("scene", type=Path)
     parser.add_argument("--rows", type=int, default=ROWS)
     parser.add_argument("--run", type=Path, metavar="OUT")

@@ -1,9 +1,11 @@
-"""Faults planted in the FE model, and the checks that catch each: a check that nothing trips proves nothing.
+"""Faults planted in the FE model, and the checks that catch each: a check that nothing trips proves
+nothing.
 
-Each fault is planted by argument or by replacing one function, the paper's cycle is solved with it, and every check that the
-project has for an answer is asked: errors against half-plane theory, the laws of contact, energy, symmetry. W is nearly stationary
-in f at f = 1, so it is the shear that sees a wrong friction; and increments that land on each touch and turning point keep W within
-its limit however few they are, so it takes the step's own error to see that they are too long.
+Each fault is planted by argument or by replacing one function, the paper's cycle is solved with it,
+and every check that the project has for an answer is asked: errors against half-plane theory, the
+laws of contact, energy, symmetry. W is nearly stationary in f at f = 1, so it is the shear that
+sees a wrong friction; and increments that land on each touch and turning point keep W within its
+limit however few they are, so it takes the step's own error to see that they are too long.
 tests/test_halfplane_fe_mutations.py holds each fault to its checks.
 """
 
@@ -62,9 +64,11 @@ class Fault(NamedTuple):
     settings: dict[str, Any] = {}  # noqa: RUF012 (never changed)
 
 
-# ------------------------------------------------------------------------------------------------------------------ the faults
+# --------------------------------------------------------------------------------------- the faults
 def problem(change: Callable[..., tuple[Any, ...]]) -> Planted:
-    """The contact problem made from changed arguments: interface, initial gap, friction and the rest; lengths are scaled by a."""
+    """The contact problem made from changed arguments: interface, initial gap, friction and the
+    rest; lengths are scaled by a.
+    """
     make = SOLVE.ContactProblem
     return mock.patch.object(SOLVE, "ContactProblem", lambda *given: make(*change(*given)))
 
@@ -89,9 +93,11 @@ def lifted(x: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def rough(x: np.ndarray, height: np.ndarray, size: float | None = None) -> np.ndarray:
-    """Every second node, the mid-side ones, h/10 off; with `size` (element over a) as h^2, h/10 on a mesh of that size.
+    """Every second node, the mid-side ones, h/10 off; with `size` (element over a) as h^2, h/10 on
+    a mesh of that size.
 
-    In proportion to h the pressure is wrong by the same amount on every mesh, which no study of meshes can see.
+    In proportion to h the pressure is wrong by the same amount on every mesh, which no study of
+    meshes can see.
     """
     share = 1.0 if size is None else element(x) / size
     return np.where(np.arange(len(x)) % 2, height + share * (lifted(x, height) - height), height)
@@ -109,12 +115,16 @@ def equilibrium(planted: Callable[..., Step]) -> Planted:
     return mock.patch.object(ContactProblem, "equilibrium", planted)
 
 
-def forgetting(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> Step:
+def forgetting(
+    self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]
+) -> Step:
     """Each increment starts from faces that have never slipped."""
     return EQUILIBRIUM(self, self.at_rest(history.time), time, loads)
 
 
-def turned_round(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> Step:
+def turned_round(
+    self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]
+) -> Step:
     """Q has the wrong sign, in the law's eyes alone."""
     before = replace(history, loads=(history.normal_load, -history.tangential_load))
     state, iterations = EQUILIBRIUM(self, before, time, (loads[0], -loads[1]))
@@ -128,14 +138,20 @@ def short_slip(self: ContactProblem, history: InterfaceState, *given: Any) -> St
 
 
 def sticky() -> Planted:
-    """Sliding nodes are recorded with one per cent too little pressure for their shear; what comes next follows the right state."""
+    """Sliding nodes are recorded with one per cent too little pressure for their shear; what comes
+    next follows the right state.
+    """
     take = PathRun.take
 
     def short(one: Increment) -> Increment:
         sliding, pressure = slip_sign(one.state.state) != 0, one.state.pressure
-        return replace(one, state=one.state.changed(pressure=np.where(sliding, 0.99 * pressure, pressure)))
+        return replace(
+            one, state=one.state.changed(pressure=np.where(sliding, 0.99 * pressure, pressure))
+        )
 
-    def planted(self: PathRun, problem: ContactProblem, increments: list[Increment], *rest: Any) -> None:
+    def planted(
+        self: PathRun, problem: ContactProblem, increments: list[Increment], *rest: Any
+    ) -> None:
         take(self, problem, [short(one) for one in increments], *rest)
         if increments:
             self.states[-1] = increments[-1].state
@@ -145,9 +161,13 @@ def sticky() -> Planted:
 
 @contextlib.contextmanager
 def blind() -> Iterator[None]:
-    """Increments end at regular instants alone: not where a node touches or lets go, nor where the path turns."""
+    """Increments end at regular instants alone: not where a node touches or lets go, nor where the
+    path turns.
+    """
     stepping, path = (import_module(f"halfplane_fe.{name}") for name in ("stepping", "path"))
-    regular = mock.patch.object(stepping, "next_event", lambda _problem, _history, _at, end, _states: ("regular", end))
+    regular = mock.patch.object(
+        stepping, "next_event", lambda _problem, _history, _at, end, _states: ("regular", end)
+    )
     with regular, mock.patch.object(path, "turning_points", return_value=[]):
         yield
 
@@ -167,9 +187,17 @@ SOFT = {"method": "penalty", "normal_stiffness": 1.0, "tangential_stiffness": 1.
 LONG = {"steps_per_cycle": 8, "step_tolerance": np.inf}
 FAULTS = (
     Fault("gap off by h/10 everywhere", ("normal approach",), lambda: gap(lifted)),
-    Fault("gap off by h/10 at mid-side nodes", ("peak pressure", "pressure, L2", "shear, L2"), lambda: gap(rough)),
+    Fault(
+        "gap off by h/10 at mid-side nodes",
+        ("peak pressure", "pressure, L2", "shear, L2"),
+        lambda: gap(rough),
+    ),
     Fault("profile off by h/10 along x", ("symmetry of the contact, elements",), off_centre),
-    Fault("penalty too soft (1 E*/h)", ("pressure, L2", "overlap of the faces", "creep"), settings=SOFT),
+    Fault(
+        "penalty too soft (1 E*/h)",
+        ("pressure, L2", "overlap of the faces", "creep"),
+        settings=SOFT,
+    ),
     Fault("steps too long (8 a revolution)", ("step error",), settings=LONG),
     Fault("the same, and no event landed on", ("dissipation", "step error"), blind, LONG),
     Fault("history dropped", ("shear, L2", "dissipation"), lambda: equilibrium(forgetting)),
@@ -182,9 +210,11 @@ FAULTS = (
 )
 
 
-# ------------------------------------------------------------------------------------------------------------------ the checks
+# --------------------------------------------------------------------------------------- the checks
 def figures(answer: FiniteElementSolution) -> dict[str, float]:
-    """Every check of an answer, in the order of LIMITS; the last cycle against half-plane theory at the same instants."""
+    """Every check of an answer, in the order of LIMITS; the last cycle against half-plane theory at
+    the same instants.
+    """
     scene, cycle, element_size = answer.scene, answer.last_cycle, answer.settings["element_size"]
     exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
 
@@ -230,6 +260,8 @@ def solved(fault: Fault | None, mesh: MeshSettings | None = None) -> FiniteEleme
     # Cached bodies were condensed without the fault.
     with mock.patch.object(BODIES, "bound_bytes", 0), fault.plant():
         try:
-            return halfplane_fe.solve(load_scene("hertz-paper"), mesh, SolverSettings(**fault.settings))
+            return halfplane_fe.solve(
+                load_scene("hertz-paper"), mesh, SolverSettings(**fault.settings)
+            )
         except (ConvergenceError, InputError, ArithmeticError) as reason:
             return str(reason)

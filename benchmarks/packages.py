@@ -1,12 +1,15 @@
 """What pip installs: licences, and the wheel in an environment of its own.
 
-    python benchmarks/packages.py lowest FOLDER     (make lowest) the wheel with the lowest versions that pyproject.toml allows
+    python benchmarks/packages.py lowest FOLDER     (make lowest) the wheel with the lowest versions
+                                                    that pyproject.toml allows
     python benchmarks/packages.py pinned FOLDER     the same with the pinned versions
-    python benchmarks/packages.py commands FOLDER   every command of the wheel, with the packages of the present environment
+    python benchmarks/packages.py commands FOLDER   every command of the wheel, with the packages of
+                                                    the present environment
     python benchmarks/packages.py licences          docs/licences.md
 
-The wheel runs outside the checkout. `lowest` and `pinned` print what a run finds there beside what it finds in the present
-environment: exit code 1 where they differ by over 1e-6. `commands`: 1 where one does not end as it must, or has no line here.
+The wheel runs outside the checkout. `lowest` and `pinned` print what a run finds there beside what
+it finds in the present environment: exit code 1 where they differ by over 1e-6. `commands`: 1 where
+one does not end as it must, or has no line here.
 """
 
 from __future__ import annotations
@@ -33,13 +36,23 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
     """What a command prints; an error with its last lines where it fails."""
     outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     outside |= {"MPLBACKEND": "Agg"}
-    done = subprocess.run([str(word) for word in words], cwd=cwd, env=outside, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(word) for word in words],
+        cwd=cwd,
+        env=outside,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode:
-        raise RuntimeError(f"{' '.join(map(str, words))} ended with {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}")
+        raise RuntimeError(
+            f"{' '.join(map(str, words))} ended with"
+            f" {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}"
+        )
     return done.stdout
 
 
-# ----------------------------------------------------------------------------------------------------------------- licences
+# ----------------------------------------------------------------------------------------- licences
 HEAD = """# Licences
 
 halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install halfplane` brings, by their own
@@ -77,7 +90,11 @@ def closure() -> dict[str, Distribution]:
 def licence(package: Distribution) -> str:
     """The SPDX expression, else the classifiers, else the first line of the free text."""
     meta = package.metadata
-    classifiers = [line.split(" :: ")[-1] for line in meta.get_all("Classifier") or [] if line.startswith("License :: ")]
+    classifiers = [
+        line.split(" :: ")[-1]
+        for line in meta.get_all("Classifier") or []
+        if line.startswith("License :: ")
+    ]
     named = ", ".join(name for name in classifiers if name != "OSI Approved")
     text = (meta.get("License") or "").strip().partition("\n")[0][:60]
     return meta.get("License-Expression") or named or text or "not stated"
@@ -85,14 +102,19 @@ def licence(package: Distribution) -> str:
 
 def licences() -> str:
     """The page."""
-    return HEAD + "".join(f"| {name} | {licence(package).replace('|', ' or ')} |\n" for name, package in closure().items())
+    return HEAD + "".join(
+        f"| {name} | {licence(package).replace('|', ' or ')} |\n"
+        for name, package in closure().items()
+    )
 
 
-# ---------------------------------------------------------------------------------------------------------------- the wheel
-AGREE = 1e-6  # on metrics, as `halfplane diff` has it: other versions of numpy and scipy round otherwise
+# ---------------------------------------------------------------------------------------- the wheel
+# on metrics, as `halfplane diff` has it: other versions of numpy and scipy round otherwise
+AGREE = 1e-6
 FIGURES = ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
 COARSE = "--steps-per-cycle 16 --element-size 0.1 --edge-element-size 0.05 --quiet"
-# What every command is asked, one after another in one folder, and its exit code; `run` is too coarse for its limits.
+# What every command is asked, one after another in one folder, and its exit code; `run` is too
+# coarse for its limits.
 COMMANDS = {
     "init plain.toml": 0,
     "init bodies.toml --bodies": 0,
@@ -156,13 +178,37 @@ def lowest() -> list[str]:
 
 
 def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
-    """Python of a new environment with the wheel of this checkout; without pins all other packages are the present one's."""
-    run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", scratch, ROOT)
+    """Python of a new environment with the wheel of this checkout; without pins all other packages
+    are the present one's.
+    """
+    run(
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "--quiet",
+        "--no-deps",
+        "--no-build-isolation",
+        "--wheel-dir",
+        scratch,
+        ROOT,
+    )
     (wheel,) = scratch.glob("halfplane-*.whl")
     venv.create(home, clear=True, with_pip=pins is not None)
     python = home / "bin" / "python"
     if pins is None:
-        run(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel)
+        run(
+            sys.executable,
+            "-m",
+            "pip",
+            "--python",
+            python,
+            "install",
+            "--quiet",
+            "--no-deps",
+            "--no-index",
+            wheel,
+        )
         (own,) = home.glob("lib/python*/site-packages")
         # A plain path: the .pth files of that folder, which lead to the checkout, are not read.
         (own / "packages.pth").write_text(sysconfig.get_path("purelib"), "utf-8")
@@ -186,22 +232,51 @@ def every_command(home: Path, folder: Path) -> list[str]:
     said = run(python, "driver.py", json.dumps(list(COMMANDS)), cwd=folder)
     codes = json.loads((folder / "codes.json").read_text("utf-8"))
     without = set(codes.pop("")) - {words.split()[0] for words in COMMANDS}
-    wrong = [f"halfplane {words}: {codes[words]} for {code}" for words, code in COMMANDS.items() if codes[words] != code]
-    return [*wrong, *(f"halfplane {name}: not run" for name in sorted(without)), *([said[-2000:]] if wrong else [])]
+    wrong = [
+        f"halfplane {words}: {codes[words]} for {code}"
+        for words, code in COMMANDS.items()
+        if codes[words] != code
+    ]
+    return [
+        *wrong,
+        *(f"halfplane {name}: not run" for name in sorted(without)),
+        *([said[-2000:]] if wrong else []),
+    ]
 
 
 def compared(home: Path, folder: Path, pins: list[str]) -> list[str]:
-    """The headline metrics of `halfplane run hertz-paper` there and here; a line for each that differs."""
+    """The headline metrics of `halfplane run hertz-paper` there and here; a line for each that
+    differs.
+    """
     folder.mkdir()
     found = []
     for python in (environment(home, folder, pins), sys.executable):
-        run(python, "-m", "reports", "run", "hertz-paper", "--quiet", "--out", f"out-{len(found)}", cwd=folder)
-        metrics = json.loads((folder / f"out-{len(found)}" / "comparison.json").read_text("utf-8"))["metrics"]
+        run(
+            python,
+            "-m",
+            "reports",
+            "run",
+            "hertz-paper",
+            "--quiet",
+            "--out",
+            f"out-{len(found)}",
+            cwd=folder,
+        )
+        metrics = json.loads((folder / f"out-{len(found)}" / "comparison.json").read_text("utf-8"))[
+            "metrics"
+        ]
         found.append({name: metrics[name]["value"] for name in FIGURES})
     there, here = found
     for name in FIGURES:
-        print(f"{name:16}{there[name]: .9e}  here {here[name]: .9e}  apart {there[name] - here[name]: .1e}")
-    return [f"{name} differs by more than {AGREE:g}" for name in FIGURES if not abs(there[name] - here[name]) <= AGREE]
+        print(
+            f"{name:16}{there[name]: .9e}  here {here[name]: .9e}  apart"
+            f" {there[name] - here[name]: .1e}"
+        )
+    return [
+        f"{name} differs by more than {AGREE:g}"
+        for name in FIGURES
+        if not abs(there[name] - here[name]) <= AGREE
+    ]
 
 
 def main(words: list[str]) -> int:
@@ -210,10 +285,16 @@ def main(words: list[str]) -> int:
         if kind == "licences":
             LICENCES.write_text(licences(), encoding="utf-8")
         else:
-            pins = {"commands": None, "lowest": lowest(), "pinned": ["-c", str(PINS), *REQUIREMENTS]}[kind]
+            pins = {
+                "commands": None,
+                "lowest": lowest(),
+                "pinned": ["-c", str(PINS), *REQUIREMENTS],
+            }[kind]
             with tempfile.TemporaryDirectory(prefix="halfplane-") as scratch:
                 home, folder = Path(rest[0]).resolve(), Path(scratch) / "there"
-                wrong = every_command(home, folder) if pins is None else compared(home, folder, pins)
+                wrong = (
+                    every_command(home, folder) if pins is None else compared(home, folder, pins)
+                )
             print("\n".join(wrong) or f"{kind}: ok")
             return int(bool(wrong))
     except RuntimeError as refused:

@@ -1,8 +1,10 @@
-"""Other people's codes on our questions: runs in an interpreter that has the code (`make peers`, or Debian's), not in ours.
+"""Other people's codes on our questions: runs in an interpreter that has the code (`make peers`, or
+Debian's), not in ours.
 
     python peer_codes.py CODE QUESTION.npz ANSWER.npz      CODE: tamaas, contactmechanics or getfem
 
-Between "by hand" and "so far" stands what a user writes; its lines are counted on the page of performance.
+Between "by hand" and "so far" stands what a user writes; its lines are counted on the page of
+performance.
 """
 
 import sys
@@ -40,7 +42,9 @@ def contactmechanics(asked):
     n, period = int(asked["points"]), float(asked["period"])
     x = (np.arange(n) + 0.5) * period / n - period / 2
     surface = UniformLineScan(-(x**2) / (2 * float(asked["radius"])), period, periodic=True)
-    system = NonSmoothContactSystem(PeriodicFFTElasticHalfSpace((n,), float(asked["modulus"]), (period,)), surface=surface)
+    system = NonSmoothContactSystem(
+        PeriodicFFTElasticHalfSpace((n,), float(asked["modulus"]), (period,)), surface=surface
+    )
     found = system.minimize_proxy(external_force=float(asked["load"]), pentol=1e-12)
     pressure = found.jac * n / period
     # so far
@@ -51,7 +55,9 @@ def contactmechanics(asked):
 
 
 def getfem(asked):
-    """Press and shear two bodies: nodes, elements, held nodes, E, nu, f and the loads are given; p and q on the lower face."""
+    """Press and shear two bodies: nodes, elements, held nodes, E, nu, f and the loads are given; p
+    and q on the lower face.
+    """
     import getfem as gf
 
     begun = time.process_time()
@@ -64,7 +70,9 @@ def getfem(asked):
         corners = asked[body + "_nodes"][asked[body + "_elements"]][:, [0, 1, 3, 2]]
         mesh.add_convex(gf.GeoTrans("GT_QK(2,1)"), np.transpose(corners, (2, 1, 0)))
         for region, nodes in ((contact, "_contact"), (held, "_held")):
-            mesh.set_region(region, mesh.faces_from_pid(mesh.pid_from_coords(asked[body + nodes].T)))
+            mesh.set_region(
+                region, mesh.faces_from_pid(mesh.pid_from_coords(asked[body + nodes].T))
+            )
         return mesh
 
     model, young, poisson, friction = gf.Model("real"), *asked["numbers"][:3]
@@ -80,11 +88,15 @@ def getfem(asked):
     model.add_initialized_data("lame", young * poisson / (1 + poisson) / (1 - 2 * poisson))
     model.add_initialized_data("rigidity", young / 2 / (1 + poisson))
     for body in meshes:
-        model.add_isotropic_linearized_elasticity_brick(methods[body], "u_" + body, "lame", "rigidity")
+        model.add_isotropic_linearized_elasticity_brick(
+            methods[body], "u_" + body, "lame", "rigidity"
+        )
     model.add_Dirichlet_condition_with_multipliers(methods["lower"], "u_lower", 1, held)
     model.add_variable("plane", 2)
     model.add_filtered_fem_variable("hold", fields["upper"], held)
-    model.add_linear_term(methods["upper"], "hold.(Test_u_upper - Test_plane) + Test_hold.(u_upper - plane)", held)
+    model.add_linear_term(
+        methods["upper"], "hold.(Test_u_upper - Test_plane) + Test_hold.(u_upper - plane)", held
+    )
     force = model.add_explicit_rhs("plane", np.zeros(2))
     model.add_filtered_fem_variable("traction", fields["lower"], contact)
     for name, value in (("r", young * 10), ("f", friction), ("alpha", 1.0)):
@@ -105,9 +117,16 @@ def getfem(asked):
         for body in meshes:
             model.set_variable("old_" + body, model.variable("u_" + body))
     # so far
-    places = fields["lower"].basic_dof_nodes()[:, fields["lower"].basic_dof_on_region(contact)][0, ::2]
+    places = fields["lower"].basic_dof_nodes()[:, fields["lower"].basic_dof_on_region(contact)][
+        0, ::2
+    ]
     traction = model.variable("traction").reshape(-1, 2)
-    return {"x": places, "q": traction[:, 0], "p": -traction[:, 1], "seconds": time.process_time() - begun}
+    return {
+        "x": places,
+        "q": traction[:, 0],
+        "p": -traction[:, 1],
+        "seconds": time.process_time() - begun,
+    }
 
 
 if __name__ == "__main__":

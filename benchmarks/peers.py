@@ -1,7 +1,9 @@
-"""Other people's codes beside ours on the same scene in the same run: normal Hertz contact, and Cattaneo and Mindlin's at 0.6 f P.
+"""Other people's codes beside ours on the same scene in the same run: normal Hertz contact, and
+Cattaneo and Mindlin's at 0.6 f P.
 
-A code that is not installed is left out, and the page states it; `make peers` installs them. Finite element codes get the nodes,
-elements and loads of the deck that `halfplane export` writes. Times are CPU times with all set-up and without imports.
+A code that is not installed is left out, and the page states it; `make peers` installs them. Finite
+element codes get the nodes, elements and loads of the deck that `halfplane export` writes. Times
+are CPU times with all set-up and without imports.
 """
 
 from __future__ import annotations
@@ -40,7 +42,8 @@ PEERS = Path(os.environ.get("HALFPLANE_PEERS", ROOT / ".peers")) / "bin" / "pyth
 DEBIAN = Path("/usr/bin/python3")
 KRATOS = ROOT / "docs" / "examples" / "score" / "kratos" / "make.py"
 PERIOD, PER_HALF_WIDTH, EDGES = 64.0, (20, 40, 80, 160), (40, 80, 160)
-# Growth of the bulk's elements in the peers' decks: coarser ones leave errors that no finer contact takes away.
+# Growth of the bulk's elements in the peers' decks: coarser ones leave errors that no finer contact
+# takes away.
 GROWTH = {40: 0.4, 80: 0.2, 160: 0.1}
 # Our least mesh whose shear is as good as that of Kratos on elements of a/80.
 COARSER = MeshSettings(element_size=1 / 16, edge_element_size=1 / 24, far_radius=6.0, growth=0.5)
@@ -56,7 +59,7 @@ class Answer(NamedTuple):
     seconds: float
 
 
-# -------------------------------------------------------------------------------------------------------------------- codes
+# -------------------------------------------------------------------------------------------- codes
 def hertz() -> tuple[float, float, float]:
     """E*, R and P of the library's hertz-normal, of which a = 1."""
     scene = load_scene("hertz-normal")
@@ -71,7 +74,9 @@ def interpreted(python: Path, code: str, **question: Any) -> dict[str, Any]:
         asked, answer = Path(folder) / "question.npz", Path(folder) / "answer.npz"
         np.savez(asked, **question)
         command = [str(python), str(HERE / "peer_codes.py"), code, str(asked), str(answer)]
-        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+        subprocess.run(
+            command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}
+        )
         with np.load(answer) as found:
             return {name: found[name] for name in found.files}
 
@@ -79,7 +84,13 @@ def interpreted(python: Path, code: str, **question: Any) -> dict[str, Any]:
 def periodic(code: str, per_half_width: int) -> Answer:
     """Hertz by a code for periodic half-spaces."""
     modulus, radius, load = hertz()
-    asked = {"modulus": modulus, "radius": radius, "load": load, "period": PERIOD, "points": int(PERIOD * per_half_width)}
+    asked = {
+        "modulus": modulus,
+        "radius": radius,
+        "load": load,
+        "period": PERIOD,
+        "points": int(PERIOD * per_half_width),
+    }
     found = interpreted(PEERS, code, **asked)
     return Answer(found["x"], found["p"], None, float(found["seconds"]))
 
@@ -88,13 +99,17 @@ def naive_hertz(per_half_width: int) -> Answer:
     modulus, radius, load = hertz()
     begun = time.process_time()
     extent, cells = (-1.1, 1.1), round(2.2 * per_half_width)
-    found = dense_grid.solve(lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus)
+    found = dense_grid.solve(
+        lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus
+    )
     return Answer(found.x, found.pressure[0], None, time.process_time() - begun)
 
 
 def our_theory(scene: Scene, at: float) -> Answer:
     begun = time.process_time()
-    answer = semi_analytic.solve(scene, x=np.linspace(-1.05, 1.05, 200), time=[at], fields=("pressure", "shear"))
+    answer = semi_analytic.solve(
+        scene, x=np.linspace(-1.05, 1.05, 200), time=[at], fields=("pressure", "shear")
+    )
     return Answer(answer.x, answer.pressure[0], answer.shear[0], time.process_time() - begun)
 
 
@@ -105,11 +120,17 @@ def our_model(scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> Answe
 
 
 def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
-    """The bodies as CalculiX gets them, with few increments, on which the answer does not depend; its text; CPU seconds."""
+    """The bodies as CalculiX gets them, with few increments, on which the answer does not depend;
+    its text; CPU seconds.
+    """
     from reports.third.deck import DeckSettings, build_deck, deck_text
 
     begun = time.process_time()
-    sizes = {"edge_element_size": 1 / edge, "element_size": min(1 / 20, 2 / edge), "growth": GROWTH[edge]}
+    sizes = {
+        "edge_element_size": 1 / edge,
+        "element_size": min(1 / 20, 2 / edge),
+        "growth": GROWTH[edge],
+    }
     deck = build_deck(scene, DeckSettings(steps_per_cycle=4, **sizes))
     return deck, deck_text(deck), time.process_time() - begun
 
@@ -117,16 +138,29 @@ def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
 def getfem(scene: Scene, edge: int) -> Answer:
     """By GetFEM: augmented Lagrangian, both bodies of the deck, P in one step and Q in another."""
     deck, _, meshed = deck_of(scene, edge)
-    asked: dict[str, Any] = {"normal": deck.normal_load[[-1, -1]], "tangential": np.array([0.0, deck.tangential_load[-1]])}
+    asked: dict[str, Any] = {
+        "normal": deck.normal_load[[-1, -1]],
+        "tangential": np.array([0.0, deck.tangential_load[-1]]),
+    }
     for name, body in (("lower", deck.lower), ("upper", deck.upper)):
-        asked[f"{name}_nodes"], asked[f"{name}_elements"] = body.nodes, body.elements - body.first_node
+        asked[f"{name}_nodes"], asked[f"{name}_elements"] = (
+            body.nodes,
+            body.elements - body.first_node,
+        )
         asked[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
         asked[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
     steel = scene.material.lower
-    asked["numbers"] = [steel.young_modulus, steel.poisson_ratio, scene.friction.coefficient, 4 * deck.touch_approach]
+    asked["numbers"] = [
+        steel.young_modulus,
+        steel.poisson_ratio,
+        scene.friction.coefficient,
+        4 * deck.touch_approach,
+    ]
     found = interpreted(DEBIAN, "getfem", **asked)
     order = np.argsort(found["x"])
-    return Answer(found["x"][order], found["p"][order], found["q"][order], float(found["seconds"]) + meshed)
+    return Answer(
+        found["x"][order], found["p"][order], found["q"][order], float(found["seconds"]) + meshed
+    )
 
 
 def kratos(scene: Scene, edge: int) -> Answer:
@@ -136,7 +170,13 @@ def kratos(scene: Scene, edge: int) -> Answer:
         folder = Path(name)
         (folder / "deck.inp").write_text(text, encoding="utf-8")
         command = [str(PEERS), str(KRATOS), str(folder / "deck.inp"), str(folder / "result.csv")]
-        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, cwd=folder)
+        subprocess.run(
+            command,
+            check=True,
+            capture_output=True,
+            env=os.environ | {"OMP_NUM_THREADS": "1"},
+            cwd=folder,
+        )
         rows = np.loadtxt(folder / "result.csv", delimiter=",", skiprows=1)
         spent = stored(folder / "made.json")["seconds"]
     last = rows[rows[:, 0] == rows[-1, 0]]
@@ -144,7 +184,9 @@ def kratos(scene: Scene, edge: int) -> Answer:
 
 
 def calculix(scene: Scene, edge: int) -> Answer:
-    """By CalculiX: penalty, on the deck as written; its own process and ours that writes the deck."""
+    """By CalculiX: penalty, on the deck as written; its own process and ours that writes the
+    deck.
+    """
     from reports.console import Stages
     from reports.third.calculix import find_calculix, judged, run_calculix
 
@@ -158,8 +200,15 @@ def calculix(scene: Scene, edge: int) -> Answer:
     return Answer(found.x, found.pressure[-1], found.shear[-1], spent + meshed)
 
 
-# How each code is found: a program, a package of Debian's interpreter, or one of `make peers`' interpreter.
-CODES = {"tamaas": PEERS, "ContactMechanics": PEERS, "KratosMultiphysics": PEERS, "GetFEM": DEBIAN, "CalculiX": Path("ccx")}
+# How each code is found: a program, a package of Debian's interpreter, or one of `make peers`'
+# interpreter.
+CODES = {
+    "tamaas": PEERS,
+    "ContactMechanics": PEERS,
+    "KratosMultiphysics": PEERS,
+    "GetFEM": DEBIAN,
+    "CalculiX": Path("ccx"),
+}
 VERSION = "from importlib.metadata import version as v; print(v({!r}))"
 
 
@@ -182,7 +231,9 @@ def lines_by_hand() -> dict[str, int]:
     """Lines of code that a user writes for the scene, blank ones and comments left out."""
 
     def count(text: str) -> int:
-        return sum(bool(line.strip()) and not line.strip().startswith("#") for line in text.splitlines())
+        return sum(
+            bool(line.strip()) and not line.strip().startswith("#") for line in text.splitlines()
+        )
 
     def read(file: Path) -> str:
         return file.read_text(encoding="utf-8")
@@ -199,9 +250,11 @@ def lines_by_hand() -> dict[str, int]:
     return found | {"ours": written, "calculix": written}
 
 
-# ----------------------------------------------------------------------------------------------------------------- measuring
+# ---------------------------------------------------------------------------------------- measuring
 def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
-    """p of Hertz (1882) and q of Cattaneo (1938) at the end of the path; shares nothing with either engine."""
+    """p of Hertz (1882) and q of Cattaneo (1938) at the end of the path; shares nothing with either
+    engine.
+    """
     modulus, radius, _ = hertz()
     load, shear = scene.load.initial_loading[-1]
     a, f = float(np.sqrt(4 * load * radius / (np.pi * modulus))), scene.friction.coefficient
@@ -209,11 +262,15 @@ def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
     def ellipse(half_width: float) -> Array:
         return 2 * load / (np.pi * a**2) * np.sqrt(np.maximum(half_width**2 - x**2, 0.0))
 
-    return ellipse(a), f * (ellipse(a) - ellipse(a * float(np.sqrt(1 - shear / (f * load))))) if shear else 0 * x
+    return ellipse(a), (
+        f * (ellipse(a) - ellipse(a * float(np.sqrt(1 - shear / (f * load))))) if shear else 0 * x
+    )
 
 
 def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
-    """L2 errors over those of the closed form at the code's own points, weighted by their spacing; peak pressure."""
+    """L2 errors over those of the closed form at the code's own points, weighted by their spacing;
+    peak pressure.
+    """
     near = np.abs(answer.x) < 1.5
     x = answer.x[near]
     (p, q), weight = closed_form(scene, x), np.gradient(x)
@@ -223,15 +280,24 @@ def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
 
     largest = float(closed_form(scene, np.zeros(1))[0][0])
     shear = norm(answer.q[near] - q) / norm(q) if answer.q is not None and q.any() else None
-    return {"p": norm(answer.p[near] - p) / norm(p), "q": shear, "peak": float(np.max(answer.p)) / largest - 1}
+    return {
+        "p": norm(answer.p[near] - p) / norm(p),
+        "q": shear,
+        "peak": float(np.max(answer.p)) / largest - 1,
+    }
 
 
 Entry = tuple[str, str, str, Callable[[], Answer]]  # code, size, key of its lines by hand, how
 
 
 def ours(scene: Scene, solver: SolverSettings) -> list[Entry]:
-    cut = {f"a/{edge}": MeshSettings(element_size=1 / 24, edge_element_size=1 / edge) for edge in EDGES}
-    return [(OURS, size, "ours", lambda mesh=mesh: our_model(scene, mesh, solver)) for size, mesh in cut.items()]
+    cut = {
+        f"a/{edge}": MeshSettings(element_size=1 / 24, edge_element_size=1 / edge) for edge in EDGES
+    }
+    return [
+        (OURS, size, "ours", lambda mesh=mesh: our_model(scene, mesh, solver))
+        for size, mesh in cut.items()
+    ]
 
 
 def normal_entries() -> Iterator[Entry]:
@@ -253,17 +319,31 @@ def shear_entries() -> Iterator[Entry]:
     for size, mesh in {"a/24": COARSER, "coarse": MeshSettings.coarse()}.items():
         yield OURS, size, "ours", lambda mesh=mesh: our_model(scene, mesh, FEW_STEPS)
     yield from ours(scene, FEW_STEPS)
-    codes = (("GetFEM", getfem, EDGES), ("KratosMultiphysics", kratos, EDGES[:2]), ("CalculiX", calculix, EDGES[:1]))
+    codes = (
+        ("GetFEM", getfem, EDGES),
+        ("KratosMultiphysics", kratos, EDGES[:2]),
+        ("CalculiX", calculix, EDGES[:1]),
+    )
     for edge in EDGES:
         for code, solve, edges in codes:
             if version_of(code) and edge in edges:
                 name = code.removesuffix("Multiphysics")
-                yield name, f"a/{edge}", name.lower(), lambda edge=edge, solve=solve: solve(scene, edge)
+                yield (
+                    name,
+                    f"a/{edge}",
+                    name.lower(),
+                    lambda edge=edge, solve=solve: solve(scene, edge),
+                )
 
 
 def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
-    """All entries in turn, those slower than 2 s twice: CPU seconds, errors against the closed form, or why there is no answer."""
-    found = [({"code": code, "size": size, "lines": key, "seconds": []}, work) for code, size, key, work in entries]
+    """All entries in turn, those slower than 2 s twice: CPU seconds, errors against the closed
+    form, or why there is no answer.
+    """
+    found = [
+        ({"code": code, "size": size, "lines": key, "seconds": []}, work)
+        for code, size, key, work in entries
+    ]
     for turn in range(RUNS):
         for row, work in found:
             if turn > 1 and min(row["seconds"], default=0.0) > 2.0:
@@ -292,8 +372,11 @@ def measure() -> dict[str, Any]:
     }
 
 
-# ---------------------------------------------------------------------------------------------------------------------- page
-SHOWN = (("normal", "p", "Hertz, normal load: pressure"), ("shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"))
+# --------------------------------------------------------------------------------------------- page
+SHOWN = (
+    ("normal", "p", "Hertz, normal load: pressure"),
+    ("shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"),
+)
 
 
 def panels(found: dict[str, Any]) -> list[tuple]:
@@ -303,13 +386,17 @@ def panels(found: dict[str, Any]) -> list[tuple]:
         lines: dict[str, list[tuple[float, float]]] = {}
         for row in found[name]:
             if row.get(key) is not None:
-                lines.setdefault(row["code"], []).append((statistics.median(row["seconds"]), max(row[key], 1e-16)))
+                lines.setdefault(row["code"], []).append(
+                    (statistics.median(row["seconds"]), max(row[key], 1e-16))
+                )
         drawn.append((title, "CPU time, set-up included [s]", f"relative L2 error of {key}", lines))
     return drawn
 
 
 def rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str, Any] | None:
-    """Our quickest setting that is at least as exact as another code's row; None for our own rows or where there is none."""
+    """Our quickest setting that is at least as exact as another code's row; None for our own rows
+    or where there is none.
+    """
     if row["code"].startswith("halfplane") or row.get(key) is None:
         return None
     own = [other for other in rows if other["code"] == OURS and other[key] <= row[key]]
@@ -317,58 +404,98 @@ def rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str
 
 
 def times_faster(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> float:
-    """Median time of another code's row over that of our quickest setting that is as exact; NaN where there is none."""
+    """Median time of another code's row over that of our quickest setting that is as exact; NaN
+    where there is none.
+    """
     best = rival(row, rows, key)
-    return statistics.median(row["seconds"]) / statistics.median(best["seconds"]) if best else float("nan")
+    return (
+        statistics.median(row["seconds"]) / statistics.median(best["seconds"])
+        if best
+        else float("nan")
+    )
 
 
 def _spread(values: list[float], form: str) -> str:
-    return ", ".join(f"{value:{form}}" for value in (min(values), statistics.median(values), max(values)))
+    return ", ".join(
+        f"{value:{form}}" for value in (min(values), statistics.median(values), max(values))
+    )
 
 
 def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
-    head = "code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite elements at no larger error"
+    head = (
+        "code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite"
+        " elements at no larger error"
+    )
     head += " | lines by hand"
     cells = []
     for row in found[name]:
         lines, best = found["lines"][row["lines"]], rival(row, found[name], key)
         if "failure" in row:
-            cells.append((row["code"], row["size"], "", "", "", f"no answer: {row['failure']}", "", lines))
+            cells.append(
+                (row["code"], row["size"], "", "", "", f"no answer: {row['failure']}", "", lines)
+            )
             continue
         ratio = "" if row["code"].startswith("halfplane") else "ours is nowhere as exact"
         if best:
-            ratio = f"{_spread([one / other for one in row['seconds'] for other in best['seconds']], '.2g')} ({best['size']})"
+            ratio = (
+                f"{_spread([one / other for one in row['seconds'] for other in best['seconds']], '.2g')}"
+                f" ({best['size']})"
+            )
         q = "" if row["q"] is None else f"{row['q']:.1e}"
         spent = _spread(row["seconds"], ".3g")
-        cells.append((row["code"], row["size"], f"{row['p']:.1e}", f"{row['peak']:+.1e}", q, spent, ratio, lines))
+        cells.append(
+            (
+                row["code"],
+                row["size"],
+                f"{row['p']:.1e}",
+                f"{row['peak']:+.1e}",
+                q,
+                spent,
+                ratio,
+                lines,
+            )
+        )
     return markdown(head, cells)
 
 
 def page(found: dict[str, Any]) -> list[str]:
     """Two tables, the ratios, what is missing."""
     names = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
-    missing = f" Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)." if found["missing"] else ""
+    missing = (
+        f" Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)."
+        if found["missing"]
+        else ""
+    )
     share = (np.pi / PERIOD) ** 2 / 12
     lines = [
         f"{names}. {RUNS} runs of each in turn, one thread; those slower than 2 s twice.{missing}",
         "",
         "### Hertz, normal load",
         "",
-        f"tamaas and ContactMechanics solve a row of equal contacts, here {PERIOD:g} a apart. By the first term of the periodic "
-        f"kernel that makes the peak pressure (π a/L)²/12 = {share:.1e} too high and the contact as much too narrow. "
-        "What is above that is the grid.",
+        (
+            f"tamaas and ContactMechanics solve a row of equal contacts, here {PERIOD:g} a apart."
+            " By the first term of the periodic kernel that makes the peak pressure (π a/L)²/12 ="
+            f" {share:.1e} too high and the contact as much too narrow. What is above that is the"
+            " grid."
+        ),
         "",
         *_table(found, "normal", "p"),
         "",
         "### Cattaneo-Mindlin, Q = 0.6 f P, first loading",
         "",
-        "The finite element codes have the bodies of the same deck, half-discs of 50 a cut into linear quadrilaterals, ours its "
-        "own half-planes and quadratic triangles. Set-up is meshing (ours, in every row), reading, and all increments.",
+        (
+            "The finite element codes have the bodies of the same deck, half-discs of 50 a cut into"
+            " linear quadrilaterals, ours its own half-planes and quadratic triangles. Set-up is"
+            " meshing (ours, in every row), reading, and all increments."
+        ),
         "",
         *_table(found, "shear", "q"),
         "",
-        "CalculiX on the whole cycles of the paper is on the page [A third solver](third.md), with its times, which are too "
-        "long for `make bench`. Peak p of theory is that of the 200 points, of which none is the middle.",
+        (
+            "CalculiX on the whole cycles of the paper is on the page [A third solver](third.md),"
+            " with its times, which are too long for `make bench`. Peak p of theory is that of the"
+            " 200 points, of which none is the middle."
+        ),
         "",
         "### Where ours loses",
         "",
@@ -380,13 +507,22 @@ def page(found: dict[str, Any]) -> list[str]:
                 times = statistics.median(best["seconds"]) / statistics.median(row["seconds"])
                 if times > max(1.0, faster.get(row["code"], (0.0, ""))[0]):
                     faster[row["code"]] = times, row["size"]
-        words = ", ".join(f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items())
-        said = f"faster than our finite elements at their own error are {words}" if words else "none is faster at its own error"
+        words = ", ".join(
+            f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items()
+        )
+        said = (
+            f"faster than our finite elements at their own error are {words}"
+            if words
+            else "none is faster at its own error"
+        )
         lines.append(f"- {title}: {said}.")
     return [
         *lines,
         "",
-        "Half-space codes need no bulk: where the bodies are half-planes and the load is normal, they are the tool, or theory, "
-        "which is ours too and whose error is round-off at the time of the first row. tamaas and ContactMechanics also take "
-        "fewer lines by hand than our scene file has.",
+        (
+            "Half-space codes need no bulk: where the bodies are half-planes and the load is"
+            " normal, they are the tool, or theory, which is ours too and whose error is round-off"
+            " at the time of the first row. tamaas and ContactMechanics also take fewer lines by"
+            " hand than our scene file has."
+        ),
     ]

@@ -1,11 +1,15 @@
-"""docs/performance.md: error against CPU time, peers, growth of the cost and start-up, measured now.
+"""docs/performance.md: error against CPU time, peers, growth of the cost and start-up, measured
+now.
 
-    make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of an hour)
-    EARLIER=CHECKOUT make bench SECTIONS=earlier        (CPU ratios to that checkout, which has a .venv; left out without it)
+    make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of
+                            an hour)
+    EARLIER=CHECKOUT make bench SECTIONS=earlier        (CPU ratios to that checkout, which has a
+                                                        .venv; left out without it)
 
-Each section measures, writes what it found to docs/performance/SECTION.json with machine and versions, draws its figure, and has
-its part of the page. With names of sections only those are measured again; with --pages none is, and the page is written from the
-files. The machine may be busy: ratios are of one run, times are CPU times unless they say otherwise.
+Each section measures, writes what it found to docs/performance/SECTION.json with machine and
+versions, draws its figure, and has its part of the page. With names of sections only those are
+measured again; with --pages none is, and the page is written from the files. The machine may be
+busy: ratios are of one run, times are CPU times unless they say otherwise.
 """
 
 from __future__ import annotations
@@ -46,42 +50,62 @@ from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
-Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]  # title, labels of x and y, points of each series
+# title, labels of x and y, points of each series
+Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]
 Found = dict[str, Any]
 
 
-# --------------------------------------------------------------------------------------- error against time: finite elements
-# Better by more than MARGIN in one of time and error, in the other no worse than by SAME: CPU times vary by some ten per cent.
+# -------------------------------------------------------------- error against time: finite elements
+# Better by more than MARGIN in one of time and error, in the other no worse than by SAME: CPU times
+# vary by some ten per cent.
 MARGIN, SAME = 0.25, 0.05
-# Errors of W and of the loop below which none is better: those of the default mesh are 1e-5 in the median (benchmarks/covered.py).
+# Errors of W and of the loop below which none is better: those of the default mesh are 1e-5 in the
+# median (benchmarks/covered.py).
 SCATTER = {"work": 3e-5, "loop": 3e-5}
-FINER = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320), SolverSettings(steps_per_cycle=192, step_tolerance=5e-5)
+FINER = (
+    MeshSettings(element_size=1 / 48, edge_element_size=1 / 320),
+    SolverSettings(steps_per_cycle=192, step_tolerance=5e-5),
+)
 SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
 WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
 def series(whole: bool) -> dict[str, list[Setting]]:
-    """What is varied, one thing at a time about the default; the dearest points only for the `whole` of it."""
+    """What is varied, one thing at a time about the default; the dearest points only for the
+    `whole` of it.
+    """
 
     def cut(order: int, coarser: int | None, *counts: int) -> list[Setting]:
-        """Meshes of a/n at the edges; of a/`coarser` in the middle, or as fine there as at the edges."""
+        """Meshes of a/n at the edges; of a/`coarser` in the middle, or as fine there as at the
+        edges.
+        """
         middle = {n: 1 / n if coarser is None else max(1 / coarser, 1 / n) for n in counts}
-        return [Setting(f"a/{n}", MeshSettings(size, edge_element_size=1 / n, order=order)) for n, size in middle.items()]
+        return [
+            Setting(f"a/{n}", MeshSettings(size, edge_element_size=1 / n, order=order))
+            for n, size in middle.items()
+        ]
 
     def turns(count: int, **more: Any) -> Setting:
         return Setting(f"{count} a turn", solver=SolverSettings(steps_per_cycle=count, **more))
 
     def soft(k: float) -> Setting:
-        return Setting(f"{k:g} E*/h", solver=SolverSettings(method="penalty", normal_stiffness=k, tangential_stiffness=k))
+        return Setting(
+            f"{k:g} E*/h",
+            solver=SolverSettings(method="penalty", normal_stiffness=k, tangential_stiffness=k),
+        )
 
     return {
         "named settings": [COARSE, DEFAULT, *([FINE] if whole else [])],
         "quadratic, graded": cut(2, 24, 10, 20, 40, 80, *((160, 320) if whole else (240,))),
         "quadratic, uniform": cut(2, None, 10, 20, 40, *((80,) if whole else ())),
         "linear, graded": cut(1, 24, 20, 40, 80, 160),
-        "growth of the bulk": [Setting(f"growth {g:g}", replace(MeshSettings(), growth=g)) for g in (0.1, 0.4)],
+        "growth of the bulk": [
+            Setting(f"growth {g:g}", replace(MeshSettings(), growth=g)) for g in (0.1, 0.4)
+        ],
         "regular increments": [turns(n) for n in (12, 48, 96)],
-        "increments, no tolerance": [turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if whole else (8, 24, 96))],
+        "increments, no tolerance": [
+            turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if whole else (8, 24, 96))
+        ],
         "penalty, a/160": [soft(k) for k in (10.0, 1e2, 1e3)],
     }
 
@@ -94,44 +118,72 @@ def point(text: str, found: dict[str, float], exact_law: dict[str, float]) -> Fo
         return abs(exact) + abs(whole - exact)
 
     work, loop = size("error"), size("loop", "corners")
-    return {"text": text, "seconds": found["seconds"], "work": work, "shear": found.get("shear"), "loop": loop}
+    return {
+        "text": text,
+        "seconds": found["seconds"],
+        "work": work,
+        "shear": found.get("shear"),
+        "loop": loop,
+    }
 
 
 def precision() -> Found:
     """Every series on four scenes; on blocks the truth is the model itself, finer in everything."""
-    fe.measure("hertz-paper", COARSE)  # the first run of a process also reads what the later ones find
+    # the first run of a process also reads what the later ones find
+    fe.measure("hertz-paper", COARSE)
     scenes = {}
     for name in SCENES:
-        reference = halfplane_fe.solve(load_scene(name), *FINER).dissipation if name == "blocks" else None
+        reference = (
+            halfplane_fe.solve(load_scene(name), *FINER).dissipation if name == "blocks" else None
+        )
         fe.measure.cache_clear()
         exact_law, found = fe.measure(name, DEFAULT, reference), {}
         for title, settings in series(name == "hertz-paper").items():
             runs = [(one, fe.measure(name, one, reference)) for one in settings]
-            found[title] = [point(one.text, m, exact_law if one.solver.method == "penalty" else m) for one, m in runs]
+            found[title] = [
+                point(one.text, m, exact_law if one.solver.method == "penalty" else m)
+                for one, m in runs
+            ]
         scenes[name] = {"series": found, "reference": reference}
     return scenes
 
 
 def precision_panels(scenes: Found) -> list[Panel]:
     wanted = [(name, "dissipation", "work", "error of W") for name in scenes]
-    wanted += [(name, "shear", "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"]
+    wanted += [
+        (name, "shear", "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"
+    ]
     return [
         (
             f"{name}: {title}",
             "CPU time [s]",
             what,
-            {one: [(p["seconds"], p[key]) for p in points] for one, points in scenes[name]["series"].items()},
+            {
+                one: [(p["seconds"], p[key]) for p in points]
+                for one, points in scenes[name]["series"].items()
+            },
         )
         for name, title, key, what in wanted
     ]
 
 
 def better(found: Found, default: Found, measures: Sequence[str]) -> list[str]:
-    """Settings that are neither slower nor less exact than the default in any of `measures`, and in time or one of them better."""
+    """Settings that are neither slower nor less exact than the default in any of `measures`, and in
+    time or one of them better.
+    """
     rivals = []
-    for name, one in ((name, one) for name, points in found["series"].items() for one in points if one is not default):
+    for name, one in (
+        (name, one)
+        for name, points in found["series"].items()
+        for one in points
+        if one is not default
+    ):
         size = [
-            {key: max(p[key], SCATTER.get(key, 0.0)) for key in ("seconds", *measures) if p[key] is not None}
+            {
+                key: max(p[key], SCATTER.get(key, 0.0))
+                for key in ("seconds", *measures)
+                if p[key] is not None
+            }
             for p in (one, default)
         ]
         ratios = {key: size[0][key] / size[1][key] for key in size[0]}
@@ -158,39 +210,67 @@ ALTERNATIVES = (
 def precision_page(found: Found) -> list[str]:
     """Whether the defaults lie on the front, and what each costs and buys."""
     lines = [
-        "Errors of W and of the hysteresis loop (closed integral of Q dU) on half-planes are those against theory on the path; "
-        "with the penalty method what its layer adds to the exact law on the same mesh counts as well. On blocks theory has no "
-        "exact answer: the error is that against the same model at a/320 (a/48 in the middle) with eight times the increments and "
-        "a tenth of the step tolerance. The loop is W but for rounding, by the balance of energy.",
+        (
+            "Errors of W and of the hysteresis loop (closed integral of Q dU) on half-planes are"
+            " those against theory on the path; with the penalty method what its layer adds to the"
+            " exact law on the same mesh counts as well. On blocks theory has no exact answer: the"
+            " error is that against the same model at a/320 (a/48 in the middle) with eight times"
+            " the increments and a tenth of the step tolerance. The loop is W but for rounding, by"
+            " the balance of energy."
+        ),
         "",
-        "A setting is better than the default where it is neither slower nor less exact in W, in q or in the hysteresis loop "
-        f"(by {SAME:.0%}), and in time or one of them better by {MARGIN:.0%}; W and the loop count as no better than "
-        f"{SCATTER['work']:.0e}, for those of the default mesh are 1e-5 in the median of random scenes. What would be better if "
-        "one of them alone counted is named as well.",
+        (
+            "A setting is better than the default where it is neither slower nor less exact in W,"
+            f" in q or in the hysteresis loop (by {SAME:.0%}), and in time or one of them better by"
+            f" {MARGIN:.0%}; W and the loop count as no better than {SCATTER['work']:.0e}, for"
+            " those of the default mesh are 1e-5 in the median of random scenes. What would be"
+            " better if one of them alone counted is named as well."
+        ),
         "",
     ]
-    defaults = {name: next(p for p in scene["series"]["named settings"] if p["text"] == "default") for name, scene in found.items()}
+    defaults = {
+        name: next(p for p in scene["series"]["named settings"] if p["text"] == "default")
+        for name, scene in found.items()
+    }
     for name, default in defaults.items():
         measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
         rivals = better(found[name], default, measures)
         errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
         words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
         if rivals and default["shear"] is None:
-            words = f"as far as these count, better is {'; '.join(rivals)}; q, for which elements are that small, has no truth here"
+            words = (
+                f"as far as these count, better is {'; '.join(rivals)}; q, for which elements are"
+                " that small, has no truth here"
+            )
         lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
         for key in measures:
             alone = [rival for rival in better(found[name], default, [key]) if rival not in rivals]
-            lines += [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
+            lines += (
+                [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
+            )
     cells = []
     for what, group, texts in ALTERNATIVES:
-        others = {name: next(p for p in scene["series"][group] if p["text"] in texts) for name, scene in found.items()}
-        ratios = ["; ".join(f"{defaults[n][key] / o[key]:.2g}" for key in WHAT if o[key] is not None) for n, o in others.items()]
+        others = {
+            name: next(p for p in scene["series"][group] if p["text"] in texts)
+            for name, scene in found.items()
+        }
+        ratios = [
+            "; ".join(f"{defaults[n][key] / o[key]:.2g}" for key in WHAT if o[key] is not None)
+            for n, o in others.items()
+        ]
         cells.append((what, f"{group}: {' or '.join(texts)}", *ratios))
-    lines += ["", "What each default costs and buys, default over alternative (time; error of W; of q; of the loop):", ""]
+    lines += [
+        "",
+        (
+            "What each default costs and buys, default over alternative (time; error of W; of q; of"
+            " the loop):"
+        ),
+        "",
+    ]
     return [*lines, *markdown(f"default | instead | {' | '.join(found)}", cells)]
 
 
-# --------------------------------------------------------------------------------------------------- beside an earlier version
+# ------------------------------------------------------------------------ beside an earlier version
 # The folder of a checkout with a .venv of its own.
 EARLIER = os.environ.get("EARLIER")
 FRONT = (160, 40, 80, 320)
@@ -222,8 +302,15 @@ print(json.dumps(found))
 
 
 def earlier() -> Found:
-    """Time and answer of this version and of the other one, a process each, in turn; the least of two runs, dear ones once."""
-    commit = subprocess.run(["git", "-C", str(EARLIER), "rev-parse", "--short", "HEAD"], check=True, capture_output=True, text=True)
+    """Time and answer of this version and of the other one, a process each, in turn; the least of
+    two runs, dear ones once.
+    """
+    commit = subprocess.run(
+        ["git", "-C", str(EARLIER), "rev-parse", "--short", "HEAD"],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     pythons = {"this": (sys.executable, ROOT), "other": (f"{EARLIER}/.venv/bin/python", EARLIER)}
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     environment["HALFPLANE_CACHE"] = "off"  # until 0.3 condensed bodies were stored on disk
@@ -234,12 +321,27 @@ def earlier() -> Found:
         both = {}
         for which, (python, folder) in pythons.items():
             command = [str(python), "-c", ONE_RUN, name, str(edge), str(times)]
-            done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder, env=environment)
+            done = subprocess.run(
+                command, check=True, capture_output=True, text=True, cwd=folder, env=environment
+            )
             both[which] = json.loads(done.stdout)
         found["runs"].setdefault(name, {})[str(edge)] = both
-        print(f"    {name}, a/{edge}: {both['other']['seconds'] / both['this']['seconds']:.2f} times faster", flush=True)
-    found["truth"] = {name: semi_analytic.solve(load_scene(name)).dissipation for name in SCENES if name != "blocks"}
-    return found | {"truth": found["truth"] | {"blocks": halfplane_fe.solve(load_scene("blocks"), *FINER).dissipation}}
+        print(
+            f"    {name}, a/{edge}: {both['other']['seconds'] / both['this']['seconds']:.2f} times"
+            " faster",
+            flush=True,
+        )
+    found["truth"] = {
+        name: semi_analytic.solve(load_scene(name)).dissipation
+        for name in SCENES
+        if name != "blocks"
+    }
+    return found | {
+        "truth": (
+            found["truth"]
+            | {"blocks": halfplane_fe.solve(load_scene("blocks"), *FINER).dissipation}
+        )
+    }
 
 
 def earlier_page(found: Found) -> list[str]:
@@ -249,17 +351,33 @@ def earlier_page(found: Found) -> list[str]:
             other, this = both["other"], both["this"]
             times = (f"{one['seconds']:.2f}" for one in (other, this))
             truth = found["truth"].get(name)
-            works = [f"{abs(one['dissipation'] / truth - 1):.1e}" if truth else "" for one in (other, this)]
+            works = [
+                f"{abs(one['dissipation'] / truth - 1):.1e}" if truth else ""
+                for one in (other, this)
+            ]
             shears = [f"{one['shear']:.1e}" if "shear" in one else "" for one in (other, this)]
-            front.append((name, f"a/{edge}", *times, f"{other['seconds'] / this['seconds']:.2g}", *works, *shears))
+            front.append(
+                (
+                    name,
+                    f"a/{edge}",
+                    *times,
+                    f"{other['seconds'] / this['seconds']:.2g}",
+                    *works,
+                    *shears,
+                )
+            )
     return [
-        f"The same scene by this version and by commit {found['other']}, a process each, in turn, the least of two runs (one on "
-        "a/320, a/640 and of the last two scenes), each with its own default settings but for the element at the edges. Errors of "
-        "W and q as above; those of unlike bodies and of the roller, whose truth is not known, are left out.",
+        (
+            f"The same scene by this version and by commit {found['other']}, a process each, in"
+            " turn, the least of two runs (one on a/320, a/640 and of the last two scenes), each"
+            " with its own default settings but for the element at the edges. Errors of W and q as"
+            " above; those of unlike bodies and of the roller, whose truth is not known, are left"
+            " out."
+        ),
         "",
         *markdown(
-            f"scene | edges | {found['other']} [s] | now [s] | times faster | error of W, {found['other']} | now "
-            f"| error of q, {found['other']} | now",
+            f"scene | edges | {found['other']} [s] | now [s] | times faster | error of W,"
+            f" {found['other']} | now | error of q, {found['other']} | now",
             front,
         ),
     ]
@@ -273,7 +391,10 @@ def earlier_panels(found: Found) -> list[Panel]:
             "error of W",
             {
                 {"this": "this version", "other": f"commit {found['other']}"}[which]: [
-                    (both[which]["seconds"], abs(both[which]["dissipation"] / found["truth"][name] - 1))
+                    (
+                        both[which]["seconds"],
+                        abs(both[which]["dissipation"] / found["truth"][name] - 1),
+                    )
                     for _, both in sorted(found["runs"][name].items(), key=lambda one: int(one[0]))
                 ]
                 for which in ("this", "other")
@@ -283,7 +404,7 @@ def earlier_panels(found: Found) -> list[Panel]:
     ]
 
 
-# ----------------------------------------------------------------------------------- error against time: half-plane theory
+# ------------------------------------------------------------ error against time: half-plane theory
 METHODS = {
     "the engine's rule": ("engine", "the engine's rule (default)"),
     "straight steps": ("best of straight steps", "memory curve, 50 to 3200 straight steps"),
@@ -293,7 +414,10 @@ METHODS = {
 
 def theory_panels(cases: Found) -> list[Panel]:
     lines = {
-        title: {words: [(p["seconds"], p["error"]) for p in methods[key]] for key, (_, words) in METHODS.items()}
+        title: {
+            words: [(p["seconds"], p["error"]) for p in methods[key]]
+            for key, (_, words) in METHODS.items()
+        }
         for title, methods in cases.items()
     }
     return [(title, "CPU time of one W [s]", "error of W", one) for title, one in lines.items()]
@@ -303,17 +427,25 @@ def theory_page(cases: Found) -> list[str]:
     cells = []
     for title, methods in cases.items():
         best = [min(methods[key], key=lambda one: one["error"], default=None) for key in METHODS]
-        each = [(f"{one['error']:.1e}", f"{1e3 * one['seconds']:.2g}") if one else ("no answer", "") for one in best]
+        each = [
+            (f"{one['error']:.1e}", f"{1e3 * one['seconds']:.2g}") if one else ("no answer", "")
+            for one in best
+        ]
         cells.append((title, *(cell for pair in each for cell in pair)))
     return [
-        "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule has no setting: it takes the nodes "
-        "that it needs. The naive discretised half-plane is `semi_analytic/grid.py`.",
+        (
+            "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule"
+            " has no setting: it takes the nodes that it needs. The naive discretised half-plane is"
+            " `semi_analytic/grid.py`."
+        ),
         "",
-        *markdown(f"case | {' | '.join(f'{words} | time [ms]' for words, _ in METHODS.values())}", cells),
+        *markdown(
+            f"case | {' | '.join(f'{words} | time [ms]' for words, _ in METHODS.values())}", cells
+        ),
     ]
 
 
-# ------------------------------------------------------------------------------------------------------------------- growth
+# ------------------------------------------------------------------------------------------- growth
 MOST = 2.2  # the steepest exponent that is promised
 STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
 Cost = tuple[float, float, float]  # a count, CPU seconds, another count
@@ -327,17 +459,25 @@ def history_of(rows: int) -> Cost:
 
 def batch_of(members: int) -> Cost:
     ellipses = half_plane.random_ellipses(members)
-    return members, *seconds(lambda: semi_analytic.dissipation(profile=Hertz(radius=1.0), **ellipses)), 1
+    return (
+        members,
+        *seconds(lambda: semi_analytic.dissipation(profile=Hertz(radius=1.0), **ellipses)),
+        1,
+    )
 
 
 def sweep_of(points: int, exact: bool) -> Cost:
-    """A study of a scene: friction by theory; by finite elements blocks of several heights, coarse meshes. One process."""
+    """A study of a scene: friction by theory; by finite elements blocks of several heights, coarse
+    meshes. One process.
+    """
     asked = (jobs.EXACT, jobs.frictions(points)) if exact else (jobs.FE, jobs.heights(points))
     return points, with_children(lambda: jobs.swept(*asked))[0], 1
 
 
 def path_cost(edge: int, steps: int = 96) -> Cost:
-    """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never halved."""
+    """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never
+    halved.
+    """
     began: list[float] = []
 
     def clock(done: int, _total: int | None, text: str) -> None:
@@ -345,12 +485,16 @@ def path_cost(edge: int, steps: int = 96) -> Cost:
             began.append(time.process_time())
 
     solver = SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
-    answer = halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock)
+    answer = halfplane_fe.solve(
+        load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock
+    )
     return len(answer.x), time.process_time() - began[-1], answer.work.counts["steps solved"]
 
 
 def condensation_cost(edge: int, growth: float = 0.2) -> Cost:
-    """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's cycle asks for."""
+    """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's
+    cycle asks for.
+    """
     mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
     begun = time.process_time()
     found = condense(mesh, STEEL, 1.0)
@@ -368,14 +512,42 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "path": Kind(path_cost, 0, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"),
-    "steps": Kind(lambda n: path_cost(40, n), 2, (200, 400, 800, 1600), "increments", "two revolutions on a/40"),
-    "condensation": Kind(condensation_cost, 0, (40, 80, 160, 320), "contact nodes", "condensation of a body"),
-    "bulk": Kind(lambda n: condensation_cost(80, 1 / n), 2, (5, 10, 20, 33), "bulk degrees of freedom", "condensation of a body"),
-    "history": Kind(history_of, 0, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
-    "batch": Kind(batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
-    "theory points": Kind(partial(sweep_of, exact=True), 0, (25, 50, 100), "points of a sweep", "theory, one by one"),
-    "FE points": Kind(partial(sweep_of, exact=False), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"),
+    "path": Kind(
+        path_cost, 0, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"
+    ),
+    "steps": Kind(
+        lambda n: path_cost(40, n),
+        2,
+        (200, 400, 800, 1600),
+        "increments",
+        "two revolutions on a/40",
+    ),
+    "condensation": Kind(
+        condensation_cost, 0, (40, 80, 160, 320), "contact nodes", "condensation of a body"
+    ),
+    "bulk": Kind(
+        lambda n: condensation_cost(80, 1 / n),
+        2,
+        (5, 10, 20, 33),
+        "bulk degrees of freedom",
+        "condensation of a body",
+    ),
+    "history": Kind(
+        history_of,
+        0,
+        (1_000, 10_000, 100_000, 1_000_000),
+        "rows of a history",
+        "theory, W of every step",
+    ),
+    "batch": Kind(
+        batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"
+    ),
+    "theory points": Kind(
+        partial(sweep_of, exact=True), 0, (25, 50, 100), "points of a sweep", "theory, one by one"
+    ),
+    "FE points": Kind(
+        partial(sweep_of, exact=False), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"
+    ),
 }
 
 
@@ -385,7 +557,13 @@ def one_cost(name: str, size: int) -> dict[str, float]:
     with threadpool_limits(limits=1, user_api="blas"):
         found = KINDS[name].task(size)
     each = found[1] / found[2] if name == "path" else found[1]  # an increment of the path
-    return {"size": found[KINDS[name].by], "seconds": found[1], "each": each, "memory": memory() - imported, "imports": imported}
+    return {
+        "size": found[KINDS[name].by],
+        "seconds": found[1],
+        "each": each,
+        "memory": memory() - imported,
+        "imports": imported,
+    }
 
 
 def growth() -> Found:
@@ -393,21 +571,36 @@ def growth() -> Found:
     found: dict[str, list[dict[str, float]]] = {}
     for name, kind in KINDS.items():
         commands = [[sys.executable, __file__, "--one", name, str(size)] for size in kind.sizes]
-        found[name] = [json.loads(subprocess.run(c, check=True, capture_output=True, text=True).stdout) for c in commands]
+        found[name] = [
+            json.loads(subprocess.run(c, check=True, capture_output=True, text=True).stdout)
+            for c in commands
+        ]
         print(f"    {name}: exponent {exponent(found[name]):.2f}", flush=True)
     scenes = ("hertz-paper", "blocks", "cattaneo-mindlin", *SLOW)
-    return {"growth": found, "stages": {name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes}}
+    return {
+        "growth": found,
+        "stages": {
+            name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes
+        },
+    }
 
 
 def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
     """Slope of log(cost) over log(size), least squares."""
-    return float(np.polyfit(np.log([p["size"] for p in points]), np.log([max(p[key], 1e-9) for p in points]), 1)[0])
+    return float(
+        np.polyfit(
+            np.log([p["size"] for p in points]), np.log([max(p[key], 1e-9) for p in points]), 1
+        )[0]
+    )
 
 
 def growth_panels(found: Found) -> list[Panel]:
     def lines(key: str) -> dict[str, list[tuple[float, float]]]:
         labels = {name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in found["growth"]}
-        return {labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points] for name, points in found["growth"].items()}
+        return {
+            labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points]
+            for name, points in found["growth"].items()
+        }
 
     x = "size, in its own unit"
     return [
@@ -423,29 +616,65 @@ def growth_page(found: Found) -> list[str]:
     cells, steep = [], []
     for name, points in found["growth"].items():
         kind = KINDS[name]
-        sizes, spent = (", ".join(f"{p[key]:{form}}" for p in points) for key, form in (("size", ",.0f"), ("seconds", ".3g")))
-        cells.append((kind.what, kind.unit, sizes, spent, exponents(points), ", ".join(f"{p['memory']:.0f}" for p in points)))
+        sizes, spent = (
+            ", ".join(f"{p[key]:{form}}" for p in points)
+            for key, form in (("size", ",.0f"), ("seconds", ".3g"))
+        )
+        cells.append(
+            (
+                kind.what,
+                kind.unit,
+                sizes,
+                spent,
+                exponents(points),
+                ", ".join(f"{p['memory']:.0f}" for p in points),
+            )
+        )
         if name == "path":
             each = ", ".join(f"{1e3 * p['each']:.2f} ms" for p in points)
-            cells.append(("one increment of them", kind.unit, sizes, each, exponents(points, "each"), ""))
+            cells.append(
+                ("one increment of them", kind.unit, sizes, each, exponents(points, "each"), "")
+            )
         steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
     names = list(next(iter(found["stages"].values())))
-    stages = [(scene, *(f"{spent[name]:.2f}" for name in names)) for scene, spent in found["stages"].items()]
+    stages = [
+        (scene, *(f"{spent[name]:.2f}" for name in names))
+        for scene, spent in found["stages"].items()
+    ]
     return [
-        "Each point in a process of its own, one run. The exponent is the slope of log(time) over log(size), over "
-        "all sizes, small ones with what a process does once, and between the two largest; "
-        "memory is the peak of the process beyond what its imports take. hertz-paper but where another scene is named.",
+        (
+            "Each point in a process of its own, one run. The exponent is the slope of log(time)"
+            " over log(size), over all sizes, small ones with what a process does once, and between"
+            " the two largest; memory is the peak of the process beyond what its imports take."
+            " hertz-paper but where another scene is named."
+        ),
         "",
-        *markdown("cost of | by | sizes | CPU time [s] | exponent: all; last two | peak memory [MB]", cells),
+        *markdown(
+            "cost of | by | sizes | CPU time [s] | exponent: all; last two | peak memory [MB]",
+            cells,
+        ),
         "",
-        f"No exponent is above {MOST:g}." if not steep else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}.",
-        "The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the page of numbers.",
-        *("", "### What dominates", "", "Wall seconds by stage, default mesh, every body condensed anew:", ""),
+        (
+            f"No exponent is above {MOST:g}."
+            if not steep
+            else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}."
+        ),
+        (
+            "The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the"
+            " page of numbers."
+        ),
+        *(
+            "",
+            "### What dominates",
+            "",
+            "Wall seconds by stage, default mesh, every body condensed anew:",
+            "",
+        ),
         *markdown(f"scene | {' | '.join(names)}", stages),
     ]
 
 
-# ----------------------------------------------------------------------------------------------------------------- start-up
+# ----------------------------------------------------------------------------------------- start-up
 COMMANDS = {
     "a bare interpreter": ["-c", "pass"],
     "`halfplane --help`": ["-m", "reports", "--help"],
@@ -455,40 +684,78 @@ COMMANDS = {
 
 
 def start() -> Found:
-    """CPU times in turn, after one to warm up; size of the wheel and of the environment in bytes."""
+    """CPU times in turn, after one to warm up; size of the wheel and of the environment in
+    bytes.
+    """
 
     def child(arguments: list[str]) -> float:
-        return with_children(lambda: subprocess.run([sys.executable, *arguments], check=True, capture_output=True, cwd=ROOT))[0]
+        return with_children(
+            lambda: subprocess.run(
+                [sys.executable, *arguments], check=True, capture_output=True, cwd=ROOT
+            )
+        )[0]
 
     def size(folder: Path) -> int:
-        return sum(512 * file.lstat().st_blocks for file in folder.rglob("*") if file.is_file() and not file.is_symlink())
+        return sum(
+            512 * file.lstat().st_blocks
+            for file in folder.rglob("*")
+            if file.is_file() and not file.is_symlink()
+        )
 
-    times = {name: [child(words) for words in [arguments] * 6][1:] for name, arguments in COMMANDS.items()}
+    times = {
+        name: [child(words) for words in [arguments] * 6][1:]
+        for name, arguments in COMMANDS.items()
+    }
     with tempfile.TemporaryDirectory() as folder:
-        child(["-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, "."])
+        child(
+            [
+                "-m",
+                "pip",
+                "wheel",
+                "--quiet",
+                "--no-deps",
+                "--no-build-isolation",
+                "--wheel-dir",
+                folder,
+                ".",
+            ]
+        )
         wheel = next(Path(folder).glob("*.whl")).stat().st_size
     packages = Path(sys.prefix) / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
-    largest = sorted(((size(one), one.name) for one in packages.iterdir() if one.is_dir()), reverse=True)[:8]
-    environment = {"environment": size(Path(sys.prefix)), "largest": {name: count for count, name in largest}}
+    largest = sorted(
+        ((size(one), one.name) for one in packages.iterdir() if one.is_dir()), reverse=True
+    )[:8]
+    environment = {
+        "environment": size(Path(sys.prefix)),
+        "largest": {name: count for count, name in largest},
+    }
     return {"seconds": times, "wheel": wheel} | environment
 
 
 def start_page(found: Found) -> list[str]:
-    cells = [(name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max))) for name, t in found["seconds"].items()]
+    cells = [
+        (name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max)))
+        for name, t in found["seconds"].items()
+    ]
     largest = ", ".join(f"{name} {size / 1e6:.0f}" for name, size in found["largest"].items())
     return [
         "CPU time of a process from its start to its end, 5 runs after one to warm up:",
         "",
         *markdown("process | least [s] | median [s] | most [s]", cells),
         "",
-        f"The wheel has {found['wheel'] / 1e6:.2f} MB. The environment that `make` sets up, tests, linters, browser and pages "
-        f"included, has {found['environment'] / 1e9:.2f} GB on disk; the largest of it [MB]: {largest}.",
+        (
+            f"The wheel has {found['wheel'] / 1e6:.2f} MB. The environment that `make` sets up,"
+            f" tests, linters, browser and pages included, has {found['environment'] / 1e9:.2f} GB"
+            f" on disk; the largest of it [MB]: {largest}."
+        ),
     ]
 
 
-# ------------------------------------------------------------------------------------------------------------------- the page
+# ----------------------------------------------------------------------------------------- the page
 class Section(NamedTuple):
-    """Its heading, what measures it (for JSON), its part of the page, and its figure: name, panels, words for who can't see it."""
+    """Its heading, what measures it (for JSON), its part of the page, and its figure: name, panels,
+    words for who can't see it.
+    """
 
     title: str
     measure: Callable[[], Found]
@@ -501,25 +768,48 @@ SECTIONS = {
         "Error against time: finite elements",
         precision,
         precision_page,
-        ("precision_fe", precision_panels, "Error of the finite elements over CPU time, four scenes"),
+        (
+            "precision_fe",
+            precision_panels,
+            "Error of the finite elements over CPU time, four scenes",
+        ),
     ),
     "earlier": Section(
         "Error against time: beside an earlier version",
         earlier,
         earlier_page,
-        ("earlier", earlier_panels, "Error of W over CPU time by two versions of the finite elements, four scenes"),
+        (
+            "earlier",
+            earlier_panels,
+            "Error of W over CPU time by two versions of the finite elements, four scenes",
+        ),
     ),
     "half-plane": Section(
         "Error against time: half-plane theory",
         lambda: {title: half_plane.study(case) for title, case in half_plane.CASES.items()},
         theory_page,
-        ("precision_half_plane", theory_panels, "Error of W over CPU time, theory and the naive peer, five cases"),
+        (
+            "precision_half_plane",
+            theory_panels,
+            "Error of W over CPU time, theory and the naive peer, five cases",
+        ),
     ),
-    "peers": Section(peers.TITLE, peers.measure, peers.page, ("peers", peers.panels, "Error of the codes over CPU time")),
-    "growth": Section("Growth of the cost", growth, growth_page, ("growth", growth_panels, "CPU time and peak memory over size")),
+    "peers": Section(
+        peers.TITLE,
+        peers.measure,
+        peers.page,
+        ("peers", peers.panels, "Error of the codes over CPU time"),
+    ),
+    "growth": Section(
+        "Growth of the cost",
+        growth,
+        growth_page,
+        ("growth", growth_panels, "CPU time and peak memory over size"),
+    ),
     "start": Section("Start-up and size", start, start_page),
 }
-# Series whose points differ in several ways at once, or whose errors change sign: no line through them.
+# Series whose points differ in several ways at once, or whose errors change sign: no line through
+# them.
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
 
 
@@ -531,14 +821,29 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
         for label, points in lines.items():
             look = list(keys).index(label) if label in keys else len(keys)
             keys.setdefault(label, Key(f"c{look}", label))
-            marks += [Dot(across, up, f"p{look}", 3.0 if look else 5.0, label) for across, up in points]
+            marks += [
+                Dot(across, up, f"p{look}", 3.0 if look else 5.0, label) for across, up in points
+            ]
             if label not in POINTS_ONLY:
                 marks.append(Curve(*np.transpose(points), f"c{look} fine", label))
-        ends = [limits(np.log([point[k] for points in lines.values() for point in points])) for k in (0, 1)]
-        axes = [Axis(*np.exp(end).tolist(), words, log=True) for end, words in zip(ends, (x, y), strict=True)]
+        ends = [
+            limits(np.log([point[k] for points in lines.values() for point in points]))
+            for k in (0, 1)
+        ]
+        axes = [
+            Axis(*np.exp(end).tolist(), words, log=True)
+            for end, words in zip(ends, (x, y), strict=True)
+        ]
         drawn.append(ChartPanel(f"{name}-{number}", *axes, marks, title, 400.0, 320.0, title))
     plate = Plate(
-        name, "", "", "Measured values over logarithmic axes", tuple(drawn), {}, tuple(keys.values()), min(len(panels), 3)
+        name,
+        "",
+        "",
+        "Measured values over logarithmic axes",
+        tuple(drawn),
+        {},
+        tuple(keys.values()),
+        min(len(panels), 3),
     )
     (FOLDER / f"{name}.svg").write_text(plate.svg(), encoding="utf-8")
 
@@ -549,20 +854,35 @@ def measured(name: str) -> dict[str, Any]:
     cpu = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     made: dict[str, Any] = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
-        "processor": next((line.split(":", 1)[1].strip() for line in cpu if line.startswith("model name")), platform.machine()),
+        "processor": next(
+            (line.split(":", 1)[1].strip() for line in cpu if line.startswith("model name")),
+            platform.machine(),
+        ),
         "cores": os.cpu_count(),
         "load before": round(os.getloadavg()[0], 1),
-        "versions": {"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
+        "versions": (
+            {"python": platform.python_version()} | {name: version(name) for name in PACKAGES}
+        ),
     }
     begun, spent = time.perf_counter(), time.process_time()
     found = SECTIONS[name].measure()
-    took = {"wall": round(time.perf_counter() - begun), "process": round(time.process_time() - spent)}
-    return {"made": made | {"load after": round(os.getloadavg()[0], 1), "seconds": took}, "found": found}
+    took = {
+        "wall": round(time.perf_counter() - begun),
+        "process": round(time.process_time() - spent),
+    }
+    return {
+        "made": made | {"load after": round(os.getloadavg()[0], 1), "seconds": took},
+        "found": found,
+    }
 
 
 def _measured_ones() -> dict[str, Section]:
     """All but the one beside an earlier version where no such checkout was ever named."""
-    return {name: one for name, one in SECTIONS.items() if name != "earlier" or (FOLDER / f"{name}.json").exists()}
+    return {
+        name: one
+        for name, one in SECTIONS.items()
+        if name != "earlier" or (FOLDER / f"{name}.json").exists()
+    }
 
 
 def page_text() -> str:
@@ -570,19 +890,28 @@ def page_text() -> str:
     lines = [
         "# Performance",
         "",
-        "Error against time, other codes, growth of the cost, and start-up. Written by `make bench` and by "
-        "nothing else; the numbers behind every table and figure are in `docs/performance/*.json`. Times are CPU times of one "
-        "thread unless they say otherwise, with everything in them: the coarse run, mesh, condensation, every increment; every "
-        "body condensed anew. They vary by some ten per cent, on a busy machine by more: ratios within one run count.",
+        (
+            "Error against time, other codes, growth of the cost, and start-up. Written by `make"
+            " bench` and by nothing else; the numbers behind every table and figure are in"
+            " `docs/performance/*.json`. Times are CPU times of one thread unless they say"
+            " otherwise, with everything in them: the coarse run, mesh, condensation, every"
+            " increment; every body condensed anew. They vary by some ten per cent, on a busy"
+            " machine by more: ratios within one run count."
+        ),
     ]
     for name, section in _measured_ones().items():
         made, found = stored(FOLDER / f"{name}.json").values()
         versions = ", ".join(f"{package} {number}" for package, number in made["versions"].items())
         words = (
-            f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load {made['load before']} before and "
-            f"{made['load after']} after, {made['seconds']['wall']} s in all; {versions}.*"
+            f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load"
+            f" {made['load before']} before and {made['load after']} after,"
+            f" {made['seconds']['wall']} s in all; {versions}.*"
         )
-        figure = ["", f"![{section.figure[2]}](performance/{section.figure[0]}.svg)"] if section.figure else []
+        figure = (
+            ["", f"![{section.figure[2]}](performance/{section.figure[0]}.svg)"]
+            if section.figure
+            else []
+        )
         lines += ["", f"## {section.title}", "", words, *figure, "", *section.page(found)]
     return "\n".join(lines) + "\n"
 

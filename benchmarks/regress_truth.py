@@ -1,11 +1,15 @@
-"""References of the half-plane engine that share no code with it: steady ellipses with 30 digits, every other load by brute force.
+"""References of the half-plane engine that share no code with it: steady ellipses with 30 digits,
+every other load by brute force.
 
-A steady ellipse has three phases of slip in closed form (`phases`): its friction work is an integral over time in mpmath, to any
-number of digits. Every other load is answered by `tests/semi_analytic_oracle.py` in extended precision, 18 digits: it looks back
-along the path for the load at the stick edge. The stored references have 30 digits; up to commit 0cd0358 this file followed the
-memory curve of every load in mpmath, and `make regress REFERENCES=1` shows that both agree.
+A steady ellipse has three phases of slip in closed form (`phases`): its friction work is an
+integral over time in mpmath, to any number of digits. Every other load is answered by
+`tests/semi_analytic_oracle.py` in extended precision, 18 digits: it looks back along the path for
+the load at the stick edge. The stored references have 30 digits; up to commit 0cd0358 this file
+followed the memory curve of every load in mpmath, and `make regress REFERENCES=1` shows that both
+agree.
 
-# notation: A = 2/E*; P_c load at the stick edge, c = a(P_c); eta load of a flat punch of the superposition
+# notation: A = 2/E*; P_c load at the stick edge, c = a(P_c); eta load of a flat punch of the
+superposition
 """
 
 from __future__ import annotations
@@ -27,12 +31,21 @@ from semi_analytic_oracle import Bends, Oracle, Work
 DIGITS = 30
 HERE = Path(__file__).parent
 TABLE, NASTY_FILE = HERE / "semi_analytic_reference.json", HERE / "exact_history.json"
-FIELDS = ("tangential displacement", "stick half-width", "shear at 1", "shear at 2", "shear at 3", "slip at 3")
+FIELDS = (
+    "tangential displacement",
+    "stick half-width",
+    "shear at 1",
+    "shear at 2",
+    "shear at 3",
+    "slip at 3",
+)
 
 
-# ------------------------------------------------------------------------------------------------------------ normal contact
+# ----------------------------------------------------------------------------------- normal contact
 class Contact(NamedTuple):
-    """A parabola of radius R, or a flat of half-length b with edges of that radius; a = b sqrt(1 + tau^2)."""
+    """A parabola of radius R, or a flat of half-length b with edges of that radius; a = b sqrt(1 +
+    tau^2).
+    """
 
     modulus: mp.mpf
     radius: mp.mpf = mp.mpf(1)
@@ -48,7 +61,9 @@ class Contact(NamedTuple):
         while self.load(tau) < p:
             tau *= 2
         for _ in range(300):
-            step = (self.load(tau) - p) / (self.modulus / self.radius * self.b**2 * tau * mp.atan(tau))
+            step = (self.load(tau) - p) / (
+                self.modulus / self.radius * self.b**2 * tau * mp.atan(tau)
+            )
             tau -= step
             if abs(step) < tau * mp.mpf(10) ** (2 - mp.mp.dps):
                 break
@@ -56,13 +71,25 @@ class Contact(NamedTuple):
 
     def half_width(self, p: mp.mpf) -> mp.mpf:
         """a(P)."""
-        return self.b * mp.sqrt(1 + self.depth(p) ** 2) if self.b else mp.sqrt(4 * p * self.radius / (mp.pi * self.modulus))
+        return (
+            self.b * mp.sqrt(1 + self.depth(p) ** 2)
+            if self.b
+            else mp.sqrt(4 * p * self.radius / (mp.pi * self.modulus))
+        )
 
     def area(self, p: mp.mpf, front: mp.mpf) -> mp.mpf:
-        """int ln(a(eta)/c) d eta over P_c < eta < P: P ln(a/c) - int P(alpha)/alpha d alpha from c to a."""
+        """int ln(a(eta)/c) d eta over P_c < eta < P: P ln(a/c) - int P(alpha)/alpha d alpha from c
+        to a.
+        """
         if not self.b:
             return (p * mp.log(p / front) - p + front) / 2
-        stiffness, (tau, inner) = self.modulus / self.radius * self.b**2, (self.depth(p), self.depth(front))
+        stiffness, (tau, inner) = (
+            self.modulus / self.radius * self.b**2,
+            (
+                self.depth(p),
+                self.depth(front),
+            ),
+        )
 
         def below(t: mp.mpf) -> mp.mpf:
             return stiffness / 2 * (((1 + t**2) * mp.atan(t) - t) / 2 - t + mp.atan(t))
@@ -75,7 +102,9 @@ def contact_of(scene: Scene) -> Contact | None:
     profile = scene.profile
     if profile.kind not in {"hertz", "flat_rounded"}:
         return None
-    return Contact(modulus(scene), mp.mpf(profile.radius), mp.mpf(getattr(profile, "flat_half_length", 0)))
+    return Contact(
+        modulus(scene), mp.mpf(profile.radius), mp.mpf(getattr(profile, "flat_half_length", 0))
+    )
 
 
 def modulus(scene: Scene) -> mp.mpf:
@@ -84,9 +113,11 @@ def modulus(scene: Scene) -> mp.mpf:
     return 1 / sum((1 - mp.mpf(m.poisson_ratio) ** 2) / mp.mpf(m.young_modulus) for m in bodies)
 
 
-# ----------------------------------------------------------------------------------------------------------- steady ellipses
+# ---------------------------------------------------------------------------------- steady ellipses
 class Case(NamedTuple):
-    """A steady ellipse with E* = 1 and R = 1; `flat` is b, 0 for Hertz; `phase` in degrees, or in radians where it says so."""
+    """A steady ellipse with E* = 1 and R = 1; `flat` is b, 0 for Hertz; `phase` in degrees, or in
+    radians where it says so.
+    """
 
     flat: float
     mean: float
@@ -110,9 +141,11 @@ class Phase(NamedTuple):
 
 
 def phases(case: Case) -> tuple[Callable[[mp.mpf], mp.mpf], list[Phase]]:
-    """P(t), and the three phases of slip E-G, I-J, J-M of the steady cycle (0 < phase < 180 degrees, Q0 = 0).
+    """P(t), and the three phases of slip E-G, I-J, J-M of the steady cycle (0 < phase < 180
+    degrees, Q0 = 0).
 
-    E maximum of Q - fP, G minimum of Q + fP, I minimum of Q - fP, J where the edge has passed G, M = E a turn later.
+    E maximum of Q - fP, G minimum of Q + fP, I minimum of Q - fP, J where the edge has passed G, M
+    = E a turn later.
     """
     p0, p1, q1, f = (mp.mpf(v) for v in (case.mean, case.amplitude, case.tangential, case.friction))
     phase = mp.mpf(case.phase) * (1 if case.radians else mp.pi / 180)
@@ -143,7 +176,9 @@ def phases(case: Case) -> tuple[Callable[[mp.mpf], mp.mpf], list[Phase]]:
 
 
 def ellipse_dissipation(case: Case, contact: Contact | None = None) -> mp.mpf:
-    """W of a steady cycle: (f A/pi) closed-int |u' or v'| int ln(a/c) d eta dt over the phases of slip."""
+    """W of a steady cycle: (f A/pi) closed-int |u' or v'| int ln(a/c) d eta dt over the phases of
+    slip.
+    """
     contact = contact or case.contact()
     load, parts = phases(case)
 
@@ -153,7 +188,11 @@ def ellipse_dissipation(case: Case, contact: Contact | None = None) -> mp.mpf:
 
     total = mp.mpf(0)
     for part in parts:
-        marks = _towards_ends(part.begin, part.end) if case.radians else mp.linspace(part.begin, part.end, 4)
+        marks = (
+            _towards_ends(part.begin, part.end)
+            if case.radians
+            else mp.linspace(part.begin, part.end, 4)
+        )
         total += mp.quad(lambda t, part=part: power(part, t), marks)
     return mp.mpf(case.friction) * 2 / (mp.pi * contact.modulus) * total
 
@@ -161,14 +200,26 @@ def ellipse_dissipation(case: Case, contact: Contact | None = None) -> mp.mpf:
 def _towards_ends(begin: mp.mpf, end: mp.mpf) -> list[mp.mpf]:
     """Places ever closer to both ends."""
     steps = [(end - begin) * mp.mpf(10) ** -k / 2 for k in range(0, 14, 2)]
-    return [begin, *(begin + step for step in reversed(steps)), *(end - step for step in steps[1:]), end]
+    return [
+        begin,
+        *(begin + step for step in reversed(steps)),
+        *(end - step for step in steps[1:]),
+        end,
+    ]
 
 
-# -------------------------------------------------------------------------------------------------------------------- scenes
+# ------------------------------------------------------------------------------------------- scenes
 def truth(scene: Scene) -> mp.mpf:
-    """Dissipation of the last cycle: with 30 digits for an ellipse that is no line, else by brute force."""
+    """Dissipation of the last cycle: with 30 digits for an ellipse that is no line, else by brute
+    force.
+    """
     load = scene.load
-    if load.kind == "ellipse" and load.normal_amplitude and load.phase_degrees not in (0.0, 180.0, -180.0) and contact_of(scene):
+    if (
+        load.kind == "ellipse"
+        and load.normal_amplitude
+        and load.phase_degrees not in (0.0, 180.0, -180.0)
+        and contact_of(scene)
+    ):
         return steady_ellipse(scene)
     return _number(np.sum(_work(scene).whole()) / _long(modulus(scene)))
 
@@ -178,11 +229,15 @@ def steady_ellipse(scene: Scene) -> mp.mpf:
     load = scene.load
     degrees = load.phase_degrees if load.phase_degrees > 0 else load.phase_degrees + 180
     amplitudes = load.mean_normal_load, load.normal_amplitude, load.tangential_amplitude
-    return ellipse_dissipation(Case(0.0, *amplitudes, degrees, scene.friction.coefficient), contact_of(scene))
+    return ellipse_dissipation(
+        Case(0.0, *amplitudes, degrees, scene.friction.coefficient), contact_of(scene)
+    )
 
 
 def mindlin(k: mp.mpf, limit: mp.mpf) -> mp.mpf:
-    """E* W of a cycle of Q between +-k f P at constant P, limit = f P: (4 f^2 P^2/pi) [(1-k) ln(1-k) + k - k^2/2]."""
+    """E* W of a cycle of Q between +-k f P at constant P, limit = f P: (4 f^2 P^2/pi) [(1-k)
+    ln(1-k) + k - k^2/2].
+    """
     log = (1 - k) * mp.log(1 - k) if k < 1 else mp.mpf(0)
     return 4 * limit**2 / mp.pi * (log + k - k**2 / 2)
 
@@ -193,9 +248,11 @@ def density_truth(scene: Scene, x: Sequence[float]) -> list[str]:
 
 
 def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | None:
-    """The `FIELDS` at one time and three points of a Hertz scene by brute force; None for rows, and where there is no friction.
+    """The `FIELDS` at one time and three points of a Hertz scene by brute force; None for rows, and
+    where there is no friction.
 
-    The knots of the memory curve are the engine's own, which tests/test_semi_analytic_history.py holds against Coulomb's law.
+    The knots of the memory curve are the engine's own, which tests/test_semi_analytic_history.py
+    holds against Coulomb's law.
     """
     if (
         scene.profile.kind != "hertz"
@@ -211,7 +268,9 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
 
 
 def _work(scene: Scene) -> Work:
-    """The friction work of the second cycle, which is steady; of the whole path where there is no cycle. To be divided by E*."""
+    """The friction work of the second cycle, which is steady; of the whole path where there is no
+    cycle. To be divided by E*.
+    """
     work = Work(scene, 0 if scene.load.path().period is None else 1, parts=4)
     work.law = _stiff(work.law, _long(modulus(scene)))
     work.corner_loads = [work.law.load(corner) for corner in work.corners]

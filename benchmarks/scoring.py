@@ -1,7 +1,9 @@
-"""What `halfplane score` gets wrong: its rules on right results, its diagnoses of results with a planted fault.
+"""What `halfplane score` gets wrong: its rules on right results, its diagnoses of results with a
+planted fault.
 
-A fault is planted in a file by altering its arrays, in a question by solving another one, in a model by running the finite elements
-with it. One so mild that the result stays within the scene's tolerances is not seen, and shall not be.
+A fault is planted in a file by altering its arrays, in a question by solving another one, in a
+model by running the finite elements with it. One so mild that the result stays within the scene's
+tolerances is not seen, and shall not be.
 """
 
 from __future__ import annotations
@@ -29,14 +31,15 @@ from reports.scoring.solution import friction_work, zones
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
-# The default mesh, on which a healthy run is within tolerance: the fault is planted alone, with no coarseness beside it.
+# The default mesh, on which a healthy run is within tolerance: the fault is planted alone, with no
+# coarseness beside it.
 MESH = MeshSettings()
 INSTANTS, POINTS = 60, 121
 DECK_LOAD = 400.0  # P of the decks of tests/data [force / thickness]
 Plant = Callable[[Scene, float], Comparison]
 
 
-# --------------------------------------------------------------------------------------------------- results with a planted fault
+# --------------------------------------------------------------------- results with a planted fault
 def times(scene: Scene, a_cycle: int = INSTANTS) -> np.ndarray:
     """The initial loading and four revolutions."""
     path = scene.load.path()
@@ -49,10 +52,14 @@ def truth(name: str) -> ContactSolution:
     """Half-plane theory as another code would give it: equal spacings in x and time."""
     scene = load_scene(name)
     half = float(semi_analytic.solve(scene).contact_half_width.max())
-    return semi_analytic.solve(scene, x=np.linspace(-1.3 * half, 1.3 * half, POINTS), time=times(scene))
+    return semi_analytic.solve(
+        scene, x=np.linspace(-1.3 * half, 1.3 * half, POINTS), time=times(scene)
+    )
 
 
-def altered(pressure: Callable[..., Any] = lambda p, q, k: p, shear: Callable[..., Any] = lambda p, q, k: q) -> Plant:
+def altered(
+    pressure: Callable[..., Any] = lambda p, q, k: p, shear: Callable[..., Any] = lambda p, q, k: q
+) -> Plant:
     """The truth, but for its tractions: of p, q and the severity."""
 
     def plant(scene: Scene, severity: float) -> Comparison:
@@ -63,13 +70,17 @@ def altered(pressure: Callable[..., Any] = lambda p, q, k: p, shear: Callable[..
     return plant
 
 
-def asked(change: Callable[[Scene, float], Scene], factor: Callable[[float], float] = lambda _: 1.0) -> Plant:
+def asked(
+    change: Callable[[Scene, float], Scene], factor: Callable[[float], float] = lambda _: 1.0
+) -> Plant:
     """The truth of another scene, its tractions times a factor."""
 
     def plant(scene: Scene, severity: float) -> Comparison:
         true, k = truth(scene.name), factor(severity)
         other = semi_analytic.solve(change(scene, severity), x=true.x, time=true.time)
-        return compare(true, replace(other, scene=scene, pressure=k * other.pressure, shear=k * other.shear))
+        return compare(
+            true, replace(other, scene=scene, pressure=k * other.pressure, shear=k * other.shear)
+        )
 
     return plant
 
@@ -77,7 +88,9 @@ def asked(change: Callable[[Scene, float], Scene], factor: Callable[[float], flo
 def moved(scene: Scene, distance: float) -> Comparison:
     """The centre off by so much of the largest half-width."""
     true = truth(scene.name)
-    other = semi_analytic.solve(scene, x=true.x - distance * float(true.contact_half_width.max()), time=true.time)
+    other = semi_analytic.solve(
+        scene, x=true.x - distance * float(true.contact_half_width.max()), time=true.time
+    )
     return compare(true, replace(true, pressure=other.pressure, shear=other.shear))
 
 
@@ -102,17 +115,24 @@ def solved(scene: Scene, mesh: MeshSettings = MESH, **settings: Any) -> Comparis
 
 
 def few_steps(scene: Scene, steps: float) -> Comparison:
-    """Increments that land on no event. On a polygon, whose corners they can't miss, theory on straight lines that do."""
+    """Increments that land on no event. On a polygon, whose corners they can't miss, theory on
+    straight lines that do.
+    """
     if isinstance(scene.load, EllipseLoad):
         with must_fail.blind():
             return solved(scene, steps_per_cycle=int(steps), step_tolerance=float("inf"))
     x, time = truth(scene.name).x, times(scene, int(steps) + 1)
-    reference, polygon = (semi_analytic.solve(scene, x=x, time=time, straight_steps=straight) for straight in (False, True))
+    reference, polygon = (
+        semi_analytic.solve(scene, x=x, time=time, straight_steps=straight)
+        for straight in (False, True)
+    )
     return compare(reference, replace(polygon, scene=scene), polygon_reference=polygon)
 
 
 def forgetful(scene: Scene, _severity: float) -> Comparison:
-    """Each increment starts from faces that have never slipped; few of them, for they never settle."""
+    """Each increment starts from faces that have never slipped; few of them, for they never
+    settle.
+    """
     with must_fail.equilibrium(must_fail.forgetting):
         return solved(scene, steps_per_cycle=32, step_tolerance=float("inf"))
 
@@ -130,9 +150,13 @@ def unlike(scene: Scene, poisson_ratio: float) -> Comparison:
 
 
 def soft(name: str) -> Plant:
-    """A penalty of so many E*/a, the other one stiff; the solver's own unit is E*/h, h being that of the edges."""
+    """A penalty of so many E*/a, the other one stiff; the solver's own unit is E*/h, h being that
+    of the edges.
+    """
     stiff: dict[str, Any] = {"normal_stiffness": 1e4, "tangential_stiffness": 1e4}
-    return lambda scene, severity: solved(scene, method="penalty", **(stiff | {name: severity * MESH.edge_element_size}))
+    return lambda scene, severity: solved(
+        scene, method="penalty", **(stiff | {name: severity * MESH.edge_element_size})
+    )
 
 
 def rougher(scene: Scene, factor: float) -> Scene:
@@ -146,66 +170,107 @@ class Fault(NamedTuple):
     plant: Plant
 
 
-# Loads times a factor are, by linearity, the tractions of bodies that much more compliant, times the factor.
+# Loads times a factor are, by linearity, the tractions of bodies that much more compliant, times
+# the factor.
 FAULTS = {
     "shear_sign": Fault((1.0,), altered(shear=lambda p, q, _: -q)),
     "pressure_sign": Fault((1.0,), altered(lambda p, q, _: -p)),
     "swapped": Fault((1.0,), altered(lambda p, q, _: q, lambda p, q, _: p)),
     "frictionless": Fault((1.0,), altered(shear=lambda p, q, _: 0 * q)),
     "units": Fault((1e6, 1e-3, 10.0), altered(lambda p, q, k: k * p, lambda p, q, k: k * q)),
-    "traction_factor": Fault((1.5, 1.1, 1.02), altered(lambda p, q, k: k * p, lambda p, q, k: k * q)),
+    "traction_factor": Fault(
+        (1.5, 1.1, 1.02), altered(lambda p, q, k: k * p, lambda p, q, k: k * q)
+    ),
     "pressure_factor": Fault((1.5, 1.1, 1.01), altered(lambda p, q, k: k * p)),
     "offset": Fault((0.3, 0.03, 0.01, 0.001), moved),
     "stiffness": Fault((2.0, 0.91, 0.97, 0.99, 0.998), asked(stiffer)),
     "half_model": Fault((0.5, 2.0), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)),
-    "loads": Fault((1.3, 1.05, 1.01, 1.002), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)),
+    "loads": Fault(
+        (1.3, 1.05, 1.01, 1.002), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)
+    ),
     "friction": Fault((1.5, 1.1, 0.97, 1.01), asked(rougher)),
     "full_stick": Fault((50.0,), asked(rougher)),
     "memoryless": Fault((1.0,), forgetful),
-    "not_steady": Fault((1.0,), lambda scene, _: last_revolution(scene, truth(scene.name), slice(4, 5 + INSTANTS))),
+    "not_steady": Fault(
+        (1.0,), lambda scene, _: last_revolution(scene, truth(scene.name), slice(4, 5 + INSTANTS))
+    ),
     "other_times": Fault((0.25, 0.05, 0.01, 0.002), late),
     "steps": Fault((4.0, 8.0, 12.0, 24.0, 48.0), few_steps),
     "elastic_slip": Fault((2.4, 7.2, 24.0, 72.0, 240.0), soft("tangential_stiffness")),
     "soft_normal": Fault((12.0, 24.0, 72.0, 240.0), soft("normal_stiffness")),
     "small_body": Fault((2.5, 4.0, 8.0, 16.0), blocks),
     "coupling": Fault((0.45, 0.4, 0.35), unlike),
-    "coarse_edge": Fault((1 / 5, 1 / 8, 1 / 12, 1 / 24), lambda s, h: solved(s, MeshSettings(element_size=h, edge_element_size=h))),
+    "coarse_edge": Fault(
+        (1 / 5, 1 / 8, 1 / 12, 1 / 24),
+        lambda s, h: solved(s, MeshSettings(element_size=h, edge_element_size=h)),
+    ),
 }
 
 
 def confusion() -> Iterator[Row]:
-    """The share of results out of tolerance whose first diagnosis is another fault than the planted one."""
+    """The share of results out of tolerance whose first diagnosis is another fault than the planted
+    one.
+    """
     seen, wrong = 0, []
     for key, fault in FAULTS.items():
-        for name, severity in ((name, severity) for name in SCENES for severity in fault.severities):
+        for name, severity in (
+            (name, severity) for name in SCENES for severity in fault.severities
+        ):
             found = diagnose(fault.plant(load_scene(name), severity))
             seen += bool(found)
-            wrong += [f"{key} of {severity:g}, {name}: {found[0].fault}"] if found and found[0].fault != key else []
-    how = f"{seen} results out of tolerance of {len(FAULTS)} faults; {'; '.join(wrong) or 'none wrong'}"
-    yield Row("first diagnosis wrong, all faults, scenes and severities", len(wrong) / seen, 0.05, how)
+            wrong += (
+                [f"{key} of {severity:g}, {name}: {found[0].fault}"]
+                if found and found[0].fault != key
+                else []
+            )
+    how = (
+        f"{seen} results out of tolerance of {len(FAULTS)} faults;"
+        f" {'; '.join(wrong) or 'none wrong'}"
+    )
+    yield Row(
+        "first diagnosis wrong, all faults, scenes and severities", len(wrong) / seen, 0.05, how
+    )
 
 
-# -------------------------------------------------------------------------------------------------------- rules and readers
+# -------------------------------------------------------------------------------- rules and readers
 def rules() -> Iterator[Row]:
-    """The rules of the score on right results: theory's own fields, CalculiX' decks of tests/data."""
+    """The rules of the score on right results: theory's own fields, CalculiX' decks of
+    tests/data.
+    """
     scene = load_scene("hertz-paper")
     path, x = scene.load.path(), np.linspace(-1.3, 1.3, 105)
     own, few = (
-        semi_analytic.solve(scene, x=x, time=path.cycle_start + (path.period or 0) * np.linspace(1, 2, count)) for count in (25, 21)
+        semi_analytic.solve(
+            scene, x=x, time=path.cycle_start + (path.period or 0) * np.linspace(1, 2, count)
+        )
+        for count in (25, 21)
     )
     peak = score(own.x, own.pressure, own.shear, scene=scene).metric("peak_pressure").value
     how = "hertz-paper, 25 instants found from the integrals of p and q over 105 points"
     yield Row("instants from integrals: peak pressure", float(peak or 0.0), 5e-5, how)
     work = float(np.trapezoid(friction_work(few.shear, few.slip), x))
     how = "hertz-paper, theory's own fields at 105 points"
-    yield Row("sum of q ds over a cycle of 21 instants: too little by", 100 * (1 - work / few.dissipation), None, how, "%")
+    yield Row(
+        "sum of q ds over a cycle of 21 instants: too little by",
+        100 * (1 - work / few.dissipation),
+        None,
+        how,
+        "%",
+    )
     fe = halfplane_fe.solve(scene)
     own = semi_analytic.solve(scene, x=fe.x, time=fe.time[fe.last_cycle])
     found = zones(own.x, own.pressure, own.shear, None, scene.friction.coefficient, own.time)
     off = np.max(np.abs(found.stick_edges - own.stick_edges), axis=1) / scales(own).half_width
-    how = f"hertz-paper, theory at the {len(own.x)} points and {len(own.time)} instants of a cycle of the finite elements"
+    how = (
+        f"hertz-paper, theory at the {len(own.x)} points and {len(own.time)} instants of a cycle of"
+        " the finite elements"
+    )
     yield Row("stick edge without slip, off by up to", float(np.nanmax(off)), None, how, "a")
-    for kind, suffixes in (("node to surface", (".frd", ".dat")), ("mortar", (".frd",)), ("surface to surface", (".frd", ".dat"))):
+    for kind, suffixes in (
+        ("node to surface", (".frd", ".dat")),
+        ("mortar", (".frd",)),
+        ("surface to surface", (".frd", ".dat")),
+    ):
         for suffix in suffixes:
             file = ROOT / "tests" / "data" / f"{kind.replace(' ', '-')}{suffix}"
             deck = read(file, Mapping())

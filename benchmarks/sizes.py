@@ -12,7 +12,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-PARTS = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports", "benchmarks", "tests", "docs")
+PARTS = (
+    "scenes",
+    "semi_analytic",
+    "meshes",
+    "halfplane_fe",
+    "reports",
+    "benchmarks",
+    "tests",
+    "docs",
+)
 
 
 class Size(NamedTuple):
@@ -30,13 +39,21 @@ def statements(tree: ast.AST) -> int:
     2
     """
     nodes = [node for node in ast.walk(tree) if isinstance(node, ast.stmt)]
-    return sum(not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) for node in nodes)
+    return sum(
+        not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) for node in nodes
+    )
 
 
 def public_names(tree: ast.Module) -> set[str]:
     """Functions, classes, methods and constants whose name has no leading underscore.
 
-    >>> sorted(public_names(ast.parse("A = 1\\n_b = 2\\nclass C:\\n    def d(self): ...\\n    def _e(self): ...\\n")))
+    >>> sorted(
+    ...     public_names(
+    ...         ast.parse(
+    ...             "A = 1\\n_b = 2\\nclass C:\\n    def d(self): ...\\n    def _e(self): ...\\n"
+    ...         )
+    ...     )
+    ... )
     ['A', 'C', 'C.d']
     """
     names = set()
@@ -44,7 +61,11 @@ def public_names(tree: ast.Module) -> set[str]:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names.add(node.name)
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            names |= {f"{node.name}.{method.name}" for method in node.body if isinstance(method, ast.FunctionDef)}
+            names |= {
+                f"{node.name}.{method.name}"
+                for method in node.body
+                if isinstance(method, ast.FunctionDef)
+            }
         if isinstance(node, ast.Assign):
             names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
@@ -56,7 +77,9 @@ def size(part: str) -> Size:
     """The size of one folder of the project."""
     paths = [path for path in sorted((ROOT / part).rglob("*.py")) if "_build" not in path.parts]
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
-    return Size(len(paths), sum(map(statements, trees)), sum(len(public_names(tree)) for tree in trees))
+    return Size(
+        len(paths), sum(map(statements, trees)), sum(len(public_names(tree)) for tree in trees)
+    )
 
 
 def main() -> None:

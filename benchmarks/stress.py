@@ -1,11 +1,13 @@
-"""Numerical stress: what both engines do at the ends of what a scene may ask, written to docs/stress.md.
+"""Numerical stress: what both engines do at the ends of what a scene may ask, written to
+docs/stress.md.
 
     make stress                                    (python benchmarks/stress.py, ten minutes)
-    python benchmarks/stress.py "flat face" ...    (only cases whose names hold one of these; the others stay as found)
+    python benchmarks/stress.py "flat face" ...    (only cases whose names hold one of these; the
+                                                   others stay as found)
     python benchmarks/stress.py --pages            (none: the page from stress.json)
 
-A case is a list of trials. A trial gives an error, to be at most the limit, or is refused by InputError or ConvergenceError;
-anything else, a warning included, breaks the case.
+A case is a list of trials. A trial gives an error, to be at most the limit, or is refused by
+InputError or ConvergenceError; anything else, a warning included, breaks the case.
 """
 
 from __future__ import annotations
@@ -60,15 +62,19 @@ HALF_PLANE, FE = "Half-plane engine", "Finite elements"
 LOOP = (3.0, 1.0, 0.2, 0.8, 70.0)
 COARSE, FEW = MeshSettings.coarse(), SolverSettings(steps_per_cycle=32)
 ROUGH = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
-# Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times what a coarse mesh promises of
-# the shear (about 1 % in L2): what a reader of a first look takes for good if nothing is said.
+# Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times
+# what a coarse mesh promises of the shear (about 1 % in L2): what a reader of a first look takes
+# for good if nothing is said.
 STATED = 0.05
-# Half-width a of `LOOP` at its largest load on half-planes, in the scene's lengths; above which a law is broken.
+# Half-width a of `LOOP` at its largest load on half-planes, in the scene's lengths; above which a
+# law is broken.
 HALF_WIDTH, BROKEN = 22.6, 1e-7
 
 
 class Found(NamedTuple):
-    """What a trial measured: errors held against the limit, the answer's own notes, values that are only shown."""
+    """What a trial measured: errors held against the limit, the answer's own notes, values that are
+    only shown.
+    """
 
     errors: Mapping[str, float]
     notes: tuple[str, ...] = ()
@@ -81,11 +87,13 @@ class Case:
 
     Attributes
     ----------
-    engine, what, tried, measure, limit : who, which end of the range, the values; what the error is of, and how large it may be
-    function, values : what gives the errors or refuses, and its arguments, one or a tuple for each trial
+    engine, what, tried, measure, limit : who, which end of the range, the values; what the error is
+    of, and how large it may be function, values : what gives the errors or refuses, and its
+    arguments, one or a tuple for each trial
     words : name of a trial, from its arguments
     refuses : whether each of the trials has to end in a sentence
-    may_state : whether an error above the limit passes if the answer says so: it is shown with its note
+    may_state : whether an error above the limit passes if the answer says so: it is shown with its
+        note
     """
 
     engine: str
@@ -102,7 +110,9 @@ class Case:
 
 @dataclass
 class Outcome:
-    """What became of a case: worst errors of the trials that were answered, what was stated, who refused, what broke."""
+    """What became of a case: worst errors of the trials that were answered, what was stated, who
+    refused, what broke.
+    """
 
     worst: dict[str, float] = field(default_factory=dict)
     shown: dict[str, float] = field(default_factory=dict)
@@ -119,18 +129,28 @@ class Outcome:
         if self.broken:
             return "**broken**: " + "; ".join(self.broken)
         words = [f"right ({self.right})" if self.told else "right"] if self.right else []
-        return "; ".join([*words, *(f"stated: {one}" for one in self.told), *(f"refused: “{one}”" for one in self.refused)])
+        return "; ".join(
+            [
+                *words,
+                *(f"stated: {one}" for one in self.told),
+                *(f"refused: “{one}”" for one in self.refused),
+            ]
+        )
 
     def count(self, case: Case, name: str, found: float | Found) -> None:
         """One trial that was answered: right, in error and stated, or wrong and silent."""
         errors, notes, shown = found if isinstance(found, Found) else Found({"": float(found)})
         for target, source in ((self.worst, errors), (self.shown, shown)):
-            target |= {key: float(np.maximum(target.get(key, 0.0), value)) for key, value in source.items()}
+            target |= {
+                key: float(np.maximum(target.get(key, 0.0), value)) for key, value in source.items()
+            }
         off = {key: value for key, value in errors.items() if not value <= case.limit}
         values = _values({**off, **(shown if "W" in off else {})})
         if not off:
             self.right += 1
-        elif case.may_state and notes and np.isfinite([v for k, v in off.items() if k != "W"]).all():
+        elif (
+            case.may_state and notes and np.isfinite([v for k, v in off.items() if k != "W"]).all()
+        ):
             self.told.append(f"{name}: {values}, with the note “{'” and “'.join(notes)}”")
         else:
             self.broken.append(f"{name}: {'wrong, silent: ' * case.may_state}{values}")
@@ -163,22 +183,40 @@ def outcome(case: Case) -> dict[str, Any]:
     return asdict(found)
 
 
-# ------------------------------------------------------------------------------------------------------------------- scenes
-def scene_of(load: Any, friction: float = 0.5, profile: Profile | None = None, material: Materials | None = None) -> Scene:
+# ------------------------------------------------------------------------------------------- scenes
+def scene_of(
+    load: Any,
+    friction: float = 0.5,
+    profile: Profile | None = None,
+    material: Materials | None = None,
+) -> Scene:
     """Hertz of radius 100 and E* = 1 where nothing else is said."""
     profile, material = profile or Hertz(radius=100.0), material or like(1.0)
-    return Scene(name="stress", material=material, profile=profile, friction=Friction(coefficient=friction), load=load)
+    return Scene(
+        name="stress",
+        material=material,
+        profile=profile,
+        friction=Friction(coefficient=friction),
+        load=load,
+    )
 
 
 def ellipse(p0: float, p1: float, q0: float, q1: float, phase: float) -> EllipseLoad:
     """P0, P1, Q0, Q1 and the phase in degrees."""
-    loads = {"mean_normal_load": p0, "normal_amplitude": p1, "mean_tangential_load": q0, "tangential_amplitude": q1}
+    loads = {
+        "mean_normal_load": p0,
+        "normal_amplitude": p1,
+        "mean_tangential_load": q0,
+        "tangential_amplitude": q1,
+    }
     return EllipseLoad(**loads, phase_degrees=phase)
 
 
 def to_and_fro(share: float, friction: float) -> PolygonLoad:
     """Q between +-share f P at constant P = 1."""
-    return PolygonLoad(initial_loading=((1.0, 0.0),), cycle=((1.0, share * friction), (1.0, -share * friction)))
+    return PolygonLoad(
+        initial_loading=((1.0, 0.0),), cycle=((1.0, share * friction), (1.0, -share * friction))
+    )
 
 
 def in_proportion(f: float) -> Scene:
@@ -195,17 +233,34 @@ def flat_face(part: float) -> Scene:
 
 def in_units(length: float, stress: float, profile: Profile) -> Scene:
     """`LOOP` in units of length and stress."""
-    return scene_of(ellipse(*(np.array(LOOP[:4]) * length * stress), LOOP[4]), 0.5, profile, like(stress))
+    return scene_of(
+        ellipse(*(np.array(LOOP[:4]) * length * stress), LOOP[4]), 0.5, profile, like(stress)
+    )
 
 
 UNITS = [(length, stress) for stress in (1e-12, 1e12) for length in (1e-12, 1e12)]
 
 
-def apart(one: ContactSolution, other: ContactSolution, length: float, stress: float, *names: str) -> float:
-    """Worst change of any of these fields of the other in units of length and stress, over its largest value."""
-    units = {"pressure": stress, "shear": stress, "dissipation_density": length * stress, "dissipation": length**2 * stress}
-    pairs = [(np.asarray(getattr(other, n)) / units.get(n, length), np.asarray(getattr(one, n))) for n in names]
-    return max(float(np.nanmax(np.abs(scaled - plain)) / np.nanmax(np.abs(plain))) for scaled, plain in pairs)
+def apart(
+    one: ContactSolution, other: ContactSolution, length: float, stress: float, *names: str
+) -> float:
+    """Worst change of any of these fields of the other in units of length and stress, over its
+    largest value.
+    """
+    units = {
+        "pressure": stress,
+        "shear": stress,
+        "dissipation_density": length * stress,
+        "dissipation": length**2 * stress,
+    }
+    pairs = [
+        (np.asarray(getattr(other, n)) / units.get(n, length), np.asarray(getattr(one, n)))
+        for n in names
+    ]
+    return max(
+        float(np.nanmax(np.abs(scaled - plain)) / np.nanmax(np.abs(plain)))
+        for scaled, plain in pairs
+    )
 
 
 def broken_by(answer: ContactSolution) -> float:
@@ -218,21 +273,44 @@ def work_of(scene: Scene) -> float:
     return float(semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation)
 
 
-# -------------------------------------------------------------------------------------------------------- half-plane engine
+# -------------------------------------------------------------------------------- half-plane engine
 def of_mindlin(share: float, friction: float, over_stated: bool = False) -> float:
     """Relative error of W; over what the engine states of it with `over_stated`."""
-    answer = semi_analytic.solve(scene_of(to_and_fro(share, friction), friction), x=[0.0], fields=("dissipation",))
+    answer = semi_analytic.solve(
+        scene_of(to_and_fro(share, friction), friction), x=[0.0], fields=("dissipation",)
+    )
     with mpmath.workdps(60):
-        exact = regress_truth.mindlin(min(mpmath.mpf(share * friction) / mpmath.mpf(friction), 1), mpmath.mpf(friction))
+        exact = regress_truth.mindlin(
+            min(mpmath.mpf(share * friction) / mpmath.mpf(friction), 1), mpmath.mpf(friction)
+        )
     error = abs(float(answer.dissipation / exact - 1))
     return error / answer.record.errors["dissipation"] if over_stated else error
 
 
 def theory_in_units(kind: str, length: float, stress: float) -> float:
     x = np.linspace(-2.6, 2.6, 41)
-    one, other = (semi_analytic.solve(in_units(u, s, PROFILES[kind](u)), x=x * u) for u, s in ((1.0, 1.0), (length, stress)))
-    moves = ("slip", "tangential_displacement", "normal_approach", "contact_half_width", "stick_half_width")
-    worst = apart(one, other, length, stress, "pressure", "shear", "dissipation_density", "dissipation", *moves)
+    one, other = (
+        semi_analytic.solve(in_units(u, s, PROFILES[kind](u)), x=x * u)
+        for u, s in ((1.0, 1.0), (length, stress))
+    )
+    moves = (
+        "slip",
+        "tangential_displacement",
+        "normal_approach",
+        "contact_half_width",
+        "stick_half_width",
+    )
+    worst = apart(
+        one,
+        other,
+        length,
+        stress,
+        "pressure",
+        "shear",
+        "dissipation_density",
+        "dissipation",
+        *moves,
+    )
     return worst if np.array_equal(one.state, other.state) else float("nan")
 
 
@@ -241,30 +319,47 @@ def wave(count: int, noise: float = 0.0) -> np.ndarray:
     rng, phase = np.random.default_rng(1), 2 * np.pi * np.arange(count) / 400
     normal = 3 + np.cos(phase) + noise * rng.standard_normal(count)
     force = 0.8 * np.cos(phase - 1.2) + noise * rng.standard_normal(count)
-    return np.column_stack([np.arange(count), normal, np.clip(force, -0.45 * normal, 0.45 * normal)])
+    return np.column_stack(
+        [np.arange(count), normal, np.clip(force, -0.45 * normal, 0.45 * normal)]
+    )
 
 
 def of_rows(count: int, noise: float, kind: str) -> float:
-    """Worst mismatch of M(P) = Q and the cone over all rows of a wave; that repeats, or is held for a while."""
+    """Worst mismatch of M(P) = Q and the cone over all rows of a wave; that repeats, or is held for
+    a while.
+    """
     rows, repeats = wave(count, noise), kind == "again and again"
     if repeats:
         rows[-1, 1:] = rows[0, 1:]
     elif kind == "with repeats":
         rows[1000:300_000, 1:] = rows[1000, 1:]
-    answer = semi_analytic.solve(scene_of(TimeSeriesLoad(rows=rows, repeats=repeats)), x=[0.0], fields=("dissipation",))
-    return broken_by(answer) if np.isfinite(answer.dissipation) and answer.dissipation > 0 else float("nan")
+    answer = semi_analytic.solve(
+        scene_of(TimeSeriesLoad(rows=rows, repeats=repeats)), x=[0.0], fields=("dissipation",)
+    )
+    return (
+        broken_by(answer)
+        if np.isfinite(answer.dissipation) and answer.dissipation > 0
+        else float("nan")
+    )
 
 
-# ---------------------------------------------------------------------------------------------------------- finite elements
-def against_theory(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings = FEW) -> Found:
-    """Errors of p over ||p||, of q over f ||p||, in L2 at the worst of 16 instants of the last revolution with more than 0.3 of the
-    largest load; of W over W (infinite where nothing should slip), with that in A f^2 P^2 shown. NaN where a law is broken.
+# ---------------------------------------------------------------------------------- finite elements
+def against_theory(
+    scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings = FEW
+) -> Found:
+    """Errors of p over ||p||, of q over f ||p||, in L2 at the worst of 16 instants of the last
+    revolution with more than 0.3 of the largest load; of W over W (infinite where nothing should
+    slip), with that in A f^2 P^2 shown. NaN where a law is broken.
     """
     answer, period = halfplane_fe.solve(scene, mesh, settings), scene.load.path().period
     start = answer.time[-1] - period * (1 - 1e-9) if period is not None else -np.inf
-    loaded = np.flatnonzero((answer.normal_load > 0.3 * answer.normal_load.max()) & (answer.time > start))
+    loaded = np.flatnonzero(
+        (answer.normal_load > 0.3 * answer.normal_load.max()) & (answer.time > start)
+    )
     chosen = loaded[np.unique(np.linspace(0, len(loaded) - 1, 16).astype(int))]
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear")
+    )
 
     def l2(values: np.ndarray) -> np.ndarray:
         return np.sqrt(values**2 @ answer.weights)
@@ -278,7 +373,12 @@ def against_theory(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSe
         "W": off / work if work else (np.inf if off else 0.0),
     }
     # Equilibrium is over P of the instant, of which rounding of the largest load is a share.
-    rounding = 4 * np.finfo(float).eps * answer.normal_load.max() / answer.normal_load[answer.normal_load > 0].min()
+    rounding = (
+        4
+        * np.finfo(float).eps
+        * answer.normal_load.max()
+        / answer.normal_load[answer.normal_load > 0].min()
+    )
     if broken_by(answer) > BROKEN + rounding:
         errors = dict.fromkeys(errors, float("nan"))
     return Found(errors, answer.record.notes, {"W in A f² P²": off / unit})
@@ -305,23 +405,35 @@ def exchanged(ratio: float) -> float:
     """W with the bodies exchanged, which is the same scene seen from below."""
     one = pair(ratio, 0.3, 0.3)
     both = one, Materials(upper=one.lower, lower=one.upper)
-    works = [halfplane_fe.solve(scene_of(ellipse(*LOOP), material=material), COARSE, FEW).dissipation for material in both]
+    works = [
+        halfplane_fe.solve(scene_of(ellipse(*LOOP), material=material), COARSE, FEW).dissipation
+        for material in both
+    ]
     return abs(works[1] / works[0] - 1)
 
 
 def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
-    """P, then Q to and fro between 0.6 and -0.6 f P over so many lines, `count` increments each: against 16 each, and the laws."""
+    """P, then Q to and fro between 0.6 and -0.6 f P over so many lines, `count` increments each:
+    against 16 each, and the laws.
+    """
     lines = tuple((1.0, 0.3 * (-1) ** number) for number in range(corners))
     scene = scene_of(PolygonLoad(initial_loading=((1.0, 0.0), *lines)))
 
     def solved(increments: int) -> ContactSolution:
-        return halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=8 * increments, step_tolerance=np.inf))
+        return halfplane_fe.solve(
+            scene, mesh, SolverSettings(steps_per_cycle=8 * increments, step_tolerance=np.inf)
+        )
 
     many, few = solved(count), solved(16)
     if len(many.time) + many.work.skipped.get("instants", (0,))[0] < count * (corners + 1):
         return Found({"increments missing": float("nan")})
-    here, there = (np.searchsorted(answer.time, np.arange(1.0, corners + 1.5) - 1e-9) for answer in (many, few))
-    off = {"W": abs(many.dissipation / few.dissipation - 1), "laws": max(broken_by(many), broken_by(few))}
+    here, there = (
+        np.searchsorted(answer.time, np.arange(1.0, corners + 1.5) - 1e-9) for answer in (many, few)
+    )
+    off = {
+        "W": abs(many.dissipation / few.dissipation - 1),
+        "laws": max(broken_by(many), broken_by(few)),
+    }
     for symbol, name in (("p", "pressure"), ("q", "shear"), ("slip", "slip")):
         one, other = getattr(many, name)[here], getattr(few, name)[there]
         off[symbol] = float(np.max(np.abs(one - other)) / np.max(np.abs(other)))
@@ -329,8 +441,8 @@ def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
 
 
 def squeezed(body: BodyMesh, share: float, count: int = 30) -> BodyMesh:
-    """The body with `count` slivers: inner nodes, far and near, moved towards the opposite side of one of their triangles, of whose
-    distance they keep that `share`.
+    """The body with `count` slivers: inner nodes, far and near, moved towards the opposite side of
+    one of their triangles, of whose distance they keep that `share`.
     """
     mesh = body.mesh
     places, corners = mesh.doflocs.copy(), mesh.t
@@ -365,7 +477,9 @@ def aspect(*bodies: BodyMesh) -> float:
 
 
 def with_slivers(share: float) -> Found:
-    """Against the half-plane engine, both bodies squeezed; the worst aspect stands beside the errors."""
+    """Against the half-plane engine, both bodies squeezed; the worst aspect stands beside the
+    errors.
+    """
     bodies: list[BodyMesh] = []
 
     def build(*arguments: Any) -> BodyMesh:
@@ -378,9 +492,15 @@ def with_slivers(share: float) -> Found:
 
 
 def on_block(width: float, height: float) -> Found:
-    """Largest p and W on a block, sizes over the half-width, against elements half as long; NaN where a law is broken."""
-    scene = scene_of(ellipse(*LOOP)).vary(bodies=Bodies(lower=Block(width=width * HALF_WIDTH, height=height * HALF_WIDTH)))
-    finer = replace(COARSE, element_size=COARSE.element_size / 2, edge_element_size=COARSE.edge_element_size / 2)
+    """Largest p and W on a block, sizes over the half-width, against elements half as long; NaN
+    where a law is broken.
+    """
+    scene = scene_of(ellipse(*LOOP)).vary(
+        bodies=Bodies(lower=Block(width=width * HALF_WIDTH, height=height * HALF_WIDTH))
+    )
+    finer = replace(
+        COARSE, element_size=COARSE.element_size / 2, edge_element_size=COARSE.edge_element_size / 2
+    )
     answer, better = (halfplane_fe.solve(scene, mesh, FEW) for mesh in (COARSE, finer))
     p, w = answer.pressure.max() / better.pressure.max(), answer.dissipation / better.dissipation
     off = {"p": abs(float(p) - 1), "W": abs(w - 1)}
@@ -389,37 +509,80 @@ def on_block(width: float, height: float) -> Found:
     return Found(off, answer.record.notes, {"aspect": aspect(answer.bodies[0])})
 
 
-# -------------------------------------------------------------------------------------------------------------------- cases
+# -------------------------------------------------------------------------------------------- cases
 def half_plane_cases() -> Iterator[Case]:
     case = partial(Case, HALF_PLANE)
     exact = "W against the closed form"
     units = [(kind, *unit) for kind in PROFILES for unit in UNITS]
     tried = "lengths and stresses times 1e-12 and 1e12, eight kinds of profile"
     measure = "any field over its largest value, any state"
-    yield case("units", tried, measure, 1e-12, theory_in_units, units, "{}, lengths {:g}, stresses {:g}")
+    yield case(
+        "units", tried, measure, 1e-12, theory_in_units, units, "{}, lengths {:g}, stresses {:g}"
+    )
     shares = [(share, friction) for friction in (1e-6, 1e-3, 1.0, 100.0) for share in (0.3, 0.9)]
-    yield case("friction", "f = 1e-6, 1e-3, 1, 100; Q to 0.3 and 0.9 f P", exact, 1e-12, of_mindlin, shares, "{:g} f P, f = {:g}")
+    yield case(
+        "friction",
+        "f = 1e-6, 1e-3, 1, 100; Q to 0.3 and 0.9 f P",
+        exact,
+        1e-12,
+        of_mindlin,
+        shares,
+        "{:g} f P, f = {:g}",
+    )
 
     def proportion(f: float) -> float:
         return abs(work_of(in_proportion(f)) / f**2 / work_of(in_proportion(1.0)) - 1)
 
     measure = "W/f² against that of f = 1"
-    yield case("friction, ellipse", "f = 1e-6 to 100, Q in proportion", measure, 1e-12, proportion, (1e-6, 1e-3, 100.0))
+    yield case(
+        "friction, ellipse",
+        "f = 1e-6 to 100, Q in proportion",
+        measure,
+        1e-12,
+        proportion,
+        (1e-6, 1e-3, 100.0),
+    )
     sliding = [(1 - left, 0.5) for left in (1e-6, 1e-9, 1e-12, 1e-15, 0.0)]
-    yield case("near gross sliding", "1e-6 to 1e-15 of f P left, and none", exact, 1e-12, of_mindlin, sliding, "{!r} f P")
-    tiny, measure = [(10.0**-power, 0.3, True) for power in range(4, 15)], "error of W over the error that is stated"
-    yield case("next to no slip", "Q to 1e-4 ... 1e-14 of f P, a polygon", measure, 1.0, of_mindlin, tiny)
+    yield case(
+        "near gross sliding",
+        "1e-6 to 1e-15 of f P left, and none",
+        exact,
+        1e-12,
+        of_mindlin,
+        sliding,
+        "{!r} f P",
+    )
+    tiny, measure = (
+        [(10.0**-power, 0.3, True) for power in range(4, 15)],
+        "error of W over the error that is stated",
+    )
+    yield case(
+        "next to no slip", "Q to 1e-4 ... 1e-14 of f P, a polygon", measure, 1.0, of_mindlin, tiny
+    )
 
     def hard(row: int) -> float:
         one = table_of_ellipses(extremes=True)[row]
         return abs(batch(one) / float(one["dissipation"]) - 1)
 
-    tried = "22 stored ones: slip of 1e-9 of f P, 1 - 1e-12 of gross sliding, P1/P0 = 1 - 1e-9, within 1e-9 of phase 0 or pi"
-    yield case("ellipses", tried, "W of the batch against 30 digits", 1e-10, hard, range(22), "row {}")
+    tried = (
+        "22 stored ones: slip of 1e-9 of f P, 1 - 1e-12 of gross sliding, P1/P0 = 1 - 1e-9, within"
+        " 1e-9 of phase 0 or pi"
+    )
+    yield case(
+        "ellipses", tried, "W of the batch against 30 digits", 1e-10, hard, range(22), "row {}"
+    )
     rows = [(100_001, 0.0, "smooth"), (1_000_001, 0.0, "smooth"), (1_000_001, 0.01, "noisy")]
     rows += [(1_000_001, 0.0, "with repeats"), (100_001, 0.01, "again and again")]
     tried = "10^5 and 10^6 rows, smooth, noisy, with repeats, again and again"
-    yield case("long histories", tried, "cone and M(P) = Q, over f P", 1e-12, of_rows, rows, "{} rows, noise {:g}, {}")
+    yield case(
+        "long histories",
+        tried,
+        "cone and M(P) = Q, over f P",
+        1e-12,
+        of_rows,
+        rows,
+        "{} rows, noise {:g}, {}",
+    )
 
 
 def fe_cases() -> Iterator[Case]:
@@ -451,7 +614,11 @@ def fe_cases() -> Iterator[Case]:
         return loop(material=pair(ratio, *((0.4999, 0.2) if ratio < 1 else (0.2, 0.4999))))
 
     def tip(exponent: float) -> Scene:
-        sharp = PowerLaw(exponent=exponent, length=1.0, rise=0.5) if exponent else Wedge(tip_radius=1.0, tip_half_length=0.1)
+        sharp = (
+            PowerLaw(exponent=exponent, length=1.0, rise=0.5)
+            if exponent
+            else Wedge(tip_radius=1.0, tip_half_length=0.1)
+        )
         return loop(profile=sharp)
 
     def sliding(left: float) -> Scene:
@@ -465,16 +632,41 @@ def fe_cases() -> Iterator[Case]:
 
     tried, measure = "lengths and stresses times 1e-12 and 1e12", "any field over its largest value"
     yield Case(FE, "units", tried, measure, 1e-9, fe_in_units, UNITS, "lengths {:g}, stresses {:g}")
-    yield stated("friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", in_proportion, 1e-6, 1e-3, 1.0, 100.0)
-    yield stated("near gross sliding", "1e-3 ... 1e-13 of f P left", sliding, 1e-3, 1e-6, 1e-9, 1e-12, 1e-13)
-    yield refused("at gross sliding", "1e-15 of f P left, and none", lambda left: against_theory(sliding(left)), 1e-15, 0.0)
+    yield stated(
+        "friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", in_proportion, 1e-6, 1e-3, 1.0, 100.0
+    )
+    yield stated(
+        "near gross sliding", "1e-3 ... 1e-13 of f P left", sliding, 1e-3, 1e-6, 1e-9, 1e-12, 1e-13
+    )
+    yield refused(
+        "at gross sliding",
+        "1e-15 of f P left, and none",
+        lambda left: against_theory(sliding(left)),
+        1e-15,
+        0.0,
+    )
     shares = (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-6, 1e-12)
     tried = "Q to 0.3 ... 1e-12 of f P: 5 to 2e-11 elements"
-    yield stated("slip zones smaller than an element", tried, lambda share: scene_of(to_and_fro(share, 0.5)), *shares)
+    yield stated(
+        "slip zones smaller than an element",
+        tried,
+        lambda share: scene_of(to_and_fro(share, 0.5)),
+        *shares,
+    )
     yield stated("next to no load", "P_min/P0 = 1e-3, 1e-6, 1e-9", little, 1e-3, 1e-6, 1e-9)
-    yield refused("less than rounding of the load", "P_min/P0 = 1e-12", lambda part: against_theory(little(part)), 1e-12)
+    yield refused(
+        "less than rounding of the load",
+        "P_min/P0 = 1e-12",
+        lambda part: against_theory(little(part)),
+        1e-12,
+    )
     nus = (-0.9, 0.0, 0.4999, 0.499999)
-    yield stated("Poisson's ratio", "nu = -0.9, 0, 0.4999, 0.499999", lambda nu: loop(material=like(1.0, nu)), *nus)
+    yield stated(
+        "Poisson's ratio",
+        "nu = -0.9, 0, 0.4999, 0.499999",
+        lambda nu: loop(material=like(1.0, nu)),
+        *nus,
+    )
     tried = "E1/E2 = 1e-6 ... 1e6, the soft body incompressible"
     yield stated("stiffness ratio, uncoupled", tried, uncoupled, 1e-6, 1e-3, 1e3, 1e6)
     tried, measure = "E1/E2 = 1e-6, 1e6, nu = 0.3", "W with the bodies exchanged"
@@ -482,32 +674,94 @@ def fe_cases() -> Iterator[Case]:
     parts = (1e-9, 1e-6, 1e-3, 0.9, 0.999, 1 - 1e-6, 1 - 1e-9)
     yield stated("flat face", "b/a = 1e-9 ... 1 - 1e-9", flat_face, *parts)
     radii = (1e-9, 1e-6, 1e-3, 1.0, 1e6)
-    yield stated("a/R", "R = 1e-9 ... 1e6, a/R from 7e4 to 2e-3", lambda radius: loop(profile=Hertz(radius=radius)), *radii)
-    yield stated("sharp tips", "h as x^1.1 ... x^1.9, a rounded wedge", tip, 1.1, 1.3, 1.5, 1.9, 0.0)
+    yield stated(
+        "a/R",
+        "R = 1e-9 ... 1e6, a/R from 7e4 to 2e-3",
+        lambda radius: loop(profile=Hertz(radius=radius)),
+        *radii,
+    )
+    yield stated(
+        "sharp tips", "h as x^1.1 ... x^1.9, a rounded wedge", tip, 1.1, 1.3, 1.5, 1.9, 0.0
+    )
     far = [*changes("far_radius", 2.0, 1000.0), *changes("growth", 0.05, 1.0)]
     yield stated("a/L and grading", "L = 2 a and 1000 a, growth 0.05 and 1", on_mesh, *far)
     cut = [{"element_size": 0.25, "edge_element_size": edge} for edge in (0.25, 1 / 128)]
     yield stated("coarse, and graded 1 : 32", "h = a/4; a/4 and a/128 at the edges", on_mesh, *cut)
     yield stated("linear elements", "coarse", on_mesh, {"order": 1})
-    yield stated("mesh ratios", "upper over lower 1/4, 2, 4, 20", on_mesh, *changes("upper_ratio", 0.25, 2.0, 4.0, 20.0))
+    yield stated(
+        "mesh ratios",
+        "upper over lower 1/4, 2, 4, 20",
+        on_mesh,
+        *changes("upper_ratio", 0.25, 2.0, 4.0, 20.0),
+    )
     beyond = [{"upper_ratio": 21.0}, {"far_radius": 1.0}, {"growth": 2.0}, {"element_size": 1.0}]
     yield refused("beyond the mesher's range", "ratio 21, L = a, growth 2, h = a", on_mesh, *beyond)
     yield stated("step sizes", "4, 8, 1000 increments a cycle", in_steps, 4, 8, 1000)
     yield refused("too few or many steps", "1 and 10^6 a cycle", in_steps, 1, 1_000_000)
     # Two lines on a mesh of 41 contact nodes, nine of 12,500 increments each on one of 25.
     trials = [(1, 10_000, ROUGH), (8, 12_500, replace(ROUGH, edge_element_size=1 / 4))]
-    measure = "p, q, slip at the ends of lines and W, against 16 increments a line; laws, energy balance among them"
-    yield Case(FE, "many increments", "10^4 a line, 10^5 in all, Q to and fro", measure, 1e-9, many_steps, trials, "{1} a line")
+    measure = (
+        "p, q, slip at the ends of lines and W, against 16 increments a line; laws, energy balance"
+        " among them"
+    )
+    yield Case(
+        FE,
+        "many increments",
+        "10^4 a line, 10^5 in all, Q to and fro",
+        measure,
+        1e-9,
+        many_steps,
+        trials,
+        "{1} a line",
+    )
     tangents = (-1e-12, -1e-15, 0.0, 1e-15, 1e-12)
     tried = "dQ/dP = f (1 + e), e = -1e-12 ... 1e-12"
-    yield stated("tangency within rounding", tried, lambda e: scene_of(ellipse(2, 1, 0.05, 0.5 * (1 + e), 0)), *tangents)
+    yield stated(
+        "tangency within rounding",
+        tried,
+        lambda e: scene_of(ellipse(2, 1, 0.05, 0.5 * (1 + e), 0)),
+        *tangents,
+    )
     tried = "30 triangles a body squeezed to {} of their height"
     heights = (1e-2, 1e-4, 1e-6, 1e-8)
-    yield Case(FE, "slivers", tried.format("1e-2 ... 1e-8"), beside, STATED, with_slivers, heights, "heights times {:g}")
-    yield refused("slivers next to rounding", tried.format("1e-10 ... 1e-14"), with_slivers, 1e-10, 1e-12, 1e-14)
+    yield Case(
+        FE,
+        "slivers",
+        tried.format("1e-2 ... 1e-8"),
+        beside,
+        STATED,
+        with_slivers,
+        heights,
+        "heights times {:g}",
+    )
+    yield refused(
+        "slivers next to rounding",
+        tried.format("1e-10 ... 1e-14"),
+        with_slivers,
+        1e-10,
+        1e-12,
+        1e-14,
+    )
     tried = "lower body a block, 1e6 a wide and a high, 4 a wide and 1e-4 a high, and between"
-    sizes, measure = [(1e3, 1.0), (1e6, 1.0), (4.0, 1e-2), (4.0, 1e-4)], "largest p, W, against elements half as long"
-    yield Case(FE, "bodies of absurd proportions", tried, measure, STATED, on_block, sizes, "{:g} a by {:g} a")
+    sizes, measure = (
+        [
+            (1e3, 1.0),
+            (1e6, 1.0),
+            (4.0, 1e-2),
+            (4.0, 1e-4),
+        ],
+        "largest p, W, against elements half as long",
+    )
+    yield Case(
+        FE,
+        "bodies of absurd proportions",
+        tried,
+        measure,
+        STATED,
+        on_block,
+        sizes,
+        "{:g} a by {:g} a",
+    )
     tried = "lower body a block, 4 a wide, 4e3 a and 4e6 a high"
     yield refused("bodies like needles", tried, on_block, (4.0, 4e3), (4.0, 4e6))
 
@@ -518,13 +772,15 @@ def cases() -> dict[str, Case]:
 
 
 HEAD = (
-    "Written by `make stress` and by nothing else. Each case ends in a right answer, in one whose own notes state its error, or in "
-    "a refusal of one sentence (quoted). An error above the limit of which the answer says nothing is broken, and so is a warning. "
-    "The column “worst” has the worst of all trials that were answered, those with notes among them. The finite elements run on "
-    "coarse meshes (`MeshSettings.coarse()`) unless the case says otherwise. The errors are: p in L2 over ‖p‖, q over f ‖p‖, at "
-    "the worst of sixteen instants of the last revolution with more than 0.3 of the largest load, W over W; for W the error in "
-    "A f² P² stands beside it, P being the largest load. Their limit is 5 % for each: a few times what a coarse mesh promises of "
-    "the shear."
+    "Written by `make stress` and by nothing else. Each case ends in a right answer, in one whose"
+    " own notes state its error, or in a refusal of one sentence (quoted). An error above the limit"
+    " of which the answer says nothing is broken, and so is a warning. The column “worst” has the"
+    " worst of all trials that were answered, those with notes among them. The finite elements run"
+    " on coarse meshes (`MeshSettings.coarse()`) unless the case says otherwise. The errors are: p"
+    " in L2 over ‖p‖, q over f ‖p‖, at the worst of sixteen instants of the last revolution with"
+    " more than 0.3 of the largest load, W over W; for W the error in A f² P² stands beside it, P"
+    " being the largest load. Their limit is 5 % for each: a few times what a coarse mesh promises"
+    " of the shear."
 )
 
 
@@ -537,8 +793,15 @@ def page(found: Mapping[str, Outcome]) -> str:
             if case.engine == engine and (one := found.get(name)):
                 worst = _values(one.worst) + (f" ({_values(one.shown)})" if one.shown else "")
                 limit = f"{case.limit:.0e}" if one.worst else ""
-                cells.append((case.what, case.tried, case.measure, worst, limit, one.verdict, one.day))
-        lines += [f"## {engine}", "", *markdown("case | tried | measure | worst | limit | verdict | run", cells), ""]
+                cells.append(
+                    (case.what, case.tried, case.measure, worst, limit, one.verdict, one.day)
+                )
+        lines += [
+            f"## {engine}",
+            "",
+            *markdown("case | tried | measure | worst | limit | verdict | run", cells),
+            "",
+        ]
     return "\n".join(lines)
 
 
@@ -548,8 +811,14 @@ def main(words: list[str]) -> int:
     stored = measure(STORE, {name: partial(outcome, case) for name, case in known.items()}, words)
     found = {name: Outcome(**one) for name, one in stored.items()}
     PAGE.write_text(page(found), encoding="utf-8")
-    broken, missing = sum(bool(one.broken) for one in found.values()), [name for name in known if name not in found]
-    print(f"docs/stress.md: {len(found)} cases, {broken} broken, {sum(one.seconds for one in found.values()):.0f} s")
+    broken, missing = (
+        sum(bool(one.broken) for one in found.values()),
+        [name for name in known if name not in found],
+    )
+    print(
+        f"docs/stress.md: {len(found)} cases, {broken} broken,"
+        f" {sum(one.seconds for one in found.values()):.0f} s"
+    )
     if missing:
         print(f"not run yet: {'; '.join(missing)}")
     return 1 if broken or missing else 0

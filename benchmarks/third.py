@@ -1,18 +1,20 @@
-"""CalculiX on the exported decks: error in p, q and W against half-plane theory, and why the NAFEMS roller differs from its values.
+"""CalculiX on the exported decks: error in p, q and W against half-plane theory, and why the NAFEMS
+roller differs from its values.
 
     python benchmarks/third.py                      (every case that has not been measured yet)
     python benchmarks/third.py hertz-paper ...      (these cases again; the others stay as measured)
 
-A minute or two a case; `make peers` installs CalculiX. Results are stored case by case with day, commit and version: those of the
-decks in third.json, for docs/third.md (`make pages`), those of the roller in roller.json (`make publish PAGES=1`). Times are wall
-times of one thread.
+A minute or two a case; `make peers` installs CalculiX. Results are stored case by case with day,
+commit and version: those of the decks in third.json, for docs/third.md (`make pages`), those of the
+roller in roller.json (`make publish PAGES=1`). Times are wall times of one thread.
 
-The roller's reference values are those of Code_Aster's test SSNP154 (a to d), whose manual V6.03.154 names A. W. A. Konter's
-benchmark 1 as its source: half of the model by symmetry, the whole cylinder with a point force of 17.5 kN at its top, the base of
-the block fixed, linear or quadratic elements of 1.5 mm on the block's face, large displacements, two increments; the vertical
-displacement and the Cauchy stress sigma_yy, extrapolated from the elements, of the block's face under the roller. Ours is half a
-cylinder, bonded to a rigid plane at its middle, in small displacements, with the pressure of the contact itself. A case changes the
-deck in one way, or two.
+The roller's reference values are those of Code_Aster's test SSNP154 (a to d), whose manual
+V6.03.154 names A. W. A. Konter's benchmark 1 as its source: half of the model by symmetry, the
+whole cylinder with a point force of 17.5 kN at its top, the base of the block fixed, linear or
+quadratic elements of 1.5 mm on the block's face, large displacements, two increments; the vertical
+displacement and the Cauchy stress sigma_yy, extrapolated from the elements, of the block's face
+under the roller. Ours is half a cylinder, bonded to a rigid plane at its middle, in small
+displacements, with the pressure of the contact itself. A case changes the deck in one way, or two.
 """
 
 from __future__ import annotations
@@ -32,7 +34,12 @@ from claims import chosen, commit, measure, stored, write_json
 
 from reports.console import Stages
 from reports.scoring.calculix_files import read_frd
-from reports.third.calculix import calculix_version, find_calculix, run_calculix, solve_with_calculix
+from reports.third.calculix import (
+    calculix_version,
+    find_calculix,
+    run_calculix,
+    solve_with_calculix,
+)
 from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import freeze, load_scene, scene_names
 
@@ -63,11 +70,13 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
     }
 
 
-# ------------------------------------------------------------------------------------------------------------------ the roller
+# --------------------------------------------------------------------------------------- the roller
 def whole_cylinder(deck: Deck) -> Deck:
-    """The half cylinder and its mirror image in its middle; the load acts at the top, on a cap as wide as the contact.
+    """The half cylinder and its mirror image in its middle; the load acts at the top, on a cap as
+    wide as the contact.
 
-    A force on a single node would crush the small elements there. Nodes at x = 0 move along x together: no rolling.
+    A force on a single node would crush the small elements there. Nodes at x = 0 move along x
+    together: no rolling.
     """
     upper = deck.upper
     y, first = upper.nodes[:, 1], upper.first_node
@@ -87,21 +96,35 @@ def whole_cylinder(deck: Deck) -> Deck:
 def two_increments(deck: Deck) -> Deck:
     """The load in two halves."""
     half = (len(deck.time) - 1) // 2
-    time, normal, tangential = (freeze(series[::half]) for series in (deck.time, deck.normal_load, deck.tangential_load))
+    time, normal, tangential = (
+        freeze(series[::half]) for series in (deck.time, deck.normal_load, deck.tangential_load)
+    )
     return replace(deck, time=time, normal_load=normal, tangential_load=tangential)
 
 
 def on_roller(
-    scene: str, *, large: bool = False, element_size: float | None = None, change: Callable[[Deck], Deck] = lambda deck: deck
+    scene: str,
+    *,
+    large: bool = False,
+    element_size: float | None = None,
+    change: Callable[[Deck], Deck] = lambda deck: deck,
 ) -> dict[str, Any]:
-    """What CalculiX gives for the block's face under the roller, for JSON; pressures in MPa, displacements in mm.
+    """What CalculiX gives for the block's face under the roller, for JSON; pressures in MPa,
+    displacements in mm.
 
-    Changed of the deck: large displacements, elements of `element_size` [mm] on the contact faces, or what `change` does.
+    Changed of the deck: large displacements, elements of `element_size` [mm] on the contact faces,
+    or what `change` does.
     """
     settings, program = DeckSettings(), find_calculix()
     if element_size is not None:
-        half_width = next(one.value for one in load_scene(scene).expected if one.quantity == "largest_half_width")
-        settings = replace(settings, element_size=element_size / half_width, edge_element_size=element_size / half_width)
+        half_width = next(
+            one.value for one in load_scene(scene).expected if one.quantity == "largest_half_width"
+        )
+        settings = replace(
+            settings,
+            element_size=element_size / half_width,
+            edge_element_size=element_size / half_width,
+        )
     deck = change(build_deck(load_scene(scene), settings))
     middle = int(deck.lower.first_node + np.argmin(np.hypot(*deck.lower.nodes.T)))
     text = deck_text(deck).replace("*CONTACT FILE", "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE", 1)
@@ -128,15 +151,22 @@ def on_roller(
     }
 
 
-# ------------------------------------------------------------------------------------------------------------------- the cases
-# The library in one revolution, but for the two whose time series make decks of many hundred instants; those that take two
+# ---------------------------------------------------------------------------------------- the cases
+# The library in one revolution, but for the two whose time series make decks of many hundred
+# instants; those that take two
 # revolutions to become steady in two; a stiffer stick.
-CASES = {name: partial(measured, name, DeckSettings(cycles=1)) for name in sorted(scene_names()) if name != "time-series"}
+CASES = {
+    name: partial(measured, name, DeckSettings(cycles=1))
+    for name in sorted(scene_names())
+    if name != "time-series"
+}
 CASES |= {
     f"{name}, 2 revolutions": partial(measured, name, DeckSettings())
     for name in ("hertz-paper", "cattaneo-mindlin", "flat-pad-on-block")
 }
-CASES["cattaneo-mindlin, stick slope 50"] = partial(measured, "cattaneo-mindlin", DeckSettings(cycles=1, stick_stiffness=50.0))
+CASES["cattaneo-mindlin, stick slope 50"] = partial(
+    measured, "cattaneo-mindlin", DeckSettings(cycles=1, stick_stiffness=50.0)
+)
 CHANGES: dict[str, dict[str, Any]] = {
     "as exported": {},
     "large displacements": {"large": True},
@@ -154,17 +184,31 @@ ROLLERS = {
 
 def dated(case: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     found = case() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
-    print(found.get("failure") or found.get("errors") or f"{found['displacement']} mm, {found['stress']} MPa", flush=True)
+    print(
+        found.get("failure")
+        or found.get("errors")
+        or f"{found['displacement']} mm, {found['stress']} MPa",
+        flush=True,
+    )
     return found
 
 
 def main(words: list[str]) -> int:
     asked = chosen(words, CASES | ROLLERS)
     for file, cases in ((STORED, CASES), (ROLLER, ROLLERS)):
-        for name in [name for name in cases if name in asked and (words or name not in stored(file))]:
+        for name in [
+            name for name in cases if name in asked and (words or name not in stored(file))
+        ]:
             measure(file, {name: partial(dated, cases[name])}, [name])
             known = stored(file)
-            write_json(file, {each: known[each] for each in (sorted(known) if file == STORED else cases) if each in known})
+            write_json(
+                file,
+                {
+                    each: known[each]
+                    for each in (sorted(known) if file == STORED else cases)
+                    if each in known
+                },
+            )
     return 0
 
 

@@ -1,7 +1,8 @@
 """The picture of the architecture, drawn from the import contracts in pyproject.toml.
 
-A box for each package in the layer that the contract gives it; an arrow where an import is allowed and no way round another package
-says the same; a barrier where the contract of independence stands; under each name what a contract forbids it from outside.
+A box for each package in the layer that the contract gives it; an arrow where an import is allowed
+and no way round another package says the same; a barrier where the contract of independence stands;
+under each name what a contract forbids it from outside.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ COLOURS = ("#f5dfb8", "#cfe3f2", "#e3e3e3", "#ffffff")
 
 
 class Contracts(NamedTuple):
-    """What pyproject.toml says: layers from the top, what each package may not import, who must not see whom."""
+    """What pyproject.toml says: layers from the top, what each package may not import, who must not
+    see whom.
+    """
 
     layers: list[list[str]]
     forbidden: dict[str, set[str]]
@@ -33,16 +36,29 @@ class Contracts(NamedTuple):
     def arrows(self) -> list[tuple[str, str]]:
         """Allowed imports that do not follow from others."""
         depth = self.depth
-        pairs = [(a, b) for a in depth for b in depth if depth[a] < depth[b] and b not in self.forbidden.get(a, ())]
-        return [(a, b) for a, b in pairs if not any((a, via) in pairs and (via, b) in pairs for via in depth)]
+        pairs = [
+            (a, b)
+            for a in depth
+            for b in depth
+            if depth[a] < depth[b] and b not in self.forbidden.get(a, ())
+        ]
+        return [
+            (a, b)
+            for a, b in pairs
+            if not any((a, via) in pairs and (via, b) in pairs for via in depth)
+        ]
 
 
 def read(path: Path) -> Contracts:
     """The contracts of a pyproject.toml."""
     found = Contracts([], {}, [])
-    for contract in tomllib.loads(path.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]:
+    for contract in tomllib.loads(path.read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]:
         if contract["type"] == "layers" and not found.layers:
-            found.layers.extend([part.strip() for part in layer.split("|")] for layer in contract["layers"])
+            found.layers.extend(
+                [part.strip() for part in layer.split("|")] for layer in contract["layers"]
+            )
         elif contract["type"] == "forbidden":
             for source in contract["source_modules"]:
                 found.forbidden.setdefault(source, set()).update(contract["forbidden_modules"])
@@ -55,20 +71,30 @@ def svg(path: Path) -> str:
     """The drawing of a pyproject.toml."""
     contracts = read(path)
     arrows = contracts.arrows()
-    # Middle of the top of each box; a package alone in its layer stands under the mean of those that import it.
+    # Middle of the top of each box; a package alone in its layer stands under the mean of those
+    # that import it.
     places: dict[str, tuple[float, int]] = {}
     for row, layer in enumerate(contracts.layers):
         for column, name in enumerate(layer):
             above = [places[one][0] for one, other in arrows if other == name]
             beside = WIDTH / 2 + (column - (len(layer) - 1) / 2) * WIDTH / 2
-            places[name] = (beside if len(layer) > 1 or not above else sum(above) / len(above), TOP + row * ROW)
+            places[name] = (
+                beside if len(layer) > 1 or not above else sum(above) / len(above),
+                TOP + row * ROW,
+            )
     height = TOP * 2 + ROW * (len(contracts.layers) - 1) + BOX[1]
     words = "; ".join(f"{one} imports {other}" for one, other in arrows)
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" role="img" '
-        f'font-family="system-ui, sans-serif" font-size="12"><title>{escape(words)}</title>',
-        '<defs><marker id="tip" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="8" markerHeight="8" orient="auto">'
-        '<path d="M0 0L10 5L0 10z" fill="#333"/></marker></defs>',
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}"'
+            f' width="{WIDTH}" role="img" font-family="system-ui, sans-serif"'
+            f' font-size="12"><title>{escape(words)}</title>'
+        ),
+        (
+            '<defs><marker id="tip" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="8"'
+            ' markerHeight="8" orient="auto"><path d="M0 0L10 5L0 10z"'
+            ' fill="#333"/></marker></defs>'
+        ),
         f'<rect width="{WIDTH}" height="{height}" fill="white"/>',
     ]
     for one, other in arrows:
@@ -80,21 +106,41 @@ def svg(path: Path) -> str:
         ends = f'x1="{x:.0f}" y1="{y - 14}" x2="{x:.0f}" y2="{y + BOX[1] + 2}"'
         lines.append(f'<line {ends} stroke="#B33A00" stroke-width="4"/>')
         words = "never import each other"
-        lines.append(f'<text x="{x:.0f}" y="{y + BOX[1] + 18}" text-anchor="middle" fill="#B33A00">{words}</text>')
+        lines.append(
+            f'<text x="{x:.0f}" y="{y + BOX[1] + 18}" text-anchor="middle"'
+            f' fill="#B33A00">{words}</text>'
+        )
     for name, place in places.items():
         lines += box(name, place, contracts)
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 
 def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[str]:
-    """A package: its name, the first sentence of its docstring or what stands before its colon, what it does without."""
+    """A package: its name, the first sentence of its docstring or what stands before its colon,
+    what it does without.
+    """
     x, y = place[0] - BOX[0] / 2, place[1]
     fill = COLOURS[contracts.depth[name] % len(COLOURS)]
     outside = ", ".join(sorted(contracts.forbidden.get(name, set()) - set(contracts.depth)))
-    purpose = (importlib.import_module(name).__doc__ or "").split("\n")[0].split(". ")[0].split(": ", 1)[-1].split("; ")[0]
-    yield f'<rect x="{x:.0f}" y="{y}" width="{BOX[0]}" height="{BOX[1]}" rx="6" fill="{fill}" stroke="#333"/>'
-    yield f'<text x="{x + 12:.0f}" y="{y + 21}" font-weight="bold" font-size="15">{escape(name)}</text>'
+    purpose = (
+        (importlib.import_module(name).__doc__ or "")
+        .split("\n")[0]
+        .split(". ")[0]
+        .split(": ", 1)[-1]
+        .split("; ")[0]
+    )
+    yield (
+        f'<rect x="{x:.0f}" y="{y}" width="{BOX[0]}" height="{BOX[1]}" rx="6" fill="{fill}"'
+        ' stroke="#333"/>'
+    )
+    yield (
+        f'<text x="{x + 12:.0f}" y="{y + 21}" font-weight="bold"'
+        f' font-size="15">{escape(name)}</text>'
+    )
     for index, line in enumerate(textwrap.wrap(purpose.rstrip("."), 44)[:2]):
         yield f'<text x="{x + 12:.0f}" y="{y + 38 + 15 * index}">{escape(line)}</text>'
     for index, line in enumerate(textwrap.wrap(f"without {outside}", 48)[:3] if outside else []):
-        yield f'<text x="{x + 12:.0f}" y="{y + 70 + 13 * index}" font-size="10.5" fill="#555">{escape(line)}</text>'
+        yield (
+            f'<text x="{x + 12:.0f}" y="{y + 70 + 13 * index}" font-size="10.5"'
+            f' fill="#555">{escape(line)}</text>'
+        )

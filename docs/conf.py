@@ -1,4 +1,6 @@
-"""Sphinx settings: Markdown pages, furo theme. `make docs` builds them and takes every warning as an error."""
+"""Sphinx settings: Markdown pages, furo theme. `make docs` builds them and takes every warning as
+an error.
+"""
 
 import sys
 from importlib.metadata import version as installed_version
@@ -15,7 +17,9 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
-    "sphinx_parts",  # beside this file: formulas as MathML, numbers from a file, docstrings as this project writes them
+    # beside this file: formulas as MathML, numbers from a file, docstrings as this project writes
+    # them
+    "sphinx_parts",
 ]
 exclude_patterns = ["_build"]
 
@@ -26,7 +30,10 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
-autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Integers", "Profile", "LoadPath", "Shape", "Table")}
+autodoc_type_aliases = {
+    name: name
+    for name in ("Array", "ArrayLike", "Integers", "Profile", "LoadPath", "Shape", "Table")
+}
 autodoc_default_options = {"exclude-members": "model_config, model_post_init"}
 python_maximum_signature_line_length = 100
 viewcode_line_numbers = True

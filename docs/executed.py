@@ -3,12 +3,13 @@
     python docs/executed.py PAGE.md ...      (part of `make pages`)
 
 - a `python` block runs; a `text` block right behind it is what it prints
-- a `console` block runs: `$ halfplane ...` lines are commands, the lines below each are what it prints (no lines: not compared);
-  `# ends with N` at the end of a command is its exit code
+- a `console` block runs: `$ halfplane ...` lines are commands, the lines below each are what it
+  prints (no lines: not compared); `# ends with N` at the end of a command is its exit code
 - a `{code-block}` with a `:caption:` is a file of that name, there for the blocks behind it
 - pictures that a block saves as SVG are kept in docs/figures
 
-Running gives the page again, with what was really printed: where that is another page, the page is stale.
+Running gives the page again, with what was really printed: where that is another page, the page is
+stale.
 """
 
 from __future__ import annotations
@@ -31,8 +32,12 @@ from reports import cli
 FOLDER = Path(__file__).parent
 FIGURES = FOLDER / "figures"
 OPTIONS = r"(?P<options>(?::\w+:[^\n]*\n)*)"
-FENCE = re.compile(rf"^```(?P<directive>\{{code-block\}} )?(?P<language>\w+)\n{OPTIONS}(?P<body>.*?)^```$", re.M | re.S)
-# Of the pictures that pages draw by matplotlib; the salt and no date: the same numbers give the same file.
+FENCE = re.compile(
+    rf"^```(?P<directive>\{{code-block\}} )?(?P<language>\w+)\n{OPTIONS}(?P<body>.*?)^```$",
+    re.M | re.S,
+)
+# Of the pictures that pages draw by matplotlib; the salt and no date: the same numbers give the
+# same file.
 STYLE = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -59,7 +64,9 @@ class StaleError(Exception):
 
 
 def run(text: str, folder: Path) -> str:
-    """The page with what its blocks print when they are run in `folder`; pictures are left there."""
+    """The page with what its blocks print when they are run in `folder`; pictures are left
+    there.
+    """
     names: dict[str, Any] = {}
     pieces: list[str] = []
     done, printed = 0, None
@@ -103,21 +110,37 @@ def console(body: str, folder: Path) -> str:
 
 
 def ended(program: str, words: list[str], folder: Path) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command; `halfplane` in this process, which has imported it."""
+    """Exit code, stdout and stderr of a command; `halfplane` in this process, which has imported
+    it.
+    """
     own = {"COLUMNS": "120", "NO_COLOR": "1"}
     if program != "halfplane":
         whole, environment = [sys.executable, *words], os.environ | own
-        done = subprocess.run(whole, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False)
+        done = subprocess.run(
+            whole,
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+            check=False,
+        )
         return done.returncode, done.stdout, done.stderr
     out, errors = io.StringIO(), io.StringIO()
-    with mock.patch.dict(os.environ, own), contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+    with (
+        mock.patch.dict(os.environ, own),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(errors),
+    ):
         code = cli.main(words)
     return code, out.getvalue(), errors.getvalue()
 
 
 @contextlib.contextmanager
 def ready(folder: Path) -> Iterator[None]:
-    """The folder as the current one, pictures in the project's style, without dates, and closed afterwards."""
+    """The folder as the current one, pictures in the project's style, without dates, and closed
+    afterwards.
+    """
     import matplotlib as mpl
 
     mpl.use("Agg")

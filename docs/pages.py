@@ -1,9 +1,11 @@
-"""The pages that are made from files and from the engines, and the numbers that pages quote. Part of `make pages`.
+"""The pages that are made from files and from the engines, and the numbers that pages quote. Part
+of `make pages`.
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md, third.md, metrics.md and
-scene-keys.md, and the numbers in the text of every page. Tests make all of it again.
+verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md,
+third.md, metrics.md and scene-keys.md, and the numbers in the text of every page. Tests make all of
+it again.
 """
 
 from __future__ import annotations
@@ -58,8 +60,14 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
     known = quoting.values(examples, published(), third())
-    with_numbers = {name: quoting.with_numbers(text, known) for name, text in (written | generated).items()}
-    return {name: text for name, text in with_numbers.items() if name in generated or quoting.NUMBER.search(text)}
+    with_numbers = {
+        name: quoting.with_numbers(text, known) for name, text in (written | generated).items()
+    }
+    return {
+        name: text
+        for name, text in with_numbers.items()
+        if name in generated or quoting.NUMBER.search(text)
+    }
 
 
 def without_rounding(text: str) -> str:
@@ -73,10 +81,14 @@ def third() -> dict[str, Any]:
 
 
 def third_solver(text: str) -> str:
-    """The page with its two tables: CalculiX' values as benchmarks/third.py measured them, ours as published."""
+    """The page with its two tables: CalculiX' values as benchmarks/third.py measured them, ours as
+    published.
+    """
     cases = third()
     for words, suffix in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):
-        chosen = {name: case for name, case in cases.items() if name.partition(",")[0] + suffix == name}
+        chosen = {
+            name: case for name, case in cases.items() if name.partition(",")[0] + suffix == name
+        }
         text = between(text, words, third_table(chosen))
     return text
 
@@ -106,7 +118,10 @@ def third_table(cases: Mapping[str, Any]) -> Iterator[str]:
         cells = [scene, f"{case['nodes']}, {case['instants']}", f"{case['seconds']:.0f}"]
         for key in ("peak_pressure", "shear", "dissipation"):
             theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
-            cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
+            cells += [
+                quoting.share(scenes[scene], key, theirs) or case["failure"] or "–",
+                ours or "–",
+            ]
         rows.append([*cells, case["commit"]])
     days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
     yield from (f"Measured with {' and '.join(days)}.", "")
@@ -114,7 +129,7 @@ def third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     yield from table(f"scene | nodes, instants | time [s] | {errors} | commit", rows)
 
 
-# ----------------------------------------------------------------------------------------------------------- verification
+# ------------------------------------------------------------------------------------- verification
 
 
 METRICS = {
@@ -132,29 +147,43 @@ def verification() -> Iterator[str]:
     scenes = published()
     yield from ("# Verification", "", WRITTEN, "")
     yield (
-        "Each requirement with the tests that check it, then each scene of the library by finite elements against theory. "
-        "A test fails if a test named here does not exist, or if this page is stale."
+        "Each requirement with the tests that check it, then each scene of the library by finite"
+        " elements against theory. A test fails if a test named here does not exist, or if this"
+        " page is stale."
     )
     yield from ("", "## Requirements")
     for area, rows in requirements().items():
         yield from ("", f"### {area}", "")
-        cells = ([cell(row["requirement"]), "<br>".join(f"`{test}`" for test in row["tests"])] for row in rows)
+        cells = (
+            [cell(row["requirement"]), "<br>".join(f"`{test}`" for test in row["tests"])]
+            for row in rows
+        )
         yield from table("requirement | tests", cells, wide=False)
-    judged = {name: [met for met in content["accurate"].values() if met is not None] for name, content in scenes.items()}
-    laws, met = sum(content["admissible"] for content in scenes.values()), sum(map(all, judged.values()))
+    judged = {
+        name: [met for met in content["accurate"].values() if met is not None]
+        for name, content in scenes.items()
+    }
+    laws, met = (
+        sum(content["admissible"] for content in scenes.values()),
+        sum(map(all, judged.values())),
+    )
     yield from ("", "## Scenes", "")
     yield (
-        "Error = finite elements/theory − 1, with default settings; of p and q in the L2 norm, of edges over the half-width; "
-        "*abs.*: over A f² P², where theory has no dissipation. **Bold**: outside the tolerance of the scene. "
-        f"{laws} of {len(scenes)} scenes satisfy every law of contact, {met} every tolerance. The others have finite bodies or "
-        "unlike materials: there the error is that of the half-plane idealisation. The page of a scene has its tolerances and all "
-        "metrics. "
-        "[values.json](../reports/published/values.json) has every value, "
-        "[expected.csv](expected.csv) each expected value with its source."
+        "Error = finite elements/theory − 1, with default settings; of p and q in the L2 norm, of"
+        " edges over the half-width; *abs.*: over A f² P², where theory has no dissipation."
+        f" **Bold**: outside the tolerance of the scene. {laws} of {len(scenes)} scenes satisfy"
+        f" every law of contact, {met} every tolerance. The others have finite bodies or unlike"
+        " materials: there the error is that of the half-plane idealisation. The page of a scene"
+        " has its tolerances and all metrics. [values.json](../reports/published/values.json) has"
+        " every value, [expected.csv](expected.csv) each expected value with its source."
     )
     yield ""
     rows = [
-        [f"[{name}](../reports/published/{name}.md)", *(error(content, key) for key in METRICS), f"{sum(good)} of {len(good)}"]
+        [
+            f"[{name}](../reports/published/{name}.md)",
+            *(error(content, key) for key in METRICS),
+            f"{sum(good)} of {len(good)}",
+        ]
         for (name, content), good in zip(scenes.items(), judged.values(), strict=True)
     ]
     yield from table(f"scene | {' | '.join(METRICS.values())} | tolerances satisfied", rows)
@@ -175,7 +204,7 @@ def error(content: Mapping[str, Any], key: str) -> str:
     return f"**{shown}**" if content["accurate"][key] is False else shown
 
 
-# ---------------------------------------------------------------------------------------------------------------- scenes
+# ------------------------------------------------------------------------------------------- scenes
 SYMBOLS = {
     "dissipation": "W",
     "largest_half_width": "a",
@@ -195,18 +224,27 @@ def library() -> Iterator[str]:
     rows = []
     for scene in map(load_scene, scene_names()):
         purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
-        each = [numbers(scene, engine, digits) for engine, digits in (("half-plane theory", 9), ("finite elements", 6))]
+        each = [
+            numbers(scene, engine, digits)
+            for engine, digits in (("half-plane theory", 9), ("finite elements", 6))
+        ]
         rows.append([f"`{scene.name}`", cell(purpose), cell(scene.source), *each])
     yield from table("scene | purpose | source | theory | finite elements", rows)
 
 
 def numbers(scene: Scene, engine: str, digits: int) -> str:
-    """Expected numbers of one engine, by their symbols; several of one quantity have several sources."""
+    """Expected numbers of one engine, by their symbols; several of one quantity have several
+    sources.
+    """
     found: dict[str, list[str]] = {}
     for one in scene.expected:
         if one.engine == engine:
-            found.setdefault(SYMBOLS[one.quantity], []).append(f"{one.value:.{digits}g}".replace("-", "−"))
-    return "; ".join(f"{symbol}\u00a0{', '.join(values)}" for symbol, values in found.items()) or "–"
+            found.setdefault(SYMBOLS[one.quantity], []).append(
+                f"{one.value:.{digits}g}".replace("-", "−")
+            )
+    return (
+        "; ".join(f"{symbol}\u00a0{', '.join(values)}" for symbol, values in found.items()) or "–"
+    )
 
 
 def expected() -> str:
@@ -216,7 +254,16 @@ def expected() -> str:
     rows.writerow(["scene", "quantity", "value", "tolerance", "engine", "source"])
     for scene in map(load_scene, scene_names()):
         for one in scene.expected:
-            rows.writerow([scene.name, one.quantity, f"{one.value:.9g}", f"{one.tolerance:g}", one.engine, one.source])
+            rows.writerow(
+                [
+                    scene.name,
+                    one.quantity,
+                    f"{one.value:.9g}",
+                    f"{one.tolerance:g}",
+                    one.engine,
+                    one.source,
+                ]
+            )
     return written.getvalue()
 
 
@@ -225,18 +272,24 @@ def cell(text: str) -> str:
     return text.replace("|", "\\|").replace("\n", " ").replace("*", "\\*").replace("_", "\\_")
 
 
-# ------------------------------------------------------------------------------------------------------ gallery, misprints
+# ------------------------------------------------------------------------------- gallery, misprints
 
 
 def gallery() -> Iterator[str]:
     """The published picture of every scene."""
     yield from ("# Gallery", "", WRITTEN, "")
     yield (
-        "Both engines on every scene of the [library](scenes.md). A title leads to the page of the scene with all its values; "
-        "`halfplane run NAME` makes the interactive page."
+        "Both engines on every scene of the [library](scenes.md). A title leads to the page of the"
+        " scene with all its values; `halfplane run NAME` makes the interactive page."
     )
     for name in scene_names():
-        yield from ("", f"## [{name}](../reports/published/{name}.md)", "", f"{load_scene(name).title}.", "")
+        yield from (
+            "",
+            f"## [{name}](../reports/published/{name}.md)",
+            "",
+            f"{load_scene(name).title}.",
+            "",
+        )
         yield f"![Both engines on {name}](../reports/published/{name}.svg)"
 
 
@@ -245,9 +298,10 @@ def misprint_page(examples: Paper) -> Iterator[str]:
     rows = misprints(examples)
     yield from ("# The paper's misprints", "", WRITTEN, "")
     yield (
-        "What is printed, what is right, and an evaluation of both that tells them apart; `halfplane paper` computes the same "
-        f"table. {sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number, the rest by reading. "
-        "The equations are those of the paper; [Theory](theory.md) derives the right ones."
+        "What is printed, what is right, and an evaluation of both that tells them apart;"
+        f" `halfplane paper` computes the same table. {sum(row.proven is True for row in rows)} of"
+        f" {len(rows)} are proven by a number, the rest by reading. The equations are those of the"
+        " paper; [Theory](theory.md) derives the right ones."
     )
     for row in rows:
         yield from (

@@ -1,13 +1,16 @@
-"""Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What each key stands for.
+"""Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What
+each key stands for.
 
-- `peak pressure, SCENE` and the like: reports/published/values.json; `theory: ...`: theory/finite elements - 1 in %, unsigned
-- `theory ± u: dissipation, SCENE` and the like: the same with its uncertainty, docs/uncertainty.json
+- `peak pressure, SCENE` and the like: reports/published/values.json; `theory: ...`: theory/finite
+  elements - 1 in %, unsigned
+- `theory ± u: dissipation, SCENE` and the like: the same with its uncertainty,
+  docs/uncertainty.json
 - the paper's: its statements and misprints, computed again
 - `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
 - `CalculiX, CASE: METRIC`: benchmarks/third.json, by benchmarks/third.py
-- `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's first cells; `MAP: SOME WORDS` is
-  the sentence on it that starts so
+- `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's
+  first cells; `MAP: SOME WORDS` is the sentence on it that starts so
 """
 
 from __future__ import annotations
@@ -32,7 +35,8 @@ ROOT = Path(__file__).parents[1]
 
 
 def with_numbers(page: str, known: Mapping[str, str]) -> str:
-    """The page with the present number between each pair of marks. A KeyError names a key that nothing stands for.
+    """The page with the present number between each pair of marks. A KeyError names a key that
+    nothing stands for.
 
     >>> with_numbers("half of <!-- n:scenes -->2<!-- /n --> scenes", {"scenes": "33"})
     'half of <!-- n:scenes -->33<!-- /n --> scenes'
@@ -40,13 +44,20 @@ def with_numbers(page: str, known: Mapping[str, str]) -> str:
     return NUMBER.sub(lambda mark: f"{mark[1]}{known[mark[2]]}{mark[3]}", page)
 
 
-def values(examples: Paper, published: Mapping[str, Any], third: Mapping[str, Any]) -> dict[str, str]:
+def values(
+    examples: Paper, published: Mapping[str, Any], third: Mapping[str, Any]
+) -> dict[str, str]:
     """Key -> number, of all that a page can quote."""
 
     def stored(name: str) -> dict[str, Any]:
         return json.loads((ROOT / "docs" / name).read_text(encoding="utf-8"))
 
-    known = paper_values(examples) | published_values(published) | limit_values() | third_values(third, published)
+    known = (
+        paper_values(examples)
+        | published_values(published)
+        | limit_values()
+        | third_values(third, published)
+    )
     known |= uncertain_values(stored("uncertainty.json")) | claim_values(stored("numbers.json"))
     for path in sorted((ROOT / "reports" / "published" / "maps").glob("*.md")):
         known |= map_values(path.stem, path.read_text(encoding="utf-8"))
@@ -56,11 +67,21 @@ def values(examples: Paper, published: Mapping[str, Any], third: Mapping[str, An
 def paper_values(examples: Paper) -> dict[str, str]:
     """Key -> number of the paper's statements and misprints."""
     said, wrong = statements(examples), misprints(examples)
-    found = {f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}" for case in (examples.hertz, examples.rounded)}
-    pairs = [(f"{row.key}: {quantity}", value) for row in said for quantity, value in row.values.items()]
-    found |= {key: _minus(f"{value:.4g}") for key, value in pairs if abs(value) > 1e-6}  # below is rounded off
+    found = {
+        f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}"
+        for case in (examples.hertz, examples.rounded)
+    }
+    pairs = [
+        (f"{row.key}: {quantity}", value) for row in said for quantity, value in row.values.items()
+    ]
+    # below is rounded off
+    found |= {key: _minus(f"{value:.4g}") for key, value in pairs if abs(value) > 1e-6}
     counts = {f"statements {verdict}": count for verdict, count in tally(said).items()}
-    counts |= {"statements": len(said), "misprints": len(wrong), "misprints proven": sum(row.proven is True for row in wrong)}
+    counts |= {
+        "statements": len(said),
+        "misprints": len(wrong),
+        "misprints proven": sum(row.proven is True for row in wrong),
+    }
     return found | {key: str(count) for key, count in counts.items()}
 
 
@@ -77,14 +98,16 @@ def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
 
 
 def uncertain_values(measured: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, str]:
-    """Key -> theory/finite elements - 1 in %, unsigned, with its uncertainty, of scenes whose uncertainty was measured.
+    """Key -> theory/finite elements - 1 in %, unsigned, with its uncertainty, of scenes whose
+    uncertainty was measured.
 
     >>> uncertain_values({"blocks": {"dissipation": {"value": -0.0272, "uncertainty": 0.00042}}})
     {'theory ± u: dissipation, blocks': '2.80 ± 0.04'}
     """
     return {
         f"theory ± u: {key.replace('_', ' ')}, {scene}": with_uncertainty(
-            100 * abs(1 / (1 + one["value"]) - 1), 100 * one["uncertainty"] / (1 + one["value"]) ** 2
+            100 * abs(1 / (1 + one["value"]) - 1),
+            100 * one["uncertainty"] / (1 + one["value"]) ** 2,
         )
         for scene, metrics in measured.items()
         for key, one in metrics.items()
@@ -97,7 +120,9 @@ def published_share(content: Mapping[str, Any], key: str) -> str | None:
 
 
 def share(content: Mapping[str, Any], key: str, value: float | None) -> str | None:
-    """A metric of a published scene, or of another code on it, in per cent, norms without a sign; None where it is no share."""
+    """A metric of a published scene, or of another code on it, in per cent, norms without a sign;
+    None where it is no share.
+    """
     if value is None or (key == "dissipation" and "dissipation" in content["absolute"]):
         return None
     sign = "" if key in {"pressure", "shear"} else "+"
@@ -105,12 +130,19 @@ def share(content: Mapping[str, Any], key: str, value: float | None) -> str | No
 
 
 def claim_values(kept: Mapping[str, Any]) -> dict[str, str]:
-    """Key -> value of every claim of docs/numbers.json: counts as they are, others to two digits."""
-    rows = [(title, row["what"], row["measured"], row["unit"]) for title, section in kept.items() for row in section["rows"]]
+    """Key -> value of every claim of docs/numbers.json: counts as they are, others to two
+    digits.
+    """
+    rows = [
+        (title, row["what"], row["measured"], row["unit"])
+        for title, section in kept.items()
+        for row in section["rows"]
+    ]
     often = Counter(what for _, what, _, _ in rows)
     return {
-        what if often[what] == 1 else f"{title}: {what}": _minus(f"{value:.0f}" if value.is_integer() else f"{value:.2g}")
-        + f" {unit}".rstrip()
+        what if often[what] == 1 else f"{title}: {what}": (
+            _minus(f"{value:.0f}" if value.is_integer() else f"{value:.2g}") + f" {unit}".rstrip()
+        )
         for title, what, value, unit in rows
     }
 
@@ -125,13 +157,21 @@ def limit_values() -> dict[str, str]:
         "unpacked": field_files.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,
     }
-    counts = {"rows": text_tables.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
-    shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
+    counts = {
+        "rows": text_tables.MOST_ROWS,
+        "contact nodes": bodies.MOST_CONTACT_NODES,
+        "nodes": bodies.MOST_NODES,
+    }
+    shown = {key: in_words(size) for key, size in sizes.items()} | {
+        key: f"{count:,}" for key, count in counts.items()
+    }
     return {f"limit: {key}": text for key, text in shown.items()}
 
 
 def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, str]:
-    """Key -> value of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried on and converged."""
+    """Key -> value of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried
+    on and converged.
+    """
     found: dict[str, str] = {}
     for name, case in cases.items():
         for key, value in case["errors"].items():
@@ -146,16 +186,29 @@ def map_values(name: str, page: str) -> dict[str, str]:
     """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
     pairs: list[tuple[str, str]] = []
     for block in re.findall(r"(?:^\|.*\|\n)+", page, flags=re.M):
-        head, _, *rows = ([cell.strip() for cell in line.strip("| ").split(" | ")] for line in block.splitlines())
-        # A row is known by as many of its first cells as tell it from the others; a row without a law has fewer cells.
-        known = next((n for n in range(1, len(head)) if len({tuple(row[:n]) for row in rows}) == len(rows)), len(head))
+        head, _, *rows = (
+            [cell.strip() for cell in line.strip("| ").split(" | ")] for line in block.splitlines()
+        )
+        # A row is known by as many of its first cells as tell it from the others; a row without a
+        # law has fewer cells.
+        known = next(
+            (n for n in range(1, len(head)) if len({tuple(row[:n]) for row in rows}) == len(rows)),
+            len(head),
+        )
         pairs += [
-            (f"{', '.join(row[:known])}: {one}", cell) for row in rows for one, cell in zip(head[known:], row[known:], strict=False)
+            (f"{', '.join(row[:known])}: {one}", cell)
+            for row in rows
+            for one, cell in zip(head[known:], row[known:], strict=False)
         ]
     for line in page.splitlines():
-        plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)  # the question before an answer, or a whole caption
-        sentences = re.split(r"(?<=\.) (?=[A-Z`])", plain) if plain and plain[0] not in "#|!<" else []
-        pairs += [(" ".join(sentence.split()[:5]), sentence.replace("**", "")) for sentence in sentences]
+        # the question before an answer, or a whole caption
+        plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)
+        sentences = (
+            re.split(r"(?<=\.) (?=[A-Z`])", plain) if plain and plain[0] not in "#|!<" else []
+        )
+        pairs += [
+            (" ".join(sentence.split()[:5]), sentence.replace("**", "")) for sentence in sentences
+        ]
     often = Counter(key for key, _ in pairs)
     return {f"{name}: {key}": _minus(text) for key, text in pairs if often[key] == 1}
 

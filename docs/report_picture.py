@@ -1,8 +1,10 @@
-"""What the first page shows of `blocks`: its report as a browser shows it, and how wrong theory is, with its uncertainty.
+"""What the first page shows of `blocks`: its report as a browser shows it, and how wrong theory is,
+with its uncertainty.
 
 python docs/report_picture.py       (needs the extra `browser` and chromium; part of `make pages`)
 
-One run makes both: docs/figures/report.png, and docs/uncertainty.json, which `docs/pages.py` quotes.
+One run makes both: docs/figures/report.png, and docs/uncertainty.json, which `docs/pages.py`
+quotes.
 """
 
 from __future__ import annotations
@@ -24,12 +26,25 @@ SCENE, HERE = "blocks", Path(__file__).parent
 
 def measured(folder: Path) -> dict[str, dict[str, float]]:
     """Finite elements/theory - 1 of two metrics and its uncertainty, by a run into `folder`."""
-    command = [sys.executable, "-m", "reports", "run", SCENE, "--quiet", "--json", "--out", str(folder)]
+    command = [
+        sys.executable,
+        "-m",
+        "reports",
+        "run",
+        SCENE,
+        "--quiet",
+        "--json",
+        "--out",
+        str(folder),
+    ]
     run = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
     if run.returncode > 1:  # 1: a metric is undecided
         raise SystemExit(run.returncode)
     metrics = json.loads(run.stdout)["result"]["metrics"]
-    return {key: {name: metrics[key][name] for name in ("value", "uncertainty")} for key in ("dissipation", "peak_pressure")}
+    return {
+        key: {name: metrics[key][name] for name in ("value", "uncertainty")}
+        for key in ("dissipation", "peak_pressure")
+    }
 
 
 def main() -> None:
@@ -38,7 +53,9 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as player:
         content = {SCENE: measured(Path(folder) / "run")}
-        browser = player.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        browser = player.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+        )
         page = browser.new_page(viewport={"width": 1280, "height": 905})
         page.goto((Path(folder) / "run" / "report.html").as_uri())
         page.wait_for_timeout(1500)
@@ -48,7 +65,9 @@ def main() -> None:
 
 
 def keep(picture: Image.Image, content: dict[str, Any]) -> None:
-    """Write the numbers and the picture, the same numbers in both: a picture of another run is seen by a test."""
+    """Write the numbers and the picture, the same numbers in both: a picture of another run is seen
+    by a test.
+    """
     text = json.dumps(content, indent=1)
     (HERE / "uncertainty.json").write_text(text + "\n", encoding="utf-8")
     words = PngInfo()

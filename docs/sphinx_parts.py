@@ -1,7 +1,9 @@
 r"""What the pages need of Sphinx beyond its own extensions.
 
-- formulas become MathML, which browsers draw by themselves: pages need neither a network nor a script
-- docstrings are prose with `code` and |Q|, not reStructuredText: marks that would mean something there are escaped
+- formulas become MathML, which browsers draw by themselves: pages need neither a network nor a
+  script
+- docstrings are prose with `code` and |Q|, not reStructuredText: marks that would mean something
+  there are escaped
 """
 
 from __future__ import annotations
@@ -16,7 +18,18 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
-_TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
+_TITLES = (
+    "Attributes",
+    "Parameters",
+    "Returns",
+    "Yields",
+    "Raises",
+    "Notes",
+    "Examples",
+    "See Also",
+    "Warns",
+    "References",
+)
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
 _LISTS = ("Attributes", "Parameters", "Raises")
 _CODE = re.compile(r"(``.+?``|`[^`\n]+`|:\w+:`[^`]+`)")
@@ -38,7 +51,9 @@ def block_math(translator: Any, node: nodes.math_block) -> None:
 
 
 def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests stay as they are."""
+    """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests
+    stay as they are.
+    """
     lines[:] = [
         *_sections([_prose(line) for line in _example_first(lines)]),
         *(_fields(obj) if what == "class" and hasattr(obj, "model_fields") else ()),
@@ -46,10 +61,16 @@ def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: lis
 
 
 def _example_first(lines: list[str]) -> list[str]:
-    """The doctests of a docstring behind its first paragraph, so that they are on the first screen."""
+    """The doctests of a docstring behind its first paragraph, so that they are on the first
+    screen.
+    """
     paragraphs = [part.split("\n") for part in re.split(r"\n\s*\n", "\n".join(lines).strip("\n"))]
     examples = [part for part in paragraphs[1:] if part[0].startswith(">>>")]
-    ordered = [*paragraphs[:1], *examples, *(part for part in paragraphs[1:] if part not in examples)]
+    ordered = [
+        *paragraphs[:1],
+        *examples,
+        *(part for part in paragraphs[1:] if part not in examples),
+    ]
     return [line for part in ordered for line in (*part, "")]
 
 
@@ -57,7 +78,8 @@ def _prose(line: str) -> str:
     if line.lstrip().startswith((">>>", "...", "..", ":")):
         return line
     return "".join(
-        _as_code(part) if part.startswith("`") else part if part.startswith(":") else _escaped(part) for part in _CODE.split(line)
+        _as_code(part) if part.startswith("`") else part if part.startswith(":") else _escaped(part)
+        for part in _CODE.split(line)
     )
 
 
@@ -65,13 +87,21 @@ def _fields(model: Any) -> Iterator[str]:
     """The keys of a part of a scene, with the words that its JSON schema has for them."""
     yield from ("", ".. rubric:: Keys", "")
     for name, field in model.model_fields.items():
-        default = "" if field.is_required() or field.default_factory else f" (default ``{field.default!r}``)"
-        yield _prose(f"- **{name}**{default}" + (f": {field.description}" if field.description else "")).replace("\\*\\*", "**")
+        default = (
+            ""
+            if field.is_required() or field.default_factory
+            else f" (default ``{field.default!r}``)"
+        )
+        yield _prose(
+            f"- **{name}**{default}" + (f": {field.description}" if field.description else "")
+        ).replace("\\*\\*", "**")
     yield ""
 
 
 def _sections(lines: list[str]) -> Iterator[str]:
-    """Under a title with a line of dashes that announces items each unindented line starts one: `names : what they are`."""
+    """Under a title with a line of dashes that announces items each unindented line starts one:
+    `names : what they are`.
+    """
     title, doctest = "", False
     for index, line in enumerate(lines):
         after = lines[index + 1] if index + 1 < len(lines) else ""
@@ -80,11 +110,15 @@ def _sections(lines: list[str]) -> Iterator[str]:
             yield from ("", f".. rubric:: {line}", "")
         elif not (line and set(line) == {"-"} and lines[index - 1] in _TITLES):
             doctest = line.startswith(">>>") or (doctest and bool(line.strip()))
-            yield from _items(line, title) if title in _LISTS and line.strip() and not doctest else (line,)
+            yield from (
+                _items(line, title) if title in _LISTS and line.strip() and not doctest else (line,)
+            )
 
 
 def _items(line: str, title: str) -> Iterator[str]:
-    """One line may hold several items: `key : short name; where : place in the paper`. An indented one goes on with the last."""
+    """One line may hold several items: `key : short name; where : place in the paper`. An indented
+    one goes on with the last.
+    """
     if line.startswith(" "):
         yield f"  {line.strip()}"
         return
@@ -101,14 +135,30 @@ def _escaped(text: str) -> str:
     return re.sub(r"(?<!\\)([*|])", r"\\\1", re.sub(r"(\w)_(?=\W|$)", r"\1\\_", text))
 
 
-def signature(_app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, result: str | None) -> Any:
-    """Names of types as they stand in the source; of a scene's parts and of results the fields alone, explained below."""
+def signature(
+    _app: Sphinx,
+    what: str,
+    name: str,
+    obj: Any,
+    options: Any,
+    arguments: str | None,
+    result: str | None,
+) -> Any:
+    """Names of types as they stand in the source; of a scene's parts and of results the fields
+    alone, explained below.
+    """
     if what == "class" and hasattr(obj, "model_fields"):
-        keys = (name if field.is_required() else f"{name}=..." for name, field in obj.model_fields.items())
+        keys = (
+            name if field.is_required() else f"{name}=..."
+            for name, field in obj.model_fields.items()
+        )
         return f"(*, {', '.join(keys)})", ""
     if what == "class" and is_dataclass(obj):
         return f"({', '.join(_field(one) for one in fields(obj) if one.init)})", ""
-    return tuple(re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) if text else text for text in (arguments, result))
+    return tuple(
+        re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) if text else text
+        for text in (arguments, result)
+    )
 
 
 def _field(one: Field[Any]) -> str:
@@ -119,9 +169,14 @@ def _field(one: Field[Any]) -> str:
 
 
 def published_pages(app: Sphinx) -> None:
-    """Give each page of reports/published a place among the pages, in docs/published, which is not kept."""
+    """Give each page of reports/published a place among the pages, in docs/published, which is not
+    kept.
+    """
     folder = Path(app.srcdir) / "published"
-    pages = {path.relative_to(PUBLISHED): path.read_text(encoding="utf-8") for path in PUBLISHED.rglob("*.md")}
+    pages = {
+        path.relative_to(PUBLISHED): path.read_text(encoding="utf-8")
+        for path in PUBLISHED.rglob("*.md")
+    }
     del pages[Path("README.md")]  # the gallery stands for it
     for name, text in pages.items():
         up = "../" * len(name.parts)
@@ -139,7 +194,9 @@ def published_pages(app: Sphinx) -> None:
 
 
 def links(_app: Sphinx, _name: str, source: list[str]) -> None:
-    """Where a page links to the file of a published page, as in the repository, link to its copy among the pages."""
+    """Where a page links to the file of a published page, as in the repository, link to its copy
+    among the pages.
+    """
     source[0] = re.sub(r"\]\(\.\./reports/published/([\w/-]+\.md)\)", r"](published/\1)", source[0])
 
 

@@ -1,30 +1,48 @@
-"""The independent referent: a plane-strain finite-element contact model, condensed to the interface.
+"""The independent referent: a plane-strain finite-element contact model, condensed to the
+interface.
 
 In the order in which a scene passes through::
 
     settings.py                            method and step control
-    path.py                                turning points of the loads, increments, inadmissible paths
+    path.py                                turning points of the loads, increments, inadmissible
+                                           paths
     scales.py                              the coarse run: half-width, innermost edge
-    elasticity.py, far_field.py            elements that do not lock; static condensation (Schur complement) to the contact nodes,
-                                           Flamant far field
-    condensed_bodies.py                    least-recently-used cache of condensed bodies in the process
-    interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides that do not match, or are curved
+    elasticity.py, far_field.py            elements that do not lock; static condensation (Schur
+                                           complement) to the contact nodes, Flamant far field
+    condensed_bodies.py                    least-recently-used cache of condensed bodies in the
+                                           process
+    interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides
+                                           that do not match, or are curved
     mirror.py                              symmetric faces on one half
     law.py                                 Signorini and Coulomb as one projection: return mapping
     contact.py                             one increment: active set, semismooth Newton
-    systems.py                             its linear systems for many sets of node states: Woodbury updates of a few, cached
-    tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
+    systems.py                             its linear systems for many sets of node states: Woodbury
+                                           updates of a few, cached
+    tresca.py                              the two convex halves (Signorini, Tresca), where the sets
+                                           do not settle
     stepping.py                            along a stretch of the path, to each touch and release
-    run.py                                 over the whole path; shakedown and ratcheting: what revolutions have left to go
+    run.py                                 over the whole path; shakedown and ratcheting: what
+                                           revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
-    between_nodes.py                       what edges between nodes add to the dissipation, which is taken off
+    between_nodes.py                       what edges between nodes add to the dissipation, which is
+                                           taken off
     edges.py                               edges of contact and stick, states as a reader sees them
-    answer.py, solve.py                    the answer: `solve`; datum of approach and displacement; cost of a penalty layer
+    answer.py, solve.py                    the answer: `solve`; datum of approach and displacement;
+                                           cost of a penalty layer
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
-    fields.py, face_stress.py              displacement and stress inside the bodies; stress next to the contact from the tractions
+    fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
+                                           the contact from the tractions
 """
 
-from halfplane_fe.fields import BodyFields, LargestTension, Snapshot, edge_tension, fields, largest_edge_tension, stress
+from halfplane_fe.fields import (
+    BodyFields,
+    LargestTension,
+    Snapshot,
+    edge_tension,
+    fields,
+    largest_edge_tension,
+    stress,
+)
 from halfplane_fe.path import check_admissible
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve

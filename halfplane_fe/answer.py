@@ -1,9 +1,12 @@
-"""From scaled interface states to the arrays and the record of a ContactSolution, in the scene's units.
+"""From scaled interface states to the arrays and the record of a ContactSolution, in the scene's
+units.
 
-Normal approach and tangential displacement of half-planes are counted from the datum of the scene; no traction depends on it.
-What the layer of the penalty method costs is read off those arrays: overlap of the faces, elastic slip, creep of nodes that stick.
+Normal approach and tangential displacement of half-planes are counted from the datum of the scene;
+no traction depends on it. What the layer of the penalty method costs is read off those arrays:
+overlap of the faces, elastic slip, creep of nodes that stick.
 
-# notation: L distance from a force at which the surface counts as unmoved; P, Q loads; 1/E* = sum of (1 - nu^2)/E
+# notation: L distance from a force at which the surface counts as unmoved; P, Q loads; 1/E* = sum
+of (1 - nu^2)/E
 """
 
 from __future__ import annotations
@@ -33,16 +36,23 @@ from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
 
-    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks, pads and cylinders stand on
-    something and have no datum. The energies of the record stay those of the datum that the run had.
+    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks,
+    pads and cylinders stand on something and have no datum. The energies of the record stay those
+    of the datum that the run had.
     """
-    bodies = ((scene.bodies.lower, scene.material.lower), (scene.bodies.upper, scene.material.upper))
+    bodies = (
+        (scene.bodies.lower, scene.material.lower),
+        (scene.bodies.upper, scene.material.upper),
+    )
     half_planes = [material for shape, material in bodies if isinstance(shape, HalfPlane)]
     soft = sum((1 - material.poisson_ratio**2) / material.young_modulus for material in half_planes)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
     moved = [
-        state.changed(approach=state.approach + by_load * state.normal_load, shift=state.shift + by_load * state.tangential_load)
+        state.changed(
+            approach=state.approach + by_load * state.normal_load,
+            shift=state.shift + by_load * state.tangential_load,
+        )
         for state in run.states
     ]
     return replace(run, states=moved)
@@ -53,21 +63,30 @@ States = NDArray[np.int8]
 
 # Instants whose edges are found together: a few, so that what is in the making stays small.
 _AT_ONCE = 256
-# Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick zone that a path with bulk
-# stress or tilt approaches. Slip grows as the distance to the power 3/2 there, so that it costs half a hundredth of the slip zone.
+# Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick
+# zone that a path with bulk stress or tilt approaches. Slip grows as the distance to the power 3/2
+# there, so that it costs half a hundredth of the slip zone.
 _CREEP = 3e-4
-# The same of coupled bodies: a thousandth of the slip zone. Single increments label nodes slip there that move less: 2e-5 was met
-# on the flat pad of the library.
+# The same of coupled bodies: a thousandth of the slip zone. Single increments label nodes slip
+# there that move less: 2e-5 was met on the flat pad of the library.
 _CREEP_OF_COUPLED = 3e-5
 
 
-def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
+def answer_arrays(
+    scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
+) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
     kept = run.kept
     states = [run.states[index] for index in kept]
-    slip, pressure, shear = (np.stack([getattr(state, name) for state in states]) for name in ("slip", "pressure", "shear"))
+    slip, pressure, shear = (
+        np.stack([getattr(state, name) for state in states])
+        for name in ("slip", "pressure", "shear")
+    )
     # Moments of pressure and shear about x = 0.
-    moments = -problem.interface.work_of_imposed(pressure, shear)[..., 2], shear @ problem.interface.x
+    moments = (
+        -problem.interface.work_of_imposed(pressure, shear)[..., 2],
+        shear @ problem.interface.x,
+    )
     if problem.layer.tangential.any():
         slip += problem.layer.tangential * shear
     displacement = scales.load / scales.modulus
@@ -79,10 +98,18 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     seen = every[kept]
     blocks = [slice(first, first + _AT_ONCE) for first in range(0, len(states), _AT_ONCE)]
     found = [_edges(problem, states[block], seen[block], anywhere) for block in blocks]
-    edges = {name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]}
-    permanent = _permanent_stick(scene, problem, run, every, edges["stick_edges"] / scales.half_width)
+    edges = {
+        name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]
+    }
+    permanent = _permanent_stick(
+        scene, problem, run, every, edges["stick_edges"] / scales.half_width
+    )
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
-    for one, unit in ((pressure, scales.load / weights), (shear, scales.load / weights), (slip, displacement)):
+    for one, unit in (
+        (pressure, scales.load / weights),
+        (shear, scales.load / weights),
+        (slip, displacement),
+    ):
         np.multiply(one, unit, out=one)
         one.flags.writeable = False
     loads = np.array([state.loads[:2] for state in states]) * scales.load
@@ -91,7 +118,9 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
-        "tangential_displacement": freeze(np.array([state.shift for state in states]) * displacement),
+        "tangential_displacement": freeze(
+            np.array([state.shift for state in states]) * displacement
+        ),
         "normal_approach": freeze(np.array([state.approach for state in states]) * displacement),
         "x": freeze(problem.interface.x * scales.half_width),
         "pressure": pressure,
@@ -101,13 +130,19 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         **{name: freeze(both) for name, both in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
+        "dissipation_density": freeze(
+            densities[-1] / weights if len(densities) else np.zeros_like(weights)
+        ),
         "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
         "steady_from": run.steady_from,
         # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
-        "loop_work": float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work if closed else float("nan"),
+        "loop_work": (
+            float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work
+            if closed
+            else float("nan")
+        ),
     }
     if not anywhere:
         return arrays
@@ -123,8 +158,12 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     }
 
 
-def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool) -> dict[str, Array]:
-    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load the nodes that touch, or 0."""
+def _edges(
+    problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool
+) -> dict[str, Array]:
+    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load
+    the nodes that touch, or 0.
+    """
     x, weights = problem.interface.x, problem.interface.weights
     _, pressure, shear, gap = nodal(np.stack([state.values for state in states]))
     law = np.stack([state.state for state in states])
@@ -132,13 +171,21 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
     form = contact_edges(x, pressure, gap, closed, 1.0)
     # Where unlike bodies slip, the pressure grows by another power than the root.
-    contact = form.copy() if problem.interface.coupling is not None else fitted_contact_edges(x, pressure, closed, form)
+    contact = (
+        form.copy()
+        if problem.interface.coupling is not None
+        else fitted_contact_edges(x, pressure, closed, form)
+    )
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
     of_contact = contact_uncertainty(x, pressure, closed, contact, form)
-    of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere)
+    of_stick = stick_uncertainty(
+        x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere
+    )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]
-        contact[row] = edges[row] = (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
+        contact[row] = edges[row] = (
+            (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
+        )
         of_contact[row] = of_stick[row] = 0.0
     return {
         "contact_edges": contact,
@@ -148,13 +195,18 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     }
 
 
-def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States, edges: Array) -> Array:
-    """(2,) ends of what sticks through the whole last cycle: the intersection of its stick zones; NaN if there is none.
+def _permanent_stick(
+    scene: Scene, problem: ContactProblem, run: PathRun, seen: States, edges: Array
+) -> Array:
+    """(2,) ends of what sticks through the whole last cycle: the intersection of its stick zones;
+    NaN if there is none.
 
-    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all of it. Of instants that a long
-    run has dropped the stick zone is known by the states of the nodes alone.
-    With bulk stress or tilt the steady state is only approached: what still creeps, less and less from cycle to cycle, counts.
-    Between coupled bodies too: there single increments label nodes slip that move next to nothing.
+    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all
+    of it. Of instants that a long run has dropped the stick zone is known by the states of the
+    nodes alone.
+    With bulk stress or tilt the steady state is only approached: what still creeps, less and less
+    from cycle to cycle, counts. Between coupled bodies too: there single increments label nodes
+    slip that move next to nothing.
 
     Parameters
     ----------
@@ -189,8 +241,12 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
 
 
-def _zones_by_nodes(x: Array, stick: NDArray[np.bool_], closed: NDArray[np.bool_], anywhere: bool) -> Array:
-    """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost nodes."""
+def _zones_by_nodes(
+    x: Array, stick: NDArray[np.bool_], closed: NDArray[np.bool_], anywhere: bool
+) -> Array:
+    """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost
+    nodes.
+    """
     first = np.argmax(closed, axis=1)
     last = len(x) - 1 - np.argmax(closed[:, ::-1], axis=1)
     contact = np.stack([x[first], x[last]], axis=1)
@@ -198,24 +254,28 @@ def _zones_by_nodes(x: Array, stick: NDArray[np.bool_], closed: NDArray[np.bool_
 
 
 def _creeping(slip: Array, closed: NDArray[np.bool_], share: float) -> NDArray[np.bool_]:
-    """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range of slip; arrays (m, n)."""
+    """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
+    of slip; arrays (m, n).
+    """
     moved = np.ptp(slip, axis=0)
     return np.all(closed, axis=0) & (moved <= share * moved.max())
 
 
 @dataclass(frozen=True)
 class PenaltyAudit:
-    """The layer and what it does; without one (augmented Lagrangian) the stiffnesses are infinite and the rest is zero or rounding.
+    """The layer and what it does; without one (augmented Lagrangian) the stiffnesses are infinite
+    and the rest is zero or rounding.
 
     Attributes
     ----------
-    normal_stiffness, tangential_stiffness : pressure per overlap, shear per elastic slip [stress/length]
-    penetration : largest overlap of the two faces on the whole path [length]
-    penetration_share : the same over the rise h(a) - h(0) of the profile at the largest contact (a^2/2R for Hertz)
-    elastic_slip : largest elastic slip of the layer [length]
+    normal_stiffness, tangential_stiffness : pressure per overlap, shear per elastic slip
+    [stress/length] penetration : largest overlap of the two faces on the whole path [length]
+    penetration_share : the same over the rise h(a) - h(0) of the profile at the largest contact
+    (a^2/2R for Hertz) elastic_slip : largest elastic slip of the layer [length]
     elastic_slip_share : the same over the largest slip of the last cycle; NaN where nothing slips
-    creep : largest range, over the last cycle, of the relative displacement of a node that sticks all through it [length]
-    creep_share : the same over the largest slip of the last cycle; NaN where nothing slips
+    creep : largest range, over the last cycle, of the relative displacement of a node that sticks
+    all through it [length] creep_share : the same over the largest slip of the last cycle; NaN
+    where nothing slips
     """
 
     normal_stiffness: float
@@ -231,31 +291,60 @@ class PenaltyAudit:
         """The costs as a sentence; None where there is no layer."""
         if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
             return None
-        stiffness = f"{self.normal_stiffness:.3g} normal and {self.tangential_stiffness:.3g} tangential [stress/length]"
-        overlap = f"{self.penetration:.2g} [length], {self.penetration_share:.1e} of the profile's rise over the contact"
+        stiffness = (
+            f"{self.normal_stiffness:.3g} normal and {self.tangential_stiffness:.3g} tangential"
+            " [stress/length]"
+        )
+        overlap = (
+            f"{self.penetration:.2g} [length], {self.penetration_share:.1e} of the profile's rise"
+            " over the contact"
+        )
         slip = f"{self.elastic_slip:.2g}, {self.elastic_slip_share:.1e} of the largest slip"
         return (
-            f"penalty layer, stiffness {stiffness}: the faces overlap by up to {overlap}; elastic slip up to {slip}; nodes "
-            f"that stick through the whole cycle creep by up to {self.creep:.2g}, {self.creep_share:.1e} of it"
+            f"penalty layer, stiffness {stiffness}: the faces overlap by up to {overlap}; elastic"
+            f" slip up to {slip}; nodes that stick through the whole cycle creep by up to"
+            f" {self.creep:.2g}, {self.creep_share:.1e} of it"
         )
 
 
 def penalty_audit(
-    scene: Scene, problem: ContactProblem, states: Sequence[InterfaceState], arrays: Mapping[str, Any], scales: Scales
+    scene: Scene,
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    arrays: Mapping[str, Any],
+    scales: Scales,
 ) -> PenaltyAudit:
     """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
     weights, costs = problem.interface.weights * scales.half_width, {}
-    for name, compliance in (("pressure", problem.layer.normal), ("shear", problem.layer.tangential)):
-        by_stress = compliance / scales.modulus * weights  # length per stress, one and the same everywhere
+    for name, compliance in (
+        ("pressure", problem.layer.normal),
+        ("shear", problem.layer.tangential),
+    ):
+        # length per stress, one and the same everywhere
+        by_stress = compliance / scales.modulus * weights
         largest = float(by_stress.max())
-        costs[name] = (1 / largest, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0))) if largest else (np.inf, 0.0)
+        costs[name] = (
+            (1 / largest, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0)))
+            if largest
+            else (np.inf, 0.0)
+        )
     (normal_stiffness, penetration), (tangential_stiffness, elastic_slip) = costs.values()
-    rise = float(np.ptp(scene.profile.height(np.array([0.0, float(np.nanmax(arrays["contact_half_width"]))]))))
-    # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of nodes that slip, by the law's own
-    # states: those that a reader sees count a node that has hardly moved as sticking.
+    rise = float(
+        np.ptp(
+            scene.profile.height(np.array([0.0, float(np.nanmax(arrays["contact_half_width"]))]))
+        )
+    )
+    # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
+    # nodes that slip, by the law's own states: those that a reader sees count a node that has
+    # hardly moved as sticking.
     period, time = scene.load.path().period, arrays["time"]
-    cycle = np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
-    law, moved = np.stack([state.state for state in states])[cycle], np.ptp(arrays["slip"][cycle], axis=0)
+    cycle = (
+        np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
+    )
+    law, moved = (
+        np.stack([state.state for state in states])[cycle],
+        np.ptp(arrays["slip"][cycle], axis=0),
+    )
     creep = float(np.max(moved[np.all(law[1:] == STICK, axis=0)], initial=0.0))
     slip = float(np.max(moved[np.any(slip_sign(law) != 0, axis=0)], initial=0.0))
 
@@ -274,17 +363,23 @@ def penalty_audit(
     )
 
 
-def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:
-    """How the run went, from one kept instant to the next; the first is the unloaded state. `notes`: what a reader must know too.
+def record_of(
+    run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()
+) -> Record:
+    """How the run went, from one kept instant to the next; the first is the unloaded state.
+    `notes`: what a reader must know too.
 
-    Energies and iterations are those of all increments since the kept instant before, checks the worst of them.
+    Energies and iterations are those of all increments since the kept instant before, checks the
+    worst of them.
     """
     note = audit.note()
     firsts = run.kept[:-1]  # of the increments from each kept instant to the next
 
     def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
         steps = np.asarray(values)
-        return freeze(np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype)
+        return freeze(
+            np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype
+        )
 
     energies = {name: run.column(name) for name in _ENERGIES if note is not None or name != "layer"}
     checks = {
@@ -293,14 +388,19 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
         if name not in (*_ENERGIES, "layer", "loop", "bent")
     }
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
-    checks["energy_balance"] = balance / np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
+    checks["energy_balance"] = balance / np.max(
+        np.abs(np.cumsum(energies["external"])), initial=1e-300
+    )
     return Record(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
         iterations=between(np.add, run.iterations, np.int64),
         certificates={name: between(np.maximum, values) for name, values in checks.items()},
-        energy={name: between(np.add, values * scales.load**2 / scales.modulus) for name, values in energies.items()},
+        energy={
+            name: between(np.add, values * scales.load**2 / scales.modulus)
+            for name, values in energies.items()
+        },
         notes=(*(() if note is None else (note,)), *notes),
     )
 
@@ -330,10 +430,14 @@ def _message(run: PathRun) -> str:
     if run.failure is not None:
         return str(run.failure)
     steps = len(run.iterations)
-    drift = "; the upper body goes further by the same distance in each: ratcheting" if run.ratchets else ""
+    drift = (
+        "; the upper body goes further by the same distance in each: ratcheting"
+        if run.ratchets
+        else ""
+    )
     if run.steady_from is None:
         return f"the path ended after {steps} increments without a revolution that repeats{drift}"
     return (
-        f"revolution {run.steady_from + 1} ended in the state it started from, to {run.cycle_change[-1]:.1e} of the largest "
-        f"nodal force, after {steps} increments{drift}"
+        f"revolution {run.steady_from + 1} ended in the state it started from, to"
+        f" {run.cycle_change[-1]:.1e} of the largest nodal force, after {steps} increments{drift}"
     )

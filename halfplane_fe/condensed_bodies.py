@@ -1,8 +1,9 @@
 """Least-recently-used cache of condensed bodies in this process, bounded in bytes.
 
-A body is known by what `condense` reads of it: nodes, elements, boundaries, supports and grading of the mesh, the material and the
-datum length. Loads and friction are no part of it, so a study of them condenses each body once in each worker. `work` of the
-answer counts both, condensations and bodies taken from the cache.
+A body is known by what `condense` reads of it: nodes, elements, boundaries, supports and grading of
+the mesh, the material and the datum length. Loads and friction are no part of it, so a study of
+them condenses each body once in each worker. `work` of the answer counts both, condensations and
+bodies taken from the cache.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ class CondensedBodies:
 
     def __init__(self, bound_bytes: int) -> None:
         self.bound_bytes = bound_bytes
-        self._results: OrderedDict[bytes, dict[str, Any]] = OrderedDict()  # least recently used first
+        # least recently used first
+        self._results: OrderedDict[bytes, dict[str, Any]] = OrderedDict()
         self._lock = Lock()
 
     @property
@@ -41,7 +43,9 @@ class CondensedBodies:
         """Bytes of the cached arrays."""
         return sum(_nbytes(result) for result in self._results.values())
 
-    def condensed(self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]) -> CondensedBody:
+    def condensed(
+        self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
+    ) -> CondensedBody:
         """The body condensed (`condense`), now or before; `work` counts which."""
         key = _digest(body, material, datum_length)
         with self._lock:
@@ -55,7 +59,14 @@ class CondensedBodies:
         work["condensations"] += 1
         work["sparse factorisations"] += int(condensed.diagnostics["sparse_factorisations"])
         # Without the mesh, which is larger than what was made of it.
-        self._add(key, {field.name: getattr(condensed, field.name) for field in fields(condensed) if field.name != "body"})
+        self._add(
+            key,
+            {
+                field.name: getattr(condensed, field.name)
+                for field in fields(condensed)
+                if field.name != "body"
+            },
+        )
         return condensed
 
     def _add(self, key: bytes, result: dict[str, Any]) -> None:
@@ -72,9 +83,17 @@ def _nbytes(result: dict[str, Any]) -> int:
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
-    """SHA-256 of all that `condense` reads: another value of any of it, to the last bit, is another body."""
+    """SHA-256 of all that `condense` reads: another value of any of it, to the last bit, is another
+    body.
+    """
     mesh = body.mesh
-    words = [type(mesh).__name__, body.grading, sorted(body.supports.items()), material, float(datum_length)]
+    words = [
+        type(mesh).__name__,
+        body.grading,
+        sorted(body.supports.items()),
+        material,
+        float(datum_length),
+    ]
     arrays = {"nodes": mesh.doflocs, "elements": mesh.t}
     arrays |= {f"boundary {name}": facets for name, facets in mesh.boundaries.items()}
     digest = hashlib.sha256(repr(words).encode())
@@ -84,5 +103,6 @@ def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
     return digest.digest()
 
 
-# 300 MB hold some two hundred bodies of the default mesh (1.5 MB each), or two of 2,000 contact nodes.
+# 300 MB hold some two hundred bodies of the default mesh (1.5 MB each), or two of 2,000 contact
+# nodes.
 BODIES = CondensedBodies(bound_bytes=300_000_000)

@@ -8,7 +8,9 @@ from scenes import Materials
 
 
 class Dundurs(NamedTuple):
-    """alpha in [-1, 1] and beta in [-1/2, 1/2]; alpha is positive where the upper body is the more compliant one."""
+    """alpha in [-1, 1] and beta in [-1/2, 1/2]; alpha is positive where the upper body is the more
+    compliant one.
+    """
 
     alpha: float
     beta: float
@@ -20,19 +22,29 @@ def dundurs(material: Materials) -> Dundurs:
         alpha = [(1 - nu1)/G1 - (1 - nu2)/G2] / s,   s = (1 - nu1)/G1 + (1 - nu2)/G2
         beta  = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / (2 s)
 
-    beta couples normal and shear tractions of half-planes; half-plane theory as the semi-analytic engine has it needs beta = 0.
-    alpha matters only where a body has a size. Like bodies have 0 and 0.
+    beta couples normal and shear tractions of half-planes; half-plane theory as the semi-analytic
+    engine has it needs beta = 0. alpha matters only where a body has a size. Like bodies have 0 and
+    0.
 
-    Source: J. Dundurs, J. Appl. Mech. 36 (1969) 650; K. L. Johnson, Contact Mechanics (1985), equations (5.3).
+    Source: J. Dundurs, J. Appl. Mech. 36 (1969) 650; K. L. Johnson, Contact Mechanics (1985),
+    equations (5.3).
 
     >>> from scenes import Elastic
-    >>> rigid, rubber = Elastic(young_modulus=1e12, poisson_ratio=0.3), Elastic(young_modulus=1.0, poisson_ratio=0.25)
-    >>> [round(value, 6) for value in dundurs(Materials(upper=rubber, lower=rigid))]  # (1 - 2 nu)/(2 (1 - nu)) = 1/3
+    >>> rigid, rubber = (
+    ...     Elastic(young_modulus=1e12, poisson_ratio=0.3),
+    ...     Elastic(young_modulus=1.0, poisson_ratio=0.25),
+    ... )
+    >>> [
+    ...     round(value, 6) for value in dundurs(Materials(upper=rubber, lower=rigid))
+    ... ]  # (1 - 2 nu)/(2 (1 - nu)) = 1/3
     [1.0, 0.333333]
     """
     # notation: G, shear modulus; 1 the upper body, 2 the lower one
     nu1, nu2 = material.upper.poisson_ratio, material.lower.poisson_ratio
-    shear1, shear2 = (body.young_modulus / (2 * (1 + body.poisson_ratio)) for body in (material.upper, material.lower))
+    shear1, shear2 = (
+        body.young_modulus / (2 * (1 + body.poisson_ratio))
+        for body in (material.upper, material.lower)
+    )
     compliance = (1 - nu1) / shear1 + (1 - nu2) / shear2
     alpha = ((1 - nu1) / shear1 - (1 - nu2) / shear2) / compliance
     beta = ((1 - 2 * nu1) / shear1 - (1 - 2 * nu2) / shear2) / (2 * compliance)

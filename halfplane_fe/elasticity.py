@@ -1,10 +1,12 @@
-"""Static condensation: plane-strain elasticity of one body, reduced by a Schur complement to the nodes that may touch.
+"""Static condensation: plane-strain elasticity of one body, reduced by a Schur complement to the
+nodes that may touch.
 
 The stiffness by elements that do not lock:
 
-Displacement elements lock as nu -> 1/2: with quadratic ones the body's energy stays right, but the contact tractions rock from node
-to node. So what Lame's lambda has above 2 G (nu = 1/3) enters through a continuous linear pressure r = lambda_1 div u, the pair of
-Taylor and Hood, and nothing locks at any nu < 1/2; below that the elements are plain ones. Linear elements have no such partner.
+Displacement elements lock as nu -> 1/2: with quadratic ones the body's energy stays right, but the
+contact tractions rock from node to node. So what Lame's lambda has above 2 G (nu = 1/3) enters
+through a continuous linear pressure r = lambda_1 div u, the pair of Taylor and Hood, and nothing
+locks at any nu < 1/2; below that the elements are plain ones. Linear elements have no such partner.
 """
 
 from __future__ import annotations
@@ -31,9 +33,11 @@ from scenes import ConvergenceError, Elastic, InputError, freeze
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu = 1/3.
+# Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu
+# = 1/3.
 PLAIN_LAMBDA = 2.0
-# The largest nu of linear elements: they cost 2 % of the dissipation of the paper's cycle at 0.45, 7 % at 0.49, 20 % at 0.499.
+# The largest nu of linear elements: they cost 2 % of the dissipation of the paper's cycle at 0.45,
+# 7 % at 0.49, 20 % at 0.499.
 _LARGEST_NU_LINEAR = 0.45
 
 
@@ -41,8 +45,8 @@ _LARGEST_NU_LINEAR = 0.45
 class System:
     """A body's degrees of freedom, which of them are what, and its stiffness.
 
-    Those of u along x and y at node k are 2 k and 2 k + 1, as scikit-fem numbers them; after all of them come those of r/G at the
-    corners, if there is a pressure r.
+    Those of u along x and y at node k are 2 k and 2 k + 1, as scikit-fem numbers them; after all of
+    them come those of r/G at the corners, if there is a pressure r.
 
     Attributes
     ----------
@@ -51,9 +55,10 @@ class System:
     cells : (n_elements, n) nodes of each element, see `cells_of`
     contact : (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     around : boundaries to the half-plane around the body; none for a body of finite size
-    arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body on rollers against Q
-    held : those that supports keep at zero
-    pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends [length]
+    arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
+    on rollers against Q held : those that supports keep at zero
+    pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends
+        [length]
     """
 
     mesh: skfem.Mesh
@@ -70,12 +75,18 @@ class System:
     def node(self) -> Indices:
         """(n_dofs,) of each degree of freedom its node."""
         of_pressure = self.mesh.nvertices if split_lame(self.material, self.order)[1] else 0
-        return np.concatenate([np.repeat(np.arange(self.mesh.p.shape[1]), 2), np.arange(of_pressure)])
+        return np.concatenate(
+            [np.repeat(np.arange(self.mesh.p.shape[1]), 2), np.arange(of_pressure)]
+        )
 
     @cached_property
     def basis(self) -> skfem.Basis:
         """Of u."""
-        return skfem.Basis(self.mesh, skfem.ElementVector(scalar_element(self.mesh, self.order)), intorder=2 * self.order)
+        return skfem.Basis(
+            self.mesh,
+            skfem.ElementVector(scalar_element(self.mesh, self.order)),
+            intorder=2 * self.order,
+        )
 
     @cached_property
     def stiffness(self) -> sparse.csr_matrix:
@@ -97,7 +108,8 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
 
 def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
     """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
-    # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
+    # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral,
+    # as VTK does its mid-side nodes.
     middles = np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None]
     parts = mesh.t[: mesh.refdom.nfacets], mesh.nvertices + mesh.t2f, middles
     return np.vstack(parts[: 1 if order == 1 else mesh.refdom.nfacets - 1]).T.astype(np.int64)
@@ -106,18 +118,24 @@ def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
     """(2, n) degrees of freedom (x, y) of a named boundary, by ascending x, then y."""
     facets = mesh.boundaries[name]
-    nodes = np.unique(np.concatenate([mesh.facets[:, facets].ravel(), *([mesh.nvertices + facets] if order == 2 else [])]))
+    nodes = np.unique(
+        np.concatenate(
+            [mesh.facets[:, facets].ravel(), *([mesh.nvertices + facets] if order == 2 else [])]
+        )
+    )
     nodes = nodes[np.lexsort((mesh.p[1, nodes], mesh.p[0, nodes]))].astype(np.int64)
     return np.stack([2 * nodes, 2 * nodes + 1])
 
 
 def assemble(body: BodyMesh, material: Elastic) -> System:
-    """The body on its supports; InputError for linear elements of a nearly incompressible body, since they lock."""
+    """The body on its supports; InputError for linear elements of a nearly incompressible body,
+    since they lock.
+    """
     mesh, order, supports = body.mesh, order_of(body.mesh), body.supports
     if order == 1 and material.poisson_ratio > _LARGEST_NU_LINEAR:
         raise InputError(
-            f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear elements lock above "
-            f"{_LARGEST_NU_LINEAR:g}; take order = 2"
+            f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear"
+            f" elements lock above {_LARGEST_NU_LINEAR:g}; take order = 2"
         )
     dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     around = tuple(name for name, support in supports.items() if support == "half_plane")
@@ -130,16 +148,20 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     for name, support in supports.items():
         held += [dofs[name][component] for component in components[support]]
         if support == "rollers" and "guided" not in supports.values():
-            # Nothing else keeps the body from drifting along x. This support carries nothing: there is no tangential load, or the
-            # ends hold it.
+            # Nothing else keeps the body from drifting along x. This support carries nothing: there
+            # is no tangential load, or the ends hold it.
             held.append(dofs[name][0, [np.argmin(np.abs(mesh.p[0, dofs[name][0] // 2]))]])
     known = dofs["contact"], around, arc, np.unique(np.concatenate(held))
     system = System(mesh, material, order, cells_of(mesh, order), *known, np.empty(0))
-    return replace(system, pull=_pull(system, [facet for name in ends for facet in mesh.boundaries[name]]))
+    return replace(
+        system, pull=_pull(system, [facet for name in ends for facet in mesh.boundaries[name]])
+    )
 
 
 def _pull(system: System, facets: list[int]) -> Array:
-    """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are along x."""
+    """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are
+    along x.
+    """
     forces = np.zeros(len(system.node))
     if facets:
         ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
@@ -148,18 +170,24 @@ def _pull(system: System, facets: list[int]) -> Array:
 
 
 def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
-    """Lame's lambda of the displacement elements, what of it goes through the pressure r (0 where nothing does), and G."""
+    """Lame's lambda of the displacement elements, what of it goes through the pressure r (0 where
+    nothing does), and G.
+    """
     lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
     rest = lam - PLAIN_LAMBDA * shear_modulus
-    return (lam - rest, rest, shear_modulus) if order == 2 and rest > 1e-6 * shear_modulus else (lam, 0.0, shear_modulus)
+    return (
+        (lam - rest, rest, shear_modulus)
+        if order == 2 and rest > 1e-6 * shear_modulus
+        else (lam, 0.0, shear_modulus)
+    )
 
 
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
-    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]:
-    quasi-definite.
+    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G
+    B, -G^2 M/lambda_1]]: quasi-definite.
 
-    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j the stiffness of u is
-    K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
+    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
     """
     # notation: G is the shear modulus
     lam, rest, G = split_lame(system.material, system.order)
@@ -172,22 +200,33 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     inverse = np.array([[yy, -xy], [-yx, xx]]) / size
     gradients = np.einsum("nbq,baeq->enaq", slopes, inverse).reshape(len(cells), -1, len(weights))
     share = (np.abs(size) * weights)[:, None]
-    D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(len(cells), len(slopes), 2, len(slopes), 2)
+    D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(
+        len(cells), len(slopes), 2, len(slopes), 2
+    )
     blocks = lam * D + G * D.swapaxes(2, 4)
     blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    dofs, blocks = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1), blocks.reshape(len(cells), 2 * len(slopes), -1)
+    dofs, blocks = (
+        (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1),
+        blocks.reshape(len(cells), 2 * len(slopes), -1),
+    )
     if rest:
         corners, linear = cells[:, : mesh.refdom.nfacets], scalar_element(mesh, 1)
         values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
-        divergence, mass = G * (values * share) @ gradients.transpose(0, 2, 1), -(G**2) / rest * (values * share) @ values.T
+        divergence, mass = (
+            G * (values * share) @ gradients.transpose(0, 2, 1),
+            -(G**2) / rest * (values * share) @ values.T,
+        )
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
-    rows, columns = (np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :]))
+    rows, columns = (
+        np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :])
+    )
     return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
 
 
-# How far a compliance may be from the solution of its mesh under a random load. Rounding leaves 1e-13; of a guided block 1e4 times
-# as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
+# How far a compliance may be from the solution of its mesh under a random load. Rounding leaves
+# 1e-13; of a guided block 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high)
+# the contact iterations end nowhere.
 _LARGEST_ERROR = 1e-6
 
 
@@ -200,13 +239,14 @@ class CondensedBody:
     body, material : what was condensed
     x, y : (n,) places of the contact nodes in ascending order of x; y = 0 on a flat face [length]
     weights : (n,) integral of each node's shape function over the surface [length]
-    compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
-        symmetric [length per force per thickness]
-    by_stress : (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress [length per stress]: of a
-        half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a body with ends that of the mesh under tension on both;
-        zeros for any other
-    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (see `condense`), degrees_of_freedom,
-        sparse_factorisations (one for the order of elimination, one for each mode)
+    compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x,
+        outward) on node j, symmetric [length per force per thickness]
+    by_stress : (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress
+        [length per stress]: of a half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a body
+        with ends that of the mesh under tension on both; zeros for any other
+    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (see
+        `condense`), degrees_of_freedom, sparse_factorisations (one for the order of elimination,
+        one for each mode)
     """
 
     body: BodyMesh
@@ -225,17 +265,22 @@ class CondensedBody:
 
 
 def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
-    """Sparse factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no pivoting, in the order asked for."""
+    """Sparse factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no
+    pivoting, in the order asked for.
+    """
     # Minimum degree on A + A^T is 5 times faster here than the default order.
-    return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return splu(
+        stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
 
 
 class _Mode(NamedTuple):
-    """Motions that are condensed by themselves: all of a body, or those of one parity of a body that is its own mirror image.
+    """Motions that are condensed by themselves: all of a body, or those of one parity of a body
+    that is its own mirror image.
 
     dofs : (k,) degrees of freedom that stand for themselves and for their mirror images
-    column, factor : (n_dofs,) which of them each one follows, and by how much, so that the motions are orthonormal; 0 if it is at
-        rest
+    column, factor : (n_dofs,) which of them each one follows, and by how much, so that the motions
+        are orthonormal; 0 if it is at rest
     """
 
     dofs: Indices
@@ -248,14 +293,18 @@ class _Mode(NamedTuple):
         place[by] = np.arange(len(by))
         column = place[self.column[moved]]
         factor = np.where(column >= 0, self.factor[moved], 0.0)
-        return sparse.csr_matrix((factor, np.maximum(column, 0), np.arange(len(moved) + 1)), shape=(len(moved), len(by)))
+        return sparse.csr_matrix(
+            (factor, np.maximum(column, 0), np.arange(len(moved) + 1)), shape=(len(moved), len(by))
+        )
 
 
 def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
-    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last bit; else all, and one mode.
+    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last
+    bit; else all, and one mode.
 
-    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the other way round. The two have no
-    energy in common, so that each has a stiffness of its own: twice that of the part x >= 0 in the mode's motions.
+    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the
+    other way round. The two have no energy in common, so that each has a stiffness of its own:
+    twice that of the part x >= 0 in the mode's motions.
     """
     mesh, every, image = system.mesh, np.arange(len(system.node)), _mirror_images(system)
     right = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
@@ -275,32 +324,43 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
 
 
 def _mirror_images(system: System) -> Indices | None:
-    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports are not mirror images."""
+    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
+    are not mirror images.
+    """
     places = system.mesh.p
     left, right = np.lexsort((places[1], places[0])), np.lexsort((places[1], -places[0]))
     if not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
         return None
     of_nodes = np.empty_like(left)
     of_nodes[left] = right
-    image = np.concatenate([(2 * of_nodes[:, None] + [0, 1]).ravel(), 2 * len(left) + of_nodes])[: len(system.node)]
+    image = np.concatenate([(2 * of_nodes[:, None] + [0, 1]).ravel(), 2 * len(left) + of_nodes])[
+        : len(system.node)
+    ]
 
     def as_sets(table: Indices) -> Indices:
         rows = np.sort(table, axis=0)
         return rows[:, np.lexsort(rows)]
 
     tables = (2 * system.cells.T, system.contact, system.arc, system.held[None])
-    return image if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables) else None
+    return (
+        image
+        if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables)
+        else None
+    )
 
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
-    """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors sparse: node by node.
+    """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors
+    sparse: node by node.
 
-    That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
+    That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all
+    degrees of freedom.
     """
     n_nodes = system.mesh.p.shape[1]
     present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
     inner = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
-    ranks = np.full(n_nodes, n_nodes)  # r of the contact comes last: first of all, it would fill the factors
+    # r of the contact comes last: first of all, it would fill the factors
+    ranks = np.full(n_nodes, n_nodes)
     if len(inner):
         ranks[inner] = factorise(stiffness[2 * inner][:, 2 * inner].tocsc()).perm_c
     return ranks[system.node]
@@ -309,32 +369,50 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 def _condensed_mode(
     system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
 ) -> tuple[sparse.csr_matrix, Array, Array, float]:
-    """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the compliance of these (k, k), their
-    displacement (k,) under tension on the ends, and how far both are from the solution under a random load.
+    """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the
+    compliance of these (k, k), their displacement (k,) under tension on the ends, and how far both
+    are from the solution under a random load.
 
-    The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the inner ones alone, of
+    The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the
+    inner ones alone, of
 
         [K_ii 0; K_ti 1] = L U,     L_ti = K_ti U_ii^-1,     S = K_tt - L_ti D L_ti^T,   D the diagonal of U,
 
-    and dense algebra goes on with the stiffness S, several times faster there: columns of L_ti that hold little are multiplied as
-    sparse ones, the others as dense ones. With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the
-    half-plane around it is taken off.
+    and dense algebra goes on with the stiffness S, several times faster there: columns of L_ti that
+    hold little are multiplied as sparse ones, the others as dense ones. With B the loads on the arc
+    the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane around it is taken off.
     """
-    contact, around, held = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc, system.held))
+    contact, around, held = (
+        np.flatnonzero(np.isin(mode.dofs, dofs))
+        for dofs in (system.contact, system.arc, system.held)
+    )
     if system.around:
-        # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid motions changes nothing.
-        rigid = mode.motions(system.arc.ravel(), around).T @ rigid_motions(system.mesh)[system.arc.ravel()]
+        # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
+        # motions changes nothing.
+        rigid = (
+            mode.motions(system.arc.ravel(), around).T
+            @ rigid_motions(system.mesh)[system.arc.ravel()]
+        )
         _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
         n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
         held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
     inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
-    order, n, m, last = np.concatenate([inner, around, contact]), len(inner), len(around), slice(len(inner), None)
+    order, n, m, last = (
+        np.concatenate([inner, around, contact]),
+        len(inner),
+        len(around),
+        slice(len(inner), None),
+    )
     motions = mode.motions(np.arange(len(mode.column)), order)
     ordered = (motions.T @ stiffness @ motions).tocsc()
     units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
     factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
-    root = cholesky(ordered[last, last].toarray() - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]), lower=True)
+    root = cholesky(
+        ordered[last, last].toarray()
+        - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]),
+        lower=True,
+    )
     lower = np.tril(dpotri(root, lower=1)[0])
     inverse = lower + np.tril(lower, -1).T
     by_contact = mode.motions(system.contact.ravel(), contact)
@@ -342,7 +420,10 @@ def _condensed_mode(
     carried = inverse[:, :m] @ on_arc + inverse[:, m:]
     of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
     compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
-    forces, loads = np.random.default_rng(0).standard_normal(len(contact)), np.zeros((len(order), 2))
+    forces, loads = (
+        np.random.default_rng(0).standard_normal(len(contact)),
+        np.zeros((len(order), 2)),
+    )
     loads[last, 0] = np.concatenate([on_arc @ forces, forces])
     loads[:, 1] = motions.T @ system.pull
     found = factors.solve(loads)  # of the last ones the load that is left to them
@@ -351,15 +432,21 @@ def _condensed_mode(
     moved, by_stress = (on_arc.T @ found[n : n + m] + found[n + m :]).T
     moved = moved - of_half_plane[0] @ (of_half_plane[1] @ forces)
     errors = [
-        *(np.abs(ordered @ found - loads).max(axis=0) / np.maximum(np.abs(loads).max(axis=0), 1e-300)),
+        *(
+            np.abs(ordered @ found - loads).max(axis=0)
+            / np.maximum(np.abs(loads).max(axis=0), 1e-300)
+        ),
         np.abs(compliance @ forces - moved).max() / np.abs(moved).max(),
-        # Betti's theorem: the load does the work in the displacement by tension that the tension does in its own.
-        np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0]) / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
+        # Betti's theorem: the load does the work in the displacement by tension that the tension
+        # does in its own.
+        np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0])
+        / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
     ]
     return by_contact, compliance, by_stress, float(np.max(errors))
 
 
-# Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the least on bodies of all sizes.
+# Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
+# least on bodies of all sizes.
 _DENSE = 1 / 12
 
 
@@ -369,16 +456,21 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     scaled, dense = columns.copy(), counts > _DENSE * len(total)
     scaled.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
     for sign in np.unique(np.sign(factor)):
-        few, many = scaled[:, (factor * sign > 0) & ~dense & (counts > 0)], scaled[:, (factor * sign > 0) & dense].toarray()
+        few, many = (
+            scaled[:, (factor * sign > 0) & ~dense & (counts > 0)],
+            scaled[:, (factor * sign > 0) & dense].toarray(),
+        )
         total += sign * ((few @ few.T).toarray() + many @ many.T)
     return total
 
 
 class ArcLoads(NamedTuple):
-    """The half-plane's tractions on the arc by unit forces on the contact nodes, see `far_field.arc_work`.
+    """The half-plane's tractions on the arc by unit forces on the contact nodes, see
+    `far_field.arc_work`.
 
-    `by_nodes` (2 m, 2 n) their work on the nodes of the arc; `tractions` and `displacements` (k, 2 n) of the half-plane at points
-    of the arc, whose product is their work in the half-plane's own displacement; zeros, and none, for a body without an arc.
+    `by_nodes` (2 m, 2 n) their work on the nodes of the arc; `tractions` and `displacements` (k, 2
+    n) of the half-plane at points of the arc, whose product is their work in the half-plane's own
+    displacement; zeros, and none, for a body without an arc.
     """
 
     by_nodes: Array
@@ -388,7 +480,10 @@ class ArcLoads(NamedTuple):
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
-    contact, arc = system.mesh.p[0, system.node[system.contact[0]]], system.mesh.p[:, system.node[system.arc[0]]]
+    contact, arc = (
+        system.mesh.p[0, system.node[system.contact[0]]],
+        system.mesh.p[:, system.node[system.arc[0]]],
+    )
     if system.around:
         return ArcLoads(*arc_work(arc, system.order, contact, system.material, datum_length))
     by_nodes = np.zeros((system.arc.size, system.contact.size))
@@ -402,14 +497,20 @@ def rigid_motions(mesh: skfem.Mesh) -> Array:
     """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
     x, y = mesh.p
     one, none, largest = np.ones_like(x), np.zeros_like(x), np.abs(x).max()
-    return np.stack([[one, none, -y / largest], [none, one, x / largest]]).transpose(2, 0, 1).reshape(-1, 3)
+    return (
+        np.stack([[one, none, -y / largest], [none, one, x / largest]])
+        .transpose(2, 0, 1)
+        .reshape(-1, 3)
+    )
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the half-plane's tractions.
+    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the
+    half-plane's tractions.
 
-    With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur complement), compliance S^-1.
-    A body that is its own mirror image is condensed on one half, in a symmetric and an antisymmetric mode (`_modes`).
+    With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur
+    complement), compliance S^-1. A body that is its own mirror image is condensed on one half, in a
+    symmetric and an antisymmetric mode (`_modes`).
 
     Parameters
     ----------
@@ -422,33 +523,55 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     InputError
         For linear elements of a nearly incompressible body: they lock.
     ConvergenceError
-        If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under a random load to 1e-6.
+        If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under
+        a random load to 1e-6.
 
     >>> from meshes import SurfaceGrading
-    >>> block = skfem.MeshQuad.init_tensor(np.array([-1.0, 1.0]), np.array([-3.0, 0.0]))  # one element, 2 wide and 3 high
-    >>> block = block.with_boundaries({"contact": lambda x: x[1] == 0, "base": lambda x: x[1] == -3})
+    >>> block = skfem.MeshQuad.init_tensor(
+    ...     np.array([-1.0, 1.0]), np.array([-3.0, 0.0])
+    ... )  # one element, 2 wide and 3 high
+    >>> block = block.with_boundaries(
+    ...     {"contact": lambda x: x[1] == 0, "base": lambda x: x[1] == -3}
+    ... )
     >>> body = BodyMesh("block", block, SurfaceGrading(0.0, 1.0, 1.0, 1.0), {}, {"base": "rollers"})
     >>> condensed = condense(body, Elastic(young_modulus=2.0, poisson_ratio=0.0), 1.0)
-    >>> (condensed.compliance[1, :, 1] @ [1.0, 1.0]).round(12).tolist()  # stress 1 over E = 2, times 3
+    >>> (condensed.compliance[1, :, 1] @ [1.0, 1.0]).round(
+    ...     12
+    ... ).tolist()  # stress 1 over E = 2, times 3
     [1.5, 1.5]
     """
     system = assemble(body, material)
-    arc, (elements, modes), nodes = arc_loads(system, datum_length), _modes(system), system.contact.ravel()
+    arc, (elements, modes), nodes = (
+        arc_loads(system, datum_length),
+        _modes(system),
+        system.contact.ravel(),
+    )
     stiffness = len(modes) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)
-    flat, by_stress, asymmetry, residual = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes)), 0.0, 0.0
+    flat, by_stress, asymmetry, residual = (
+        np.zeros((len(nodes), len(nodes))),
+        np.zeros(len(nodes)),
+        0.0,
+        0.0,
+    )
     try:
         for mode in modes:
             by_contact, own, stretched, error = _condensed_mode(system, mode, stiffness, ranks, arc)
-            asymmetry, residual = max(asymmetry, float((own - own.T).max() / np.abs(own).max())), np.fmax(residual, error)
+            asymmetry, residual = (
+                max(asymmetry, float((own - own.T).max() / np.abs(own).max())),
+                np.fmax(residual, error),
+            )
             flat += by_contact @ (by_contact @ ((own + own.T) / 2)).T
             by_stress += by_contact @ stretched
     except LinAlgError as reason:
-        raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
+        raise ConvergenceError(
+            "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
+        ) from reason
     if not max(asymmetry, residual) <= _LARGEST_ERROR:
         raise ConvergenceError(
-            f"condensation: rounding leaves a compliance that differs from that of the mesh by {max(asymmetry, residual):.1e}: the "
-            "body is too slender for its contact, or some of its elements are too thin"
+            "condensation: rounding leaves a compliance that differs from that of the mesh by"
+            f" {max(asymmetry, residual):.1e}: the body is too slender for its contact, or some of"
+            " its elements are too thin"
         )
     places, shape = system.mesh.p[:, system.node[system.contact[0]]], system.contact.shape
     members, shapes, _, along = line_elements(places, system.order, 3)
@@ -470,7 +593,9 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
 
 
 def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
-    """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2) x, -nu (1 + nu) y)/E."""
+    """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2)
+    x, -nu (1 + nu) y)/E.
+    """
     E, nu = material.young_modulus, material.poisson_ratio
     return np.stack([(1 - nu**2) / E * x, -nu * (1 + nu) / E * y])
 
@@ -478,18 +603,21 @@ def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
 def displacement_fields(
     condensed: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
 ) -> tuple[skfem.Basis, Array, Array]:
-    """Displacement of the whole body under nodal contact forces, and the part of the mean stress that goes with r.
+    """Displacement of the whole body under nodal contact forces, and the part of the mean stress
+    that goes with r.
 
     Parameters
     ----------
     forces : (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
-    stresses : (k,) bulk stress of the body; of a half-plane it is not in what is returned (`uniform_stretch`) [stress]
+    stresses : (k,) bulk stress of the body; of a half-plane it is not in what is returned
+        (`uniform_stretch`) [stress]
 
     Returns
     -------
     basis : of the body
     displacements : (basis.N, k) [length]
-    tension : (n_corners, k) r at the corners of the elements, added to every normal stress; zero for plain elements [stress]
+    tension : (n_corners, k) r at the corners of the elements, added to every normal stress; zero
+        for plain elements [stress]
     """
     system = assemble(condensed.body, condensed.material)
     cases = forces.reshape(-1, forces.shape[-1])
@@ -500,14 +628,22 @@ def displacement_fields(
     if stresses is not None:
         load += system.pull[:, None] * stresses
     # The ends of the arc hold a half-disc without a force, since the loads balance.
-    of_arc = np.concatenate([system.arc[:, :1].ravel(), system.arc[1, -1:]]) if system.around else np.empty(0, dtype=np.int64)
+    of_arc = (
+        np.concatenate([system.arc[:, :1].ravel(), system.arc[1, -1:]])
+        if system.around
+        else np.empty(0, dtype=np.int64)
+    )
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, of_arc]))
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
     if system.arc.size:  # the rigid motion that the contact nodes lack
         motions, contact = rigid_motions(system.mesh), system.contact.ravel()
-        lacking = arc.by_nodes.T @ displacements[system.arc.ravel()] - arc.tractions.T @ (arc.displacements @ cases)
-        displacements[: system.basis.N] += motions @ np.linalg.lstsq(motions[contact], lacking, rcond=None)[0]
+        lacking = arc.by_nodes.T @ displacements[system.arc.ravel()] - arc.tractions.T @ (
+            arc.displacements @ cases
+        )
+        displacements[: system.basis.N] += (
+            motions @ np.linalg.lstsq(motions[contact], lacking, rcond=None)[0]
+        )
     n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
     tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_u:

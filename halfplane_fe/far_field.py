@@ -1,13 +1,16 @@
-r"""Flamant far field: half-planes under point forces on their surface, the piece of half-plane theory inside the FE model.
+r"""Flamant far field: half-planes under point forces on their surface, the piece of half-plane
+theory inside the FE model.
 
-The arc of the half-disc carries the tractions t of the very nodal forces f on the contact, each at its own place. So the multipoles
-of every order are there. With w(f) the displacement of the half-plane, t(f) its tractions on the arc and B the work of these on the
-nodes of the arc, half-disc and surroundings together have the energy
+The arc of the half-disc carries the tractions t of the very nodal forces f on the contact, each at
+its own place. So the multipoles of every order are there. With w(f) the displacement of the
+half-plane, t(f) its tractions on the arc and B the work of these on the nodes of the arc, half-disc
+and surroundings together have the energy
 
     min over u  { 1/2 u K u - f (u_contact + B^T u_arc) }  +  1/2 int t(f) w(f) ds  =  - 1/2 f C f
 
-whose C is symmetric, and right but for the energy of what the elements cannot follow of w within the half-disc. Prescribing w(f) at
-the nodes of the arc instead leaves a C that is symmetric only up to the mesh of the arc.
+whose C is symmetric, and right but for the energy of what the elements cannot follow of w within
+the half-disc. Prescribing w(f) at the nodes of the arc instead leaves a C that is symmetric only up
+to the mesh of the arc.
 """
 
 from __future__ import annotations
@@ -19,7 +22,8 @@ from scenes import Elastic
 
 Array = NDArray[np.float64]
 
-# Gauss points of an element of the arc: to rounding on elements no longer than their distance from a force.
+# Gauss points of an element of the arc: to rounding on elements no longer than their distance from
+# a force.
 _POINTS = 9
 
 
@@ -38,8 +42,9 @@ def surface_force_displacement(
         force along x:  u_x = -c [2 (1-nu) ln(r/L) + z^2/r^2],      u_z = c [x z/r^2 + (1-2 nu) theta]
         force along z:  u_x =  c [x z/r^2 - (1-2 nu) theta],        u_z = -c [2 (1-nu) ln(r/L) - z^2/r^2]
 
-    so that the surface at distance L (`datum_length`) from the force does not move along the force. With x the distance from the
-    force and w = z + i x, ln r + i theta = ln w and (z^2 - i x z)/r^2 = z/w.
+    so that the surface at distance L (`datum_length`) from the force does not move along the force.
+    With x the distance from the force and w = z + i x, ln r + i theta = ln w and (z^2 - i x z)/r^2
+    = z/w.
 
     Parameters
     ----------
@@ -49,12 +54,18 @@ def surface_force_displacement(
     Returns
     -------
     (2, n, 2, m)
-        Displacement component (x, y), point, force component (x, y), place [length per force per thickness].
+        Displacement component (x, y), point, force component (x, y), place [length per force per
+        thickness].
 
     Source: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, in Cartesian form.
 
-    >>> on_surface = surface_force_displacement(np.array([1.0]), np.zeros(1), np.zeros(1), 2.0, 0.0, datum_length=2.0)
-    >>> on_surface[1, 0, 1, 0].round(12).tolist(), round(float(np.log(2)) / np.pi, 12)  # at r = L/2: (2/(pi E)) ln 2
+    >>> on_surface = surface_force_displacement(
+    ...     np.array([1.0]), np.zeros(1), np.zeros(1), 2.0, 0.0, datum_length=2.0
+    ... )
+    >>> (
+    ...     on_surface[1, 0, 1, 0].round(12).tolist(),
+    ...     round(float(np.log(2)) / np.pi, 12),
+    ... )  # at r = L/2: (2/(pi E)) ln 2
     (0.220635600153, 0.220635600153)
     """
     # notation: c = 1/(2 pi G), k = 1 - 2 nu
@@ -71,7 +82,8 @@ def surface_force_displacement(
 
 
 def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -> Array:
-    r"""Tractions on cuts through the half-plane y <= 0 under unit forces F on its surface: -(2/pi) (F . e_r)/r along e_r, radially.
+    r"""Tractions on cuts through the half-plane y <= 0 under unit forces F on its surface: -(2/pi)
+    (F . e_r)/r along e_r, radially.
 
     Parameters
     ----------
@@ -82,10 +94,15 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     Returns
     -------
     (2, n, 2, m)
-        Traction component (x, y), point, force component (x, y), place [1/length per force per thickness].
+        Traction component (x, y), point, force component (x, y), place [1/length per force per
+        thickness].
 
-    >>> below = surface_force_traction(np.zeros(1), np.array([-1.0]), np.array([[0.0], [-1.0]]), np.zeros(1))
-    >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 along +y is held by 2/(pi r) below it
+    >>> below = surface_force_traction(
+    ...     np.zeros(1), np.array([-1.0]), np.array([[0.0], [-1.0]]), np.zeros(1)
+    ... )
+    >>> round(
+    ...     float(below[1, 0, 1, 0]) * np.pi, 12
+    ... )  # a pull of 1 along +y is held by 2/(pi r) below it
     -2.0
     """
     radius = np.stack([x[:, None] - force_at, np.broadcast_to(y[:, None], (len(y), len(force_at)))])
@@ -94,8 +111,11 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
 
 
-def line_elements(line: Array, order: int, count: int) -> tuple[NDArray[np.int64], Array, Array, Array]:
-    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count` Gauss points g on each.
+def line_elements(
+    line: Array, order: int, count: int
+) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
+    Gauss points g on each.
 
     Returns
     -------
@@ -110,10 +130,17 @@ def line_elements(line: Array, order: int, count: int) -> tuple[NDArray[np.int64
     if order == 2:
         shapes, slopes = [t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2], [t - 0.5, -2 * t, t + 0.5]
     nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
-    return nodes, np.array(shapes), line[:, nodes] @ np.array(shapes), line[:, nodes] @ np.array(slopes) * weights
+    return (
+        nodes,
+        np.array(shapes),
+        line[:, nodes] @ np.array(shapes),
+        line[:, nodes] @ np.array(slopes) * weights,
+    )
 
 
-def arc_work(arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float) -> tuple[Array, Array, Array]:
+def arc_work(
+    arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float
+) -> tuple[Array, Array, Array]:
     """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
 
     Parameters
@@ -125,16 +152,21 @@ def arc_work(arc: Array, order: int, force_at: Array, material: Elastic, datum_l
     Returns
     -------
     by_nodes : (2 k, 2 m) per unit displacement of each node along x, then along y
-    tractions, displacements : (l, 2 m) of the half-plane along x and y at the points of the arc, tractions times their share of
-        its length; the product of the one, transposed, and the other is the work in the half-plane's own displacement
+    tractions, displacements : (l, 2 m) of the half-plane along x and y at the points of the arc,
+        tractions times their share of its length; the product of the one, transposed, and the other
+        is the work in the half-plane's own displacement
     """
     nodes, shapes, places, (along_x, along_y) = line_elements(arc, order, _POINTS)
     x, y = places.reshape(2, -1)
     # The outward normal times the length.
-    forces = surface_force_traction(x, y, np.stack([along_y.ravel(), -along_x.ravel()]), force_at).reshape(2, *along_x.shape, -1)
+    forces = surface_force_traction(
+        x, y, np.stack([along_y.ravel(), -along_x.ravel()]), force_at
+    ).reshape(2, *along_x.shape, -1)
     by_nodes = np.zeros((2, arc.shape[1], forces.shape[-1]))
     for of_element, shape in zip(nodes.T, shapes, strict=True):
         by_nodes[:, of_element] += np.einsum("g,degm->dem", shape, forces)
-    displacement = surface_force_displacement(x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length)
+    displacement = surface_force_displacement(
+        x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length
+    )
     forces, displacement = (values.reshape(2 * len(x), -1) for values in (forces, displacement))
     return by_nodes.reshape(2 * arc.shape[1], -1), forces, displacement

@@ -1,15 +1,19 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - n_y delta + n_x U + N p - K^T q + G e    gap, delta the normal approach, n the normal (out of the lower body)
-    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower, U the tangential displacement
+    g = h - n_y delta + n_x U + N p - K^T q + G e    gap, delta the normal approach, n the normal
+                                                     (out of the lower body)
+    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower, U the
+                                                     tangential displacement
     P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
     e = (sigma_lower, sigma_upper, alpha)            bulk stress of the bodies, tilt of the upper one about x = y = 0
     M = G_alpha p - S_alpha q                        moment about that point; of flat faces sum x p: G_alpha = x, S_alpha = 0
 
-p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y, -n_x) on the lower body.
-N and T are symmetric, K couples: it is exactly zero for like bodies on matching meshes. On flat faces n = (0, 1).
+p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y,
+-n_x) on the lower body. N and T are symmetric, K couples: it is exactly zero for like bodies on
+matching meshes. On flat faces n = (0, 1).
 
-`meshed_pair`, `condensed_pair` and `couple` make it from a scene: two bodies, meshed, condensed, facing each other.
+`meshed_pair`, `condensed_pair` and `couple` make it from a scene: two bodies, meshed, condensed,
+facing each other.
 """
 
 from __future__ import annotations
@@ -48,9 +52,11 @@ class Interface:
     normal, tangential : (n, n) N and T [length per force per thickness]
     coupling : (n, n) K, or None where it is exactly zero
     nearest : x and initial distance where the faces are nearest to each other [length]
-    imposed : (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper one [length per stress], and
-        by a unit of tilt [length]; nothing by stress in pads and cylinders
-    guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is zero by symmetry, and so is Q
+    imposed : (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the
+        upper one [length per stress], and by a unit of tilt [length]; nothing by stress in pads and
+        cylinders
+    guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is
+        zero by symmetry, and so is Q
     """
 
     x: Array
@@ -70,7 +76,9 @@ class Interface:
         return not self.normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
-        """The same interface in other units: lengths over `length`, compliances over `compliance`."""
+        """The same interface in other units: lengths over `length`, compliances over
+        `compliance`.
+        """
         return replace(
             self,
             x=freeze(self.x / length),
@@ -80,11 +88,17 @@ class Interface:
             tangential=freeze(self.tangential / compliance),
             coupling=None if self.coupling is None else freeze(self.coupling / compliance),
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
-            imposed=None if self.imposed is None else freeze(self.imposed / [length * compliance, length * compliance, length]),
+            imposed=(
+                None
+                if self.imposed is None
+                else freeze(self.imposed / [length * compliance, length * compliance, length])
+            ),
         )
 
     def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
-        """What normal approach and shift of the upper body, (..., 1) of many instants, add to gap and slip, each (..., n)."""
+        """What normal approach and shift of the upper body, (..., 1) of many instants, add to gap
+        and slip, each (..., n).
+        """
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
@@ -95,22 +109,27 @@ class Interface:
         return normal, 0 * tangential if self.guided else tangential
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of half-planes below, -M of tilt."""
+        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of
+        half-planes below, -M of tilt.
+        """
         if self.imposed is None:
             return np.zeros(3)
         return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])
 
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on their middle line elsewhere.
+    """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on
+    their middle line elsewhere.
 
-    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here.
+    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0
+    here.
     """
     rotated = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
     below, above = (np.broadcast_to(body.by_stress, (2, len(body.x))) for body in (lower, upper))
     moved = below, above * _REFLECTED[:, None], rotated
     if _opposite(lower, upper):
-        # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
+        # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body
+        # feels -q along x and -p outward.
         below, above = lower.compliance, upper.compliance
         flat = np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])
         normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
@@ -119,13 +138,20 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
     else:
         sides = _mortar(lower, upper)
-        by_lower, by_upper = (csr_array(_flattened(part)) for part in (sides.lower, sides.upper))  # next to nothing but zeros
-        total = by_lower @ _square(lower.compliance) @ by_lower.T + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
+        # next to nothing but zeros
+        by_lower, by_upper = (csr_array(_flattened(part)) for part in (sides.lower, sides.upper))
+        total = (
+            by_lower @ _square(lower.compliance) @ by_lower.T
+            + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
+        )
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
         weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
         parts = (-sides.lower, moved[0]), (sides.upper, moved[1]), (sides.upper, moved[2])
-        imposed = np.stack([np.einsum("dnim,im->dn", of_side, displacement) for of_side, displacement in parts], axis=-1)
+        imposed = np.stack(
+            [np.einsum("dnim,im->dn", of_side, displacement) for of_side, displacement in parts],
+            axis=-1,
+        )
     return Interface(
         freeze(lower.x),
         freeze(weights),
@@ -139,36 +165,42 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     )
 
 
-# Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out, and up to which it is looked at
-# what is left behind that.
+# Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out,
+# and up to which it is looked at what is left behind that.
 _LOCAL, _PLATEAU = 8.5, 10.5
-# Digits behind the point of a distance over the element size: far more than matter, and less than what round-off changes.
+# Digits behind the point of a distance over the element size: far more than matter, and less than
+# what round-off changes.
 _DIGITS_OF_SIZES = 9
-# Largest degree of the polynomial that stands for what is smooth of bodies, in both places together, nodes that one more degree
-# needs, and samples that it goes through.
+# Largest degree of the polynomial that stands for what is smooth of bodies, in both places
+# together, nodes that one more degree needs, and samples that it goes through.
 _DEGREE, _NODES_A_DEGREE, _SAMPLES = 8, 25, 48
 # Nodes of the contact side below which there is no such plateau.
 _LEAST_NODES = 21
 
 
 def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
-    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these can't be told from the bodies' own.
+    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these
+    can't be told from the bodies' own.
 
-    On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
-    presses or shears: N and T have one singular part, N - T is smooth, and K jumps at x = x', smooth on either side. On a mesh of
-    quadratic elements they have parts of their own over the next nodes, the same for every size of element. N finds the nodes
-    that touch, T the compliance of those that stick: the same set is longer for the one than for the other by a share of an
-    element, and wherever edges move W has an error of first order. Here these parts go, T being what is changed:
+    On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x
+    - x'| along itself, whether it presses or shears: N and T have one singular part, N - T is
+    smooth, and K jumps at x = x', smooth on either side. On a mesh of quadratic elements they have
+    parts of their own over the next nodes, the same for every size of element. N finds the nodes
+    that touch, T the compliance of those that stick: the same set is longer for the one than for
+    the other by a share of an element, and wherever edges move W has an error of first order. Here
+    these parts go, T being what is changed:
 
         D = N - T = S + R,   R_ij = (m_i + m_j)/2 where |x_i - x_j| <= 8.5 h_ij
 
-    S is a polynomial in x_i and x_j through D beyond that distance: what is smooth, of bodies of any shape; m_i is the mean of R_ij
-    over 8.5 to 10.5 h_ij, and h_ij the larger size at i and at j; of small elements next to large ones that of the large. Elements
-    are right about a uniform traction, so that the mesh's part has no sum; its tail beyond 8.5 h_ij, which stays in T, has one, and
-    gets the opposite within 17 h_ij: else W of Cattaneo-Mindlin's cycle stays 6e-5 too small however small the elements. K
-    goes likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
-    parts are equal: that is imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a face, or
-    a base, N - T has parts that are not the mesh's.
+    S is a polynomial in x_i and x_j through D beyond that distance: what is smooth, of bodies of
+    any shape; m_i is the mean of R_ij over 8.5 to 10.5 h_ij, and h_ij the larger size at i and at
+    j; of small elements next to large ones that of the large. Elements are right about a uniform
+    traction, so that the mesh's part has no sum; its tail beyond 8.5 h_ij, which stays in T, has
+    one, and gets the opposite within 17 h_ij: else W of Cattaneo-Mindlin's cycle stays 6e-5 too
+    small however small the elements. K goes likewise on each side of its diagonal, which is the
+    mean of both. All that it takes from elasticity is that the singular parts are equal: that is
+    imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a
+    face, or a base, N - T has parts that are not the mesh's.
     """
     n, apart, nodes = len(faces.x), np.diff(faces.x), int(_PLATEAU)
     depth = least_depth(scene)
@@ -179,9 +211,12 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     band = np.abs(ahead) <= _LOCAL
     difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead))
     tangential = np.where(band, faces.normal - (difference + difference.T) / 2, faces.tangential)
-    # What a uniform traction does stays: the correction, with its rows' sums spread over twice the band, has none.
+    # What a uniform traction does stays: the correction, with its rows' sums spread over twice the
+    # band, has none.
     near, weights = np.abs(ahead) <= 2 * _LOCAL, faces.weights
-    share = solve(np.diag(near @ weights) + near * weights, (tangential - faces.tangential) @ weights)
+    share = solve(
+        np.diag(near @ weights) + near * weights, (tangential - faces.tangential) @ weights
+    )
     tangential -= np.where(near, np.add.outer(share, share), 0.0)
     coupling = faces.coupling
     if coupling is not None:
@@ -193,15 +228,19 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
 
 def least_depth(scene: Scene) -> float:
     """Height, or radius, of the thinner body; infinite of half-planes [length]."""
-    return min(float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper))
+    return min(
+        float(getattr(body, "height", getattr(body, "radius", np.inf)))
+        for body in (scene.bodies.lower, scene.bodies.upper)
+    )
 
 
 def _sizes_ahead(x: Array) -> Array:
-    """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements, a number of nodes.
+    """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements,
+    a number of nodes.
 
-    What large elements make reaches into small ones beside them, as far as 8 of the large ones: they count as larger there. Between
-    equal elements many nodes are 17 sizes apart, which is a limit of `without_local_difference`: the last digits of x must not
-    choose the side.
+    What large elements make reaches into small ones beside them, as far as 8 of the large ones:
+    they count as larger there. Between equal elements many nodes are 17 sizes apart, which is a
+    limit of `without_local_difference`: the last digits of x must not choose the side.
     """
     apart = np.diff(x)
     size = np.maximum(np.append(apart, apart[-1]), np.insert(apart, 0, apart[0]))
@@ -210,16 +249,23 @@ def _sizes_ahead(x: Array) -> Array:
 
 
 def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
-    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of rows and columns behind that."""
+    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
+    rows and columns behind that.
+    """
     u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    some = np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(0, len(x) - 1)
-    some = np.union1d(some, len(x) - 1 - some)  # with their images: faces that are their own mirror image stay so
+    some = np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(
+        0, len(x) - 1
+    )
+    # with their images: faces that are their own mirror image stay so
+    some = np.union1d(some, len(x) - 1 - some)
     i, j = np.nonzero(ahead[np.ix_(some, some)] > _LOCAL)
     i, j = some[i], some[j]
     degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
     series = np.polynomial.legendre.legvander(u, degree)
     pairs = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
-    values = np.linalg.lstsq(np.stack([series[i, k] * series[j, m] for k, m in pairs], axis=1), matrix[i, j], rcond=1e-10)[0]
+    values = np.linalg.lstsq(
+        np.stack([series[i, k] * series[j, m] for k, m in pairs], axis=1), matrix[i, j], rcond=1e-10
+    )[0]
     terms = np.zeros((degree + 1, degree + 1))
     terms[tuple(np.transpose(pairs))] = values
     whole = series @ terms @ series.T
@@ -227,15 +273,23 @@ def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
 
 
 def _plateau(matrix: Array, ahead: Array) -> Array:
-    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean, or the one there is."""
+    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
+    or the one there is.
+    """
     behind = (ahead > _LOCAL) & (ahead <= _PLATEAU)
-    rows, columns = ((matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0))
-    there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))  # the sums are 0 where none is
+    rows, columns = (
+        (matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0)
+    )
+    # the sums are 0 where none is
+    there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))
     return np.asarray(np.add.outer(rows, columns) / np.maximum(there, 1.0))
 
 
-def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:
-    """Nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from nodal p and q.
+def body_forces(
+    lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
+) -> dict[str, Array]:
+    """Nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from
+    nodal p and q.
 
     Parameters
     ----------
@@ -251,14 +305,21 @@ def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, she
     sides = _mortar(lower, upper)
     traction = np.concatenate([-pressure, shear])
     cases = pressure.shape[1:]
-    below, above = ((_flattened(part).T @ traction).reshape(2, -1, *cases) for part in (sides.lower, sides.upper))
+    below, above = (
+        (_flattened(part).T @ traction).reshape(2, -1, *cases)
+        for part in (sides.lower, sides.upper)
+    )
     return {"lower": below, "upper": np.stack([-above[0], above[1]])}
 
 
 def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
     """Whether both faces are flat and have their nodes opposite each other."""
     flat = not (lower.y.any() or upper.y.any())
-    return flat and lower.x.shape == upper.x.shape and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+    return (
+        flat
+        and lower.x.shape == upper.x.shape
+        and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+    )
 
 
 def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
@@ -279,14 +340,16 @@ def _turned(compliance: Array) -> Array:
     return compliance * _REFLECTED[:, None, None, None] * _REFLECTED[:, None]
 
 
-# Overlap of the faces as they are meshed that is admitted, over their largest gap: curved elements sag by a part of (h/a)^2 where
-# the curvature of a face jumps.
+# Overlap of the faces as they are meshed that is admitted, over their largest gap: curved elements
+# sag by a part of (h/a)^2 where the curvature of a face jumps.
 _OVERLAP = 0.01
 # The same over the width of the side that may touch, for faces without a gap: rounding.
 _ROUNDING = 1e-9
 
 
-def meshed_pair(scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]) -> tuple[BodyMesh, BodyMesh]:
+def meshed_pair(
+    scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]
+) -> tuple[BodyMesh, BodyMesh]:
     """Lower and upper body; one and the same where they have one shape and one element size.
 
     Parameters
@@ -294,14 +357,22 @@ def meshed_pair(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Sur
     grading : of a body whose elements are to be so many times as large
     """
     shapes = scene.bodies
-    lower = _with_ends(build("lower", shapes.lower, scene.profile, grading(1.0), mesh), shapes.lower, scene)
+    lower = _with_ends(
+        build("lower", shapes.lower, scene.profile, grading(1.0), mesh), shapes.lower, scene
+    )
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
         return lower, lower
-    return lower, _with_ends(build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh), shapes.upper, scene)
+    return lower, _with_ends(
+        build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh),
+        shapes.upper,
+        scene,
+    )
 
 
 def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
-    """The body with its free sides as ends that the bulk stress pulls, where it is a block and the scene has such a stress."""
+    """The body with its free sides as ends that the bulk stress pulls, where it is a block and the
+    scene has such a stress.
+    """
     if not (_has_ends(shape) and has_bulk_stress(scene.load.path())):
         return body
     return replace(body, supports={**body.supports, "sides": "pulled"})
@@ -310,7 +381,9 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
 def condensed_pair(
     scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work: Counter[str]
 ) -> tuple[CondensedBody, CondensedBody]:
-    """Both bodies condensed, or from the cache where this process condensed them before; `work` counts."""
+    """Both bodies condensed, or from the cache where this process condensed them before; `work`
+    counts.
+    """
     lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
     if scene.material.alike and bodies[1] is bodies[0]:
         return lower, lower
@@ -318,7 +391,8 @@ def condensed_pair(
 
 
 def initial_gap(scene: Scene, interface: Interface) -> Array:
-    """(n,) initial gap in the units of the scene's lengths: that of the faces as made, or the profile between two flat ones.
+    """(n,) initial gap in the units of the scene's lengths: that of the faces as made, or the
+    profile between two flat ones.
 
     Raises
     ------
@@ -328,16 +402,21 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
     x, distance = interface.nearest
-    if -distance > max(_OVERLAP * float(interface.gap.max()), _ROUNDING * float(np.ptp(interface.x))):
-        raise InputError(f"bodies: initial penetration: the faces overlap by {-distance:.6g} at x = {x:.6g}")
+    if -distance > max(
+        _OVERLAP * float(interface.gap.max()), _ROUNDING * float(np.ptp(interface.x))
+    ):
+        raise InputError(
+            f"bodies: initial penetration: the faces overlap by {-distance:.6g} at x = {x:.6g}"
+        )
     return interface.gap
 
 
 def check_bulk_stress(scene: Scene) -> None:
     """Refuse bulk stress in bodies without ends that can be pulled.
 
-    Half-planes have their ends far away. A block with free sides is a specimen between grips: its stress is the mean of both ends.
-    Walls hold a guided one. A pad or a cylinder is part of an indenter, whose stress along x the contact and the base make.
+    Half-planes have their ends far away. A block with free sides is a specimen between grips: its
+    stress is the mean of both ends. Walls hold a guided one. A pad or a cylinder is part of an
+    indenter, whose stress along x the contact and the base make.
 
     Raises
     ------
@@ -346,12 +425,15 @@ def check_bulk_stress(scene: Scene) -> None:
     """
     legs = [leg.bulk for leg in scene.load.path().legs(1) if leg.bulk is not None]
     for number, name in enumerate(("lower", "upper")):
-        body, pulled = getattr(scene.bodies, name), any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
+        body, pulled = (
+            getattr(scene.bodies, name),
+            any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs),
+        )
         if pulled and not (body.kind == "half_plane" or _has_ends(body)):
             which = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
             raise InputError(
-                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {which}; half-planes take bulk stress, and "
-                "blocks with sides = 'free'"
+                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {which};"
+                " half-planes take bulk stress, and blocks with sides = 'free'"
             )
 
 
@@ -359,8 +441,12 @@ def _has_ends(body: Shape) -> bool:
     return isinstance(body, Block) and body.sides == "free"
 
 
-def bulk_stress_notes(scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float) -> Iterator[str]:
-    """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does, the share at the face."""
+def bulk_stress_notes(
+    scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
+) -> Iterator[str]:
+    """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does,
+    the share at the face.
+    """
     if not has_bulk_stress(scene.load.path()):
         return
     for name, one in zip(("lower", "upper"), condensed, strict=True):
@@ -369,16 +455,18 @@ def bulk_stress_notes(scene: Scene, condensed: tuple[CondensedBody, CondensedBod
             continue
         if body.base == "rollers" and tangential_load > 0:
             yield (
-                f"the bulk stress of the {name} body is the mean of its two ends, which hold Q by halves: across the contact it "
-                f"jumps by Q/H, {tangential_load / body.height:.3g} at the largest Q"
+                f"the bulk stress of the {name} body is the mean of its two ends, which hold Q by"
+                f" halves: across the contact it jumps by Q/H, {tangential_load / body.height:.3g}"
+                " at the largest Q"
             )
         elif body.base == "fixed":
             middle = np.abs(one.x) <= np.abs(one.x).max() / 2
             strain = np.polyfit(one.x[middle], one.by_stress[0, middle], 1)[0]
             share = strain * one.material.young_modulus / (1 - one.material.poisson_ratio**2)
             yield (
-                f"the bulk stress of the {name} body is that at its ends: its fixed base holds back a part, and {share:.0%} of the "
-                "stress is at the middle of the face; base = 'rollers' is a specimen cut at its middle plane"
+                f"the bulk stress of the {name} body is that at its ends: its fixed base holds back"
+                f" a part, and {share:.0%} of the stress is at the middle of the face; base ="
+                " 'rollers' is a specimen cut at its middle plane"
             )
 
 
@@ -388,16 +476,22 @@ def check_supports(scene: Scene, sheared: bool) -> None:
     Raises
     ------
     InputError
-        For a block or pad on rollers with free sides under a tangential load, but for a block whose ends a bulk stress pulls: they
-        hold the load too.
+        For a block or pad on rollers with free sides under a tangential load, but for a block whose
+        ends a bulk stress pulls: they hold the load too.
     """
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if _has_ends(body) and has_bulk_stress(scene.load.path()):
             continue
-        if sheared and isinstance(body, Block | Pad) and body.base == "rollers" and body.sides == "free":
+        if (
+            sheared
+            and isinstance(body, Block | Pad)
+            and body.base == "rollers"
+            and body.sides == "free"
+        ):
             raise InputError(
-                f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it slides off: its base is on "
-                "rollers and its sides are free; take base = 'fixed' or sides = 'guided'"
+                f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
+                " slides off: its base is on rollers and its sides are free; take base = 'fixed'"
+                " or sides = 'guided'"
             )
 
 

@@ -1,12 +1,14 @@
-r"""Unilateral contact and Coulomb friction at a point, as pure functions: no mesh, no history, no scale.
+r"""Unilateral contact and Coulomb friction at a point, as pure functions: no mesh, no history, no
+scale.
 
 With gap g >= 0, pressure p >= 0, slip increment ds of the upper face and shear q on the lower one:
 
     Signorini   g >= 0,  p >= 0,  g p = 0
     Coulomb     |q| <= f p,  ds = 0 where |q| < f p,  ds q >= 0 where |q| = f p
 
-Both are one projection: for any r > 0, (p, q) = project(p - r g, q + r ds). The penalty law is the same projection with an
-elastic layer between the faces, p = project(-g/k_n), q = project(q_old + ds/k_t): see `contact.Layer`.
+Both are one projection: for any r > 0, (p, q) = project(p - r g, q + r ds). The penalty law is the
+same projection with an elastic layer between the faces, p = project(-g/k_n), q = project(q_old +
+ds/k_t): see `contact.Layer`.
 
 Source: Alart and Curnier (1991), Simo and Laursen (1992); return mapping as in plasticity.
 """
@@ -26,7 +28,9 @@ _SIGN[SLIP_FORWARD], _SIGN[SLIP_REVERSE] = 1, -1
 _OPEN, _STICK, *_SLIPS = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
 
 
-def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) -> tuple[Array, Array, States]:
+def project(
+    trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float
+) -> tuple[Array, Array, States]:
     """Return mapping onto the cone |q| <= f p, p >= 0.
 
     Parameters
@@ -48,7 +52,13 @@ def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) 
     limit = friction * pressure
     shear = np.minimum(np.maximum(trial, -limit), limit)  # several times as fast as np.clip
     slips = np.where(trial > 0, *_SLIPS)
-    return pressure, shear, np.where(np.asarray(trial_pressure) > 0, np.where(np.abs(trial) > limit, slips, _STICK), _OPEN)
+    return (
+        pressure,
+        shear,
+        np.where(
+            np.asarray(trial_pressure) > 0, np.where(np.abs(trial) > limit, slips, _STICK), _OPEN
+        ),
+    )
 
 
 def slip_sign(state: States) -> NDArray[np.int64]:
@@ -60,14 +70,18 @@ def slip_sign(state: States) -> NDArray[np.int64]:
     return _SIGN[state]
 
 
-def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, Array]:
-    """How far answers (..., n) are from the law, each figure (...) in the units of its own arguments (0 is perfect).
+def violations(
+    gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float
+) -> dict[str, Array]:
+    """How far answers (..., n) are from the law, each figure (...) in the units of its own
+    arguments (0 is perfect).
 
     Returns
     -------
     dict
-        tension (largest -p), penetration (largest -g), gap_pressure (largest |g p|), cone (largest |q| - f p),
-        slip_sign (largest -q ds, work done by friction), creep (largest |ds| strictly inside the cone).
+        tension (largest -p), penetration (largest -g), gap_pressure (largest |g p|), cone (largest
+        |q| - f p), slip_sign (largest -q ds, work done by friction), creep (largest |ds| strictly
+        inside the cone).
     """
     limit = friction * pressure
     inside = np.abs(shear) < limit * (1 - 1e-9)

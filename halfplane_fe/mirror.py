@@ -1,12 +1,14 @@
 r"""Faces that are their own mirror image, solved on one half and written out on both.
 
-Where the load path and the faces are their own mirror image in x = 0, so is the answer: p is even in x. So is q where nothing
-couples the two; without a tangential load q is odd, pressed out of p alone, and U = 0. With F_k the force on a node and its image
-together, S the matrix that shares it (1/2 and +-1/2; in the middle 1, or 0 of an odd q), f = S F,
+Where the load path and the faces are their own mirror image in x = 0, so is the answer: p is even
+in x. So is q where nothing couples the two; without a tangential load q is odd, pressed out of p
+alone, and U = 0. With F_k the force on a node and its image together, S the matrix that shares it
+(1/2 and +-1/2; in the middle 1, or 0 of an odd q), f = S F,
 
     N F -> S^T N S F,   sum f = sum F,   gap and slip those of the node with x > 0,
 
-so that the same contact problem is solved with half the nodes, a quarter of the numbers in each matrix.
+so that the same contact problem is solved with half the nodes, a quarter of the numbers in each
+matrix.
 """
 
 from __future__ import annotations
@@ -28,15 +30,30 @@ _ALIKE = 1e-9
 
 
 def mirrored(faces: Interface, sheared: bool) -> bool:
-    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`: whether there is a tangential load."""
-    if len(faces.x) % 2 == 0 or (faces.coupling is None and not faces.flat) or (faces.coupling is not None and sheared):
+    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
+    whether there is a tangential load.
+    """
+    if (
+        len(faces.x) % 2 == 0
+        or (faces.coupling is None and not faces.flat)
+        or (faces.coupling is not None and sheared)
+    ):
         return False
-    pairs = [(faces.x, -faces.x[::-1]), (faces.weights, faces.weights[::-1]), (faces.gap, faces.gap[::-1])]
-    pairs += [(faces.normals[0], -faces.normals[0, ::-1]), (faces.normals[1], faces.normals[1, ::-1])]
+    pairs = [
+        (faces.x, -faces.x[::-1]),
+        (faces.weights, faces.weights[::-1]),
+        (faces.gap, faces.gap[::-1]),
+    ]
+    pairs += [
+        (faces.normals[0], -faces.normals[0, ::-1]),
+        (faces.normals[1], faces.normals[1, ::-1]),
+    ]
     pairs += [(matrix, matrix[::-1, ::-1]) for matrix in (faces.normal, faces.tangential)]
     if faces.coupling is not None:
         pairs.append((faces.coupling, -faces.coupling[::-1, ::-1]))
-    return all(bool(np.abs(one - image).max() <= _ALIKE * np.abs(one).max()) for one, image in pairs)
+    return all(
+        bool(np.abs(one - image).max() <= _ALIKE * np.abs(one).max()) for one, image in pairs
+    )
 
 
 def half(faces: Interface) -> Interface:
@@ -62,7 +79,9 @@ def half(faces: Interface) -> Interface:
 
 
 def _images(faces: Interface) -> tuple[NDArray[np.int64], Array, Array]:
-    """Of each node in ascending order its place in the right half, its share of that node's p, and the sign of its q."""
+    """Of each node in ascending order its place in the right half, its share of that node's p, and
+    the sign of its q.
+    """
     number = np.arange(len(faces.x)) - len(faces.x) // 2
     odd = faces.coupling is not None
     return np.abs(number), np.where(number == 0, 1.0, 0.5), np.where((number < 0) & odd, -1.0, 1.0)
@@ -88,7 +107,9 @@ def whole(run: PathRun, faces: Interface) -> PathRun:
         size = len(source) if one.whole else 3 + len(place)
         values, states = one.values[source[:size]] * factor[:size], one.state[place]
         values.flags.writeable = False
-        return replace(one, values=values, state=freeze(np.where(sign < 0, turned[states], states), np.int8))
+        return replace(
+            one, values=values, state=freeze(np.where(sign < 0, turned[states], states), np.int8)
+        )
 
     densities = [density[place] * share for density in run.cycle_density]
     return replace(run, states=[state(one) for one in run.states], cycle_density=densities)

@@ -1,6 +1,8 @@
-"""The loads of a path; where its increments end: turning points, regular instants; where it leaves the admissible region.
+"""The loads of a path; where its increments end: turning points, regular instants; where it leaves
+the admissible region.
 
-The loads are P and Q; where a path has bulk stress or tilt they are five: P, Q, sigma_lower, sigma_upper, and tilt or moment.
+The loads are P and Q; where a path has bulk stress or tilt they are five: P, Q, sigma_lower,
+sigma_upper, and tilt or moment.
 """
 
 from __future__ import annotations
@@ -12,31 +14,45 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, InadmissibleLoadError, LoadPath, LoadSegment, sampled
+from scenes import (
+    NORMAL_LOAD,
+    TANGENTIAL_LOAD,
+    Combination,
+    InadmissibleLoadError,
+    LoadPath,
+    LoadSegment,
+    sampled,
+)
 
 Array = NDArray[np.float64]
 
-# Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its twin closer than that are
-# missed together.
+# Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its
+# twin closer than that are missed together.
 _SAMPLES = 721
-# Share of the largest load below which a load can't be told from none: the nodal forces are known to about so much of it.
+# Share of the largest load below which a load can't be told from none: the nodal forces are known
+# to about so much of it.
 _LEAST_LOAD = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
-_LITTLE_LOAD = "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the half-plane engine can"
+_LITTLE_LOAD = (
+    "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the"
+    " half-plane engine can"
+)
 _UNLOADED = (
-    "finite elements need P > 0 after the start, for unloaded bodies have no place; half-plane theory takes full unloading, "
-    "P = Q = 0: keep P > 0, or solve the scene by theory alone"
+    "finite elements need P > 0 after the start, for unloaded bodies have no place; half-plane"
+    " theory takes full unloading, P = Q = 0: keep P > 0, or solve the scene by theory alone"
 )
 _SLIDING = (
-    "finite elements need |Q| below f P (half-plane theory takes |Q| = f P too); lower the tangential load, raise the normal load "
-    "or friction.coefficient"
+    "finite elements need |Q| below f P (half-plane theory takes |Q| = f P too); lower the"
+    " tangential load, raise the normal load or friction.coefficient"
 )
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A piece of a leg between turning points, with the instants at which regular increments end."""
+    """A piece of a leg between turning points, with the instants at which regular increments
+    end.
+    """
 
     leg: LoadSegment
     start: float
@@ -59,7 +75,12 @@ def _parts(leg: LoadSegment) -> tuple[tuple[LoadSegment | None, Combination], ..
     if leg.bulk is None and leg.turning is None:
         return pair
     # Of tilt and moment one is 0 throughout.
-    return *pair, (leg.bulk, NORMAL_LOAD), (leg.bulk, TANGENTIAL_LOAD), (leg.turning, Combination(1.0, 1.0))
+    return (
+        *pair,
+        (leg.bulk, NORMAL_LOAD),
+        (leg.bulk, TANGENTIAL_LOAD),
+        (leg.turning, Combination(1.0, 1.0)),
+    )
 
 
 def straight(leg: LoadSegment) -> bool:
@@ -74,7 +95,11 @@ def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
         return float(p), float(q)
 
     def load(segment: LoadSegment | None, what: Combination) -> float:
-        return 0.0 if segment is None else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
+        return (
+            0.0
+            if segment is None
+            else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
+        )
 
     return float(p), float(q), *(load(*part) for part in _parts(leg)[2:])
 
@@ -95,13 +120,17 @@ def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
     rates = rate(times)
     rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
     inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    found = {float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner}
+    found = {
+        float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner
+    }
     touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
     return found | {float(times[k]) for k in touches}
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:
-    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round, ascending."""
+    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
+    ascending.
+    """
     found = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     for segment, what in _parts(leg)[2:]:
         found |= set() if segment is None else turns(segment, *what)
@@ -115,7 +144,9 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
 
 
 def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
-    """A leg cut at its turning points, each piece into equal increments, `increments` of them in all (rounded up)."""
+    """A leg cut at its turning points, each piece into equal increments, `increments` of them in
+    all (rounded up).
+    """
     corners = [leg.start, *turning_points(leg, friction), leg.end]
     pieces = []
     for start, end in itertools.pairwise(corners):
@@ -124,12 +155,14 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
     return pieces
 
 
-# Gauss points on an increment: the rest of an ellipse's area is below round-off from 24 increments a revolution on.
+# Gauss points on an increment: the rest of an ellipse's area is below round-off from 24 increments
+# a revolution on.
 _GAUSS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, times: Array) -> Array | None:
-    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the chords; None of a straight leg.
+    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the
+    chords; None of a straight leg.
 
     It is skew: the integral of d(i j) is the same along both.
     """
@@ -152,8 +185,9 @@ def check_admissible(path: LoadPath, friction: float) -> None:
     """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed).
 
     Separation is P <= 0 after the start, or so little load that it can't be told from none.
-    Both extremes are met at turning points, so looking there is exact: to 1e-14 of f times the largest load, in any unit and for
-    any f. The half-plane engine admits |Q| = f P itself; here nothing sticks then, and the tangential displacement has no value.
+    Both extremes are met at turning points, so looking there is exact: to 1e-14 of f times the
+    largest load, in any unit and for any f. The half-plane engine admits |Q| = f P itself; here
+    nothing sticks then, and the tangential displacement has no value.
 
     Raises
     ------
@@ -171,9 +205,13 @@ def check_admissible(path: LoadPath, friction: float) -> None:
             rule = _LITTLE_LOAD if p[worst] > 0 else ""
             if max(abs(p[worst]), abs(q[worst])) <= _ROUNDING_OF_LIMIT * scale:
                 rule = _UNLOADED
-            raise InadmissibleLoadError("separation", times[worst], p[worst], q[worst], friction, rule=rule)
+            raise InadmissibleLoadError(
+                "separation", times[worst], p[worst], q[worst], friction, rule=rule
+            )
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
         if sliding.any():
             worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
-            raise InadmissibleLoadError("gross sliding", times[worst], p[worst], q[worst], friction, rule=_SLIDING)
+            raise InadmissibleLoadError(
+                "gross sliding", times[worst], p[worst], q[worst], friction, rule=_SLIDING
+            )

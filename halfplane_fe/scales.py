@@ -1,7 +1,8 @@
-"""The FE side's own coarse run: how large the contact gets and where its edges travel. No formula for any profile.
+"""The FE side's own coarse run: how large the contact gets and where its edges travel. No formula
+for any profile.
 
-One coarse half-disc serves every size: the compliance of a half-plane has no length in it but the datum of the normal approach.
-Bodies with a size of their own are meshed for each size.
+One coarse half-disc serves every size: the compliance of a half-plane has no length in it but the
+datum of the normal approach. Bodies with a size of their own are meshed for each size.
 """
 
 from __future__ import annotations
@@ -34,17 +35,21 @@ from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampl
 
 Array = NDArray[np.float64]
 
-# The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of them.
+# The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
+# them.
 _MESH = MeshSettings(growth=0.4)
-# Of the side that may touch the contact shall take between the two fractions; and that side at most a share of the face.
+# Of the side that may touch the contact shall take between the two fractions; and that side at most
+# a share of the face.
 _FRACTION = (0.6, 0.85)
 _OF_THE_FACE = 0.97
 _ELEMENTS, _COARSE_STEPS = 24, 48
 COARSE_CYCLES = 2
 """Cycles of the coarse run at most."""
-# The innermost edge is rounded down to this share of the half-width: no last digit of the coarse run shall move the mesh.
+# The innermost edge is rounded down to this share of the half-width: no last digit of the coarse
+# run shall move the mesh.
 _ROUGH = 100
-# By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
+# By how much and how often the coarse body grows where the contact reaches its end; `solve` finds
+# out if that was not enough.
 _ENLARGED = 1.3
 _ENLARGEMENTS = 10
 
@@ -56,15 +61,16 @@ class Scales:
     Attributes
     ----------
     half_width : contact half-width at the largest load of the path [length]
-    inner : where the surface is to be fine from [length]: the least half-width that a contact or stick edge has in a revolution,
-        or the first kink of the profile, whichever is less; with bulk stress or tilt the least distance of an edge from x = 0, and
-        0 where an edge crosses it; 0 where the path does not repeat
+    inner : where the surface is to be fine from [length]: the least half-width that a contact or
+        stick edge has in a revolution, or the first kink of the profile, whichever is less; with
+        bulk stress or tilt the least distance of an edge from x = 0, and 0 where an edge crosses
+        it; 0 where the path does not repeat
     reach : largest distance from x = 0 at which the faces touch [length]
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
     element : surface elements of the coarse run, over the half-width
-    dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with scenes of other loads or friction
-    largest_pressure : at the largest load [stress]
+    dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with
+    scenes of other loads or friction largest_pressure : at the largest load [stress]
     """
 
     half_width: float
@@ -88,9 +94,16 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 
 
 def largest_load(scene: Scene) -> float:
-    """Largest normal load of the path, at an end of a leg or where P turns round [force per thickness]."""
+    """Largest normal load of the path, at an end of a leg or where P turns round [force per
+    thickness].
+    """
     legs = tuple(scene.load.path().legs(1))
-    return max(float(np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])) for leg in legs)
+    return max(
+        float(
+            np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])
+        )
+        for leg in legs
+    )
 
 
 def sheared(scene: Scene) -> bool:
@@ -99,7 +112,9 @@ def sheared(scene: Scene) -> bool:
 
 
 def needs_shear(scene: Scene) -> bool:
-    """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike bodies."""
+    """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike
+    bodies.
+    """
     driven = sheared(scene) or has_bulk_stress(scene.load.path())
     return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
 
@@ -130,20 +145,25 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         else:
             if not more or not any(state.closed[0] or state.closed[-1] for state in run.states):
                 break
-            # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body has to hold that too.
+            # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
+            # has to hold that too.
             if size == pair.room:
                 raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
     pressed = max(run.states, key=lambda state: state.normal_load)
     half_width = float(np.nan_to_num(np.diff(_contact_edges(problem, [pressed]))[0, 0] / 2))
-    reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
+    reach = max(
+        float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states
+    )
     inner = 0.0
     if scene.load.path().period is not None:
-        cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
+        # the first one too: the hook that it locks in stays
+        cycles = slice(run.cycle_starts[0] + 1, None)
         seen = reported_states(problem, run.states, run.cycle_starts)[cycles]
         inner = _innermost_edge(problem, run.states[cycles], seen, anywhere=scene.unsymmetric)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
-    first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
+    # the pressure's slope is infinite there, a coarse mesh 0.1 % off
+    first_kink = min(scene.profile.kinks, default=np.inf)
     return Scales(
         half_width=size * half_width,
         inner=min(size * inner, first_kink),
@@ -158,7 +178,9 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
 
 @dataclass(eq=False)
 class _CoarsePair:
-    """The bodies cut coarsely, for any half-width of the side that may touch; half-planes are cut once for all sizes."""
+    """The bodies cut coarsely, for any half-width of the side that may touch; half-planes are cut
+    once for all sizes.
+    """
 
     scene: Scene
     load: float
@@ -189,7 +211,13 @@ class _CoarsePair:
 
 
 def _grading(size: float, ratio: float) -> SurfaceGrading:
-    return SurfaceGrading(inner=0.0, outer=size, size=ratio * size / _ELEMENTS, edge_size=ratio * size / _ELEMENTS, radius=5 * size)
+    return SurfaceGrading(
+        inner=0.0,
+        outer=size,
+        size=ratio * size / _ELEMENTS,
+        edge_size=ratio * size / _ELEMENTS,
+        radius=5 * size,
+    )
 
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
@@ -198,40 +226,65 @@ def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun
     solved = pair.problem(size, half(faces), tangential) if halved else problem
     pace = Pace(pair.load, _COARSE_STEPS, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
-    run = run_path(solved, pair.scene.load.path(), pace, COARSE_CYCLES, lambda _done, _total, _text: None, keep_all=True)
+    run = run_path(
+        solved,
+        pair.scene.load.path(),
+        pace,
+        COARSE_CYCLES,
+        lambda _done, _total, _text: None,
+        keep_all=True,
+    )
     if run.failure is not None:
         raise run.failure
     return problem, whole(run, faces) if halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
-    """Half-width of the side that may touch of which the contact at the largest load takes a good part."""
+    """Half-width of the side that may touch of which the contact at the largest load takes a good
+    part.
+    """
     start, too_small, too_large = pair.scene.profile.datum_length, 0.0, np.inf
-    if not pair.scene.bodies.half_planes:  # where half-planes would have it is near, and cheap to find
-        start = _fitting_size(_CoarsePair(pair.scene.vary(bodies=Bodies()), pair.load, pair.modulus, pair.work))
+    # where half-planes would have it is near, and cheap to find
+    if not pair.scene.bodies.half_planes:
+        start = _fitting_size(
+            _CoarsePair(pair.scene.vary(bodies=Bodies()), pair.load, pair.modulus, pair.work)
+        )
     size = min(start, pair.room)
     for _ in range(400):
         faces = pair.faces(size)
-        problem = pair.problem(size, half(faces) if on_half(pair.scene, faces) else faces, tangential=False)
+        problem = pair.problem(
+            size, half(faces) if on_half(pair.scene, faces) else faces, tangential=False
+        )
         pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
-        fraction = 1.0 if pressed.closed.all() else float(np.abs(problem.interface.x[pressed.closed]).max())
-        if _FRACTION[0] <= fraction <= _FRACTION[1] or (size == pair.room and _FRACTION[1] < fraction < 1):
+        fraction = (
+            1.0
+            if pressed.closed.all()
+            else float(np.abs(problem.interface.x[pressed.closed]).max())
+        )
+        if _FRACTION[0] <= fraction <= _FRACTION[1] or (
+            size == pair.room and _FRACTION[1] < fraction < 1
+        ):
             return size
         if fraction > _FRACTION[1] and size == pair.room:
             raise _past_the_end(pair.scene)
         if fraction > _FRACTION[1]:
             too_small = size
-            size = min(size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large), pair.room)
+            size = min(
+                size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large), pair.room
+            )
         else:
             too_large = size
             size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
-    raise InputError(f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile and loads")
+    raise InputError(
+        f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
+        " and loads"
+    )
 
 
 def _past_the_end(scene: Scene) -> InputError:
     return InputError(
-        "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = "
-        f"{face_room(scene):.6g}: make the bodies wider, or the load less"
+        "bodies: the contact at the largest load reaches past the end of the narrower face, at |x|"
+        f" = {face_room(scene):.6g}: make the bodies wider, or the load less"
     )
 
 
@@ -239,19 +292,34 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
     """(k, 2) of the contact; NaN without one."""
     _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
     closed = np.stack([state.closed for state in states])
-    return contact_edges(problem.interface.x, pressure / problem.interface.weights, gap, closed, 1.0)
+    return contact_edges(
+        problem.interface.x, pressure / problem.interface.weights, gap, closed, 1.0
+    )
 
 
-def _innermost_edge(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8], anywhere: bool) -> float:
+def _innermost_edge(
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    seen: NDArray[np.int8],
+    anywhere: bool,
+) -> float:
     """The least half-width of the contact or of its stick zone, 0 where nothing sticks.
 
-    Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where one is on the other side of it.
+    Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where
+    one is on the other side of it.
     """
-    contact, closed, x = _contact_edges(problem, states), np.stack([state.closed for state in states]), problem.interface.x
+    contact, closed, x = (
+        _contact_edges(problem, states),
+        np.stack([state.closed for state in states]),
+        problem.interface.x,
+    )
     if not anywhere:
         contact = np.nan_to_num(np.diff(contact) / 2) * [-1.0, 1.0]
     stick = stick_edges(x, seen == STICK, closed, contact, anywhere=anywhere)
     if not anywhere:
-        stick = np.where((seen == STICK).any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0) * [-1.0, 1.0]
+        stick = np.where((seen == STICK).any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0) * [
+            -1.0,
+            1.0,
+        ]
     outwards = np.concatenate([contact, stick]) * [-1.0, 1.0]
     return max(float(np.nan_to_num(outwards).min()), 0.0)

@@ -45,24 +45,48 @@ from halfplane_fe.resolution import (
     uncertainty_note,
 )
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, on_half, sheared
+from halfplane_fe.scales import (
+    COARSE_CYCLES,
+    Scales,
+    contact_modulus,
+    find_scales,
+    needs_shear,
+    on_half,
+    sheared,
+)
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, InputError, Profile, Scene, Work, freeze, scene_of
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    InputError,
+    Profile,
+    Scene,
+    Work,
+    freeze,
+    scene_of,
+)
 
 Array = NDArray[np.float64]
 
-# Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated on the faces as they are.
-_CURED, _KEPT = "interfaces without the mesh's part of N - T", "runs repeated with the mesh's part of N - T"
+# Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
+# on the faces as they are.
+_CURED, _KEPT = (
+    "interfaces without the mesh's part of N - T",
+    "runs repeated with the mesh's part of N - T",
+)
 _NOTE_KEPT = (
-    "the contact did not converge on faces without the part of N - T and K that only the mesh makes: this is the answer of the "
-    "faces as they are; where edges move its dissipation errs by the first power of the element"
+    "the contact did not converge on faces without the part of N - T and K that only the mesh"
+    " makes: this is the answer of the faces as they are; where edges move its dissipation errs by"
+    " the first power of the element"
 )
 
-# Share of what kinks between the first and the last start of sliding add to W that counts as uncertain.
+# Share of what kinks between the first and the last start of sliding add to W that counts as
+# uncertain.
 _BENT = 0.2
-# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x = 0.
+# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
+# 0.
 _BEYOND = 1.5
 
 
@@ -70,24 +94,27 @@ _BEYOND = 1.5
 class FiniteElementSolution(ContactSolution):
     """A ContactSolution that also carries its bodies and interface states.
 
-    `moment` is that of the tractions on the upper body about the point of first contact x = y = 0, `tilt` its rotation about it: on
-    flat faces int x p dx; on a pad or cylinder the shear has a small part in it, q being at the height of the face. Bulk stress of
-    a block acts on both of its ends; `bulk_stress_lower` and `bulk_stress_upper` are the mean of the two, which differ by Q/H where
-    they hold Q (base on rollers).
+    `moment` is that of the tractions on the upper body about the point of first contact x = y = 0,
+    `tilt` its rotation about it: on flat faces int x p dx; on a pad or cylinder the shear has a
+    small part in it, q being at the height of the face. Bulk stress of a block acts on both of its
+    ends; `bulk_stress_lower` and `bulk_stress_upper` are the mean of the two, which differ by Q/H
+    where they hold Q (base on rollers).
 
     Attributes
     ----------
     bodies : lower and upper BodyMesh, each in its own frame (y out of the body)
     condensed : lower and upper CondensedBody
     states : one InterfaceState per step, scaled
-    weights : (n_points,) share of the surface of each contact point, so that pressure times weight is a nodal force [length]
-    normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure acts along it
-    scales : what the coarse run found; with E* the units of `states`
+    weights : (n_points,) share of the surface of each contact point, so that pressure times weight
+    is a nodal force [length] normals : (2, n_points) of the line half-way between the faces, out of
+    the lower body: pressure acts along it scales : what the coarse run found; with E* the units of
+    `states`
     penalty : what the layer of the penalty method costs
-    largest_pressure_uncertainty : of the largest pressure at the points, see `resolution.peak_uncertainty`; NaN where the
-        elements at the edges are like those of the coarse run [stress]
-    contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from the true one, by the mesh alone
-        [length]; see `edges`
+    largest_pressure_uncertainty : of the largest pressure at the points, see
+        `resolution.peak_uncertainty`; NaN where the elements at the edges are like those of the
+        coarse run [stress]
+    contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from
+        the true one, by the mesh alone [length]; see `edges`
     """
 
     bodies: tuple[BodyMesh, BodyMesh]
@@ -117,7 +144,8 @@ def solve(
     scene : the question, or its name in the library, or the path of its file
     mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
     progress : called with (done, total, text) as work goes on
-    scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse run, moves no number
+    scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse
+        run, moves no number
 
     Raises
     ------
@@ -132,7 +160,8 @@ def solve(
     >>> round(float(fe.contact_half_width.max()), 2)  # a = 1 mm by Hertz
     1.0
     """
-    # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
+    # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen
+    # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _done, _total, _text: None)
         mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
@@ -140,7 +169,11 @@ def solve(
 
 
 def _solve(
-    scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress, known: Scales | None
+    scene: Scene,
+    mesh: MeshSettings,
+    settings: SolverSettings,
+    report: Progress,
+    known: Scales | None,
 ) -> FiniteElementSolution:
     watch = _Watch()
     _check_loads(scene)
@@ -152,19 +185,36 @@ def _solve(
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
     bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales, scene.profile))
     watch.lap("mesh")
-    # A datum inside the contact would lift the faces towards the load: no compliance that can be factorised.
+    # A datum inside the contact would lift the faces towards the load: no compliance that can be
+    # factorised.
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
     made = couple(*condensed)
     cured = without_local_difference(made, scene)
-    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges, which are fitted there.
-    expected = float(np.nan_to_num(scales.dissipation)) * scales.modulus / scales.load**2 if made.coupling is not None else 0.0
-    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance, scales.half_width, scales.modulus, expected)
+    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges,
+    # which are fitted there.
+    expected = (
+        float(np.nan_to_num(scales.dissipation)) * scales.modulus / scales.load**2
+        if made.coupling is not None
+        else 0.0
+    )
+    pace = Pace(
+        scales.load,
+        settings.steps_per_cycle,
+        settings.step_tolerance,
+        scales.half_width,
+        scales.modulus,
+        expected,
+    )
     doubt = partial(_uncertainty, scene, mesh, settings, scales)
     for faces in (made,) if cured is None else (cured, made):
         problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-        solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if on_half(scene, faces) else problem
+        solved = (
+            _contact_problem(scene, mesh, settings, scales, half(faces), work)
+            if on_half(scene, faces)
+            else problem
+        )
         run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
         if not isinstance(run.failure, ConvergenceError):
             break
@@ -185,7 +235,8 @@ def _solve(
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
-    """All that `solve` refuses before it makes a mesh of its own: half-planes by their loads, real bodies by the coarse run too.
+    """All that `solve` refuses before it makes a mesh of its own: half-planes by their loads, real
+    bodies by the coarse run too.
 
     Raises
     ------
@@ -200,15 +251,25 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
     settings = mesh or MeshSettings()
     with threadpool_limits(limits=1, user_api="blas"):
         scales = find_scales(scene, Counter())
-    for name, shape, ratio in (("lower", scene.bodies.lower, 1.0), ("upper", scene.bodies.upper, settings.upper_ratio)):
-        check(name, shape, scene.profile, surface_grading(settings, scales, scene.profile, ratio), settings)
+    for name, shape, ratio in (
+        ("lower", scene.bodies.lower, 1.0),
+        ("upper", scene.bodies.upper, settings.upper_ratio),
+    ):
+        check(
+            name,
+            shape,
+            scene.profile,
+            surface_grading(settings, scales, scene.profile, ratio),
+            settings,
+        )
 
 
 def _check_loads(scene: Scene) -> None:
     check_bulk_stress(scene)
     if scene.bodies.faces_are_true and not scene.profile.symmetric:
         raise InputError(
-            "profile: symmetric = false goes with half-planes and blocks: pads and cylinders are meshed mirror-symmetric"
+            "profile: symmetric = false goes with half-planes and blocks: pads and cylinders are"
+            " meshed mirror-symmetric"
         )
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
@@ -226,12 +287,16 @@ class _Watch:
         self.seconds[stage], self._last = now - self._last, now
 
 
-def surface_grading(mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of any revolution to just outside the largest contact; sizes times `ratio`.
+def surface_grading(
+    mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
+) -> SurfaceGrading:
+    """Fine from just inside the innermost edge of any revolution to just outside the largest
+    contact; sizes times `ratio`.
 
     Finer still at x = 0 where the profile has a tip, see `tip_halvings`.
     """
-    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
+    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
+    # hundredths of it.
     a = scales.half_width
     inner = scales.inner - 0.06 * a
     outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
@@ -254,7 +319,8 @@ def _contact_problem(
     work: Counter[str],
 ) -> ContactProblem:
     interface = faces.scaled(scales.half_width, 1 / scales.modulus)
-    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the weight of the trial tractions.
+    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the
+    # weight of the trial tractions.
     stiffness = settings.normal_stiffness, settings.tangential_stiffness
     nodal = [k * interface.weights / mesh.edge_element_size for k in stiffness]
     penalty = settings.method == "penalty"
@@ -277,8 +343,8 @@ def _check_room(answer: FiniteElementSolution, run: PathRun) -> None:
     """The contact must end before the last node that may touch."""
     if any(state.closed[0] or state.closed[-1] for state in run.states):
         raise ConvergenceError(
-            f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the coarse run took it for "
-            f"smaller, {answer.scales.reach:.6g}",
+            f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the"
+            f" coarse run took it for smaller, {answer.scales.reach:.6g}",
             answer,
         )
 
@@ -294,8 +360,14 @@ def _solution(
     watch: _Watch,
 ) -> FiniteElementSolution:
     arrays = answer_arrays(scene, problem, run, scales)
-    uncertain = float("nan") if run.failure is not None else _uncertainty(scene, mesh, settings, scales, run)
-    uncertain = (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
+    uncertain = (
+        float("nan")
+        if run.failure is not None
+        else _uncertainty(scene, mesh, settings, scales, run)
+    )
+    uncertain = (
+        (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
+    )
     states = tuple(run.states[index] for index in run.kept)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     own: dict[str, Any] = {
@@ -339,30 +411,46 @@ def _solution(
     )
 
 
-def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun) -> float:
-    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can arise."""
+def _uncertainty(
+    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun
+) -> float:
+    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can
+    arise.
+    """
     if not needs_shear(scene):
         return 0.0
     first, excess = (run.cycle_starts[-1], run.excess[-1]) if run.cycle_starts else (0, None)
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.dissipation * scales.modulus / scales.load**2
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
-    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
-    found = float((run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum())
+    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
+    # only approach the steady state.
+    found = float(
+        (run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum()
+    )
     scatter = None if excess is None or plain or scene.unsymmetric else excess.scatter / unit
-    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and their bound counts whole.
+    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
+    # their bound counts whole.
     steps = (
         _BENT * run.column("bent")[first:].sum()
         if scatter is not None and shapes_alike(scene)
         else run.column("step_error")[first:].sum()
     )
-    return float(steps) + unit * uncertainty(found / unit, abs(found - coarse) / unit, scales.element, mesh, scatter, plain)
+    return float(steps) + unit * uncertainty(
+        found / unit, abs(found - coarse) / unit, scales.element, mesh, scatter, plain
+    )
 
 
 def _peak_uncertainty(
-    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, arrays: Mapping[str, Any]
+    scene: Scene,
+    mesh: MeshSettings,
+    settings: SolverSettings,
+    scales: Scales,
+    arrays: Mapping[str, Any],
 ) -> float:
-    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without contact."""
+    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without
+    contact.
+    """
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
     value = float(pressure[step, node])
@@ -372,19 +460,31 @@ def _peak_uncertainty(
     fine = surface_grading(mesh, scales, scene.profile, max(mesh.upper_ratio, 1.0))
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.element * scales.half_width
-    return peak_uncertainty(peak, scene.profile, coarse, fine, mesh, depth=least_depth(scene), plain=plain)
+    return peak_uncertainty(
+        peak, scene.profile, coarse, fine, mesh, depth=least_depth(scene), plain=plain
+    )
 
 
-def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
+def _notes(
+    scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]
+) -> tuple[str, ...]:
     """What the mesh does not resolve in the last revolution, and what of the path is left."""
     if run.failure is not None:
         return ()
     first = int(np.searchsorted(run.kept, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
-    load, contact, stick = (arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width"))
-    unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
+    load, contact, stick = (
+        arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width")
+    )
+    unit = (
+        2
+        / contact_modulus(scene.material.lower, scene.material.upper)
+        * (scene.friction.coefficient * np.max(load)) ** 2
+    )
     work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
     coarser = mesh.edge_element_size * scales.half_width * max(mesh.upper_ratio, 1.0)
-    of_mesh = resolution_notes(scene, load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
+    of_mesh = resolution_notes(
+        scene, load, contact, stick, coarser, mesh.order, work, needs_shear(scene)
+    )
     return (*_drift_notes(run, scales), *_thinned_notes(run), *of_mesh)
 
 
@@ -392,9 +492,10 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     """That not every increment is in the answer, and what is of all of them nevertheless."""
     if dropped := len(run.states) - len(run.kept):
         yield (
-            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer, its files and figures (at most "
-            f"{MOST_INSTANTS} are kept, the rows of the record first); the worst instants of metrics are those of the kept ones, "
-            "W, W(x), the closed integral of Q dU, the permanent stick zone and the checks are of all of them"
+            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
+            f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
+            " first); the worst instants of metrics are those of the kept ones, W, W(x), the"
+            " closed integral of Q dU, the permanent stick zone and the checks are of all of them"
         )
 
 
@@ -405,27 +506,34 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     works = [float(density.sum()) for density in run.cycle_density]
     drift, unit, found = "", scales.load**2 / scales.modulus, run.trend
     if len(works) > 1 and works[-1] > 0:
-        drift = f"; its dissipation differs by {1 - works[-2] / works[-1]:+.1e} of itself from that of the one before"
+        drift = (
+            f"; its dissipation differs by {1 - works[-2] / works[-1]:+.1e} of itself from that of"
+            " the one before"
+        )
     if run.steady_from is None:
         yield (
-            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of the largest nodal force away from "
-            f"its start (up to {REPEATS:g} counts as the same){drift}; give the scene more cycles"
+            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
+            f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
+            f" same){drift}; give the scene more cycles"
         )
     if np.isfinite(found.limit) and found.left and works[-1] > 0:
         yield (
-            f"shakedown: the dissipation of the revolutions goes to {found.limit * unit:.6g}, {found.left / works[-1]:+.1e} of "
-            f"itself from that of revolution {len(works)} ({found.kind} trend); this is in its uncertainty"
+            f"shakedown: the dissipation of the revolutions goes to {found.limit * unit:.6g},"
+            f" {found.left / works[-1]:+.1e} of itself from that of revolution {len(works)}"
+            f" ({found.kind} trend); this is in its uncertainty"
         )
     elif run.steady_from is not None and found.left and works[-1] > 0:
         yield (
-            f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the largest nodal force{drift}; "
-            f"{found.left / works[-1]:.1e} of it count as uncertain, for no trend is clear yet"
+            f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the"
+            f" largest nodal force{drift}; {found.left / works[-1]:.1e} of it count as uncertain,"
+            " for no trend is clear yet"
         )
     if run.ratchets:
         before, after = (run.states[index].shift for index in (run.cycle_starts[-1], -1))
         yield (
-            f"ratcheting: each revolution moves the upper body by {(after - before) * scales.load / scales.modulus:.3g} along x; "
-            "the closed integral of Q dU holds the work of the mean Q on that way"
+            "ratcheting: each revolution moves the upper body by"
+            f" {(after - before) * scales.load / scales.modulus:.3g} along x; the closed integral"
+            " of Q dU holds the work of the mean Q on that way"
         )
 
 
@@ -450,26 +558,46 @@ def _work(
     if condensed[0].body is condensed[1].body:
         skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
     if like:
-        skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
+        skipped["condensations"] = (
+            1,
+            "the bodies are alike: the upper one is the lower one reflected",
+        )
     if cached := problem.work[CACHED]:
-        skipped["condensations, cached"] = (cached, "this process condensed the body before: taken from the cache")
+        skipped["condensations, cached"] = (
+            cached,
+            "this process condensed the body before: taken from the cache",
+        )
     if on_half(scene, problem.interface):
-        skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
+        skipped["contact nodes"] = (
+            len(problem.interface.x) // 2,
+            "p is even in x, q even or odd: solved on one half",
+        )
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[_CURED]:
         skipped["the mesh's part of N - T"] = (
             1,
-            "the contact did not converge without it"
-            if problem.work[_KEPT]
-            else "an end of a face or a base is within ten nodes: W is of first order in the element",
+            (
+                "the contact did not converge without it"
+                if problem.work[_KEPT]
+                else (
+                    "an end of a face or a base is within ten nodes: W is of first order in the"
+                    " element"
+                )
+            ),
         )
     if problem.tangential and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
-        skipped["revolutions"] = (scene.cycles - run.steady_from - 1, "the revolution before ended as it started")
+        skipped["revolutions"] = (
+            scene.cycles - run.steady_from - 1,
+            "the revolution before ended as it started",
+        )
     if dropped := len(run.states) - len(run.kept):
-        skipped["instants"] = (dropped, f"stored at {len(run.kept)} instants: more would take gigabytes")
+        skipped["instants"] = (
+            dropped,
+            f"stored at {len(run.kept)} instants: more would take gigabytes",
+        )
     return Work(counts, skipped, dict(seconds))
 
 

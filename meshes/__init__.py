@@ -1,11 +1,15 @@
-"""gmsh-built bodies with named boundaries, their quality, and field files. The only user of gmsh and meshio.
+"""gmsh-built bodies with named boundaries, their quality, and field files. The only user of gmsh
+and meshio.
 
 Where to find what::
 
-    bodies.py                              what a mesh is asked to be, and what it is; sizes of elements, how many there may be
-    solids.py                              from a shape to a mesh: half-discs, blocks, pads, cylinders
+    bodies.py                              what a mesh is asked to be, and what it is; sizes of
+                                           elements, how many there may be
+    solids.py                              from a shape to a mesh: half-discs, blocks, pads,
+                                           cylinders
     mirrored.py                            half a body by gmsh, reflected; the quality of a mesh
-    interrupts.py                          Ctrl-C that waits until what must not be cut in two is done
+    interrupts.py                          Ctrl-C that waits until what must not be cut in two is
+                                           done
     files.py                               field files written
 """
 

@@ -1,6 +1,7 @@
 """What a mesh is asked to be and what it is: settings, grading, the meshed body.
 
-And element sizes along and around the contact side, and how large a mesh will be before gmsh takes memory for it.
+And element sizes along and around the contact side, and how large a mesh will be before gmsh takes
+memory for it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ Cells = Literal["triangles", "quadrilaterals"]
 
 @dataclass(frozen=True)
 class MeshSettings:
-    """How a body is cut; lengths over the contact half-width a at the largest load, found by the FE side's own coarse run.
+    """How a body is cut; lengths over the contact half-width a at the largest load, found by the FE
+    side's own coarse run.
 
     Attributes
     ----------
@@ -48,31 +50,45 @@ class MeshSettings:
     def __post_init__(self) -> None:
         for name in ("element_size", "edge_element_size"):
             if not 1e-4 <= getattr(self, name) <= 0.25:
-                raise InputError(f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in [0.0001, 0.25], in half-widths")
+                raise InputError(
+                    f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in [0.0001, 0.25],"
+                    " in half-widths"
+                )
         if self.edge_element_size > self.element_size:
             raise InputError(
                 f"mesh: edge_element_size = {self.edge_element_size!r} is refused: "
                 f"it is at most element_size = {self.element_size!r}"
             )
         if not 0.05 <= self.upper_ratio <= 20:
-            raise InputError(f"mesh: upper_ratio = {self.upper_ratio!r} is refused: it lies in [0.05, 20]")
+            raise InputError(
+                f"mesh: upper_ratio = {self.upper_ratio!r} is refused: it lies in [0.05, 20]"
+            )
         if not 2 <= self.far_radius <= 1000:
-            raise InputError(f"mesh: far_radius = {self.far_radius!r} is refused: it lies in [2, 1000], in half-widths")
+            raise InputError(
+                f"mesh: far_radius = {self.far_radius!r} is refused: it lies in [2, 1000], in"
+                " half-widths"
+            )
         if not 0.02 <= self.growth <= 1:
             raise InputError(f"mesh: growth = {self.growth!r} is refused: it lies in [0.02, 1]")
         if self.order not in (1, 2):
             raise InputError(f"mesh: order = {self.order!r} is refused: it is 1 or 2")
         if self.cells not in ("triangles", "quadrilaterals"):
-            raise InputError(f"mesh: cells = {self.cells!r} is refused: they are triangles or quadrilaterals")
+            raise InputError(
+                f"mesh: cells = {self.cells!r} is refused: they are triangles or quadrilaterals"
+            )
 
     @classmethod
     def coarse(cls) -> MeshSettings:
-        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/finite_elements.py)."""
+        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2
+        (benchmarks/finite_elements.py).
+        """
         return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
 
     @classmethod
     def fine(cls) -> MeshSettings:
-        """For a figure to rely on: twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/finite_elements.py)."""
+        """For a figure to rely on: twenty seconds; dissipation of the paper's cycle to 1e-4
+        (benchmarks/finite_elements.py).
+        """
         return cls(edge_element_size=1 / 640, growth=0.12)
 
     @classmethod
@@ -87,10 +103,12 @@ class MeshSettings:
 
 @dataclass(frozen=True)
 class SurfaceGrading:
-    """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x| < inner [length].
+    """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x|
+    < inner [length].
 
-    `outer` bounds the nodes that may touch; `radius` is that of the half-disc, infinite for a body with a size of its own.
-    `halvings` counts how often the innermost element of each side is halved towards x = 0, where the profile has a tip.
+    `outer` bounds the nodes that may touch; `radius` is that of the half-disc, infinite for a body
+    with a size of its own. `halvings` counts how often the innermost element of each side is halved
+    towards x = 0, where the profile has a tip.
     """
 
     inner: float
@@ -112,13 +130,20 @@ class SurfaceGrading:
         return self.innermost / 2**self.halvings
 
     def drawn_for(self, cells: Cells) -> SurfaceGrading:
-        """What is drawn before elements are cut: for quadrilaterals twice the size, which cutting in four halves again."""
-        return self if cells == "triangles" else replace(self, size=2 * self.size, edge_size=2 * self.edge_size)
+        """What is drawn before elements are cut: for quadrilaterals twice the size, which cutting
+        in four halves again.
+        """
+        return (
+            self
+            if cells == "triangles"
+            else replace(self, size=2 * self.size, edge_size=2 * self.edge_size)
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class BodyMesh:
-    """One meshed body in its own frame: x along the surface, first contact at the origin, y out of the body.
+    """One meshed body in its own frame: x along the surface, first contact at the origin, y out of
+    the body.
 
     Attributes
     ----------
@@ -126,8 +151,9 @@ class BodyMesh:
     mesh : skfem mesh with the boundary "contact", those that are supported, and "free"
     grading : the surface as it was asked for
     quality : figure by name; see `mesh_quality`
-    supports : boundary -> "half_plane" (follows the displacement of the half-plane around it), "fixed", "rollers" (moves along x
-        only), "guided" (along y only) or "pulled" (free ends that a bulk stress acts on; those of a body on rollers hold Q)
+    supports : boundary -> "half_plane" (follows the displacement of the half-plane around it),
+        "fixed", "rollers" (moves along x only), "guided" (along y only) or "pulled" (free ends that
+        a bulk stress acts on; those of a body on rollers hold Q)
     """
 
     name: str
@@ -137,8 +163,8 @@ class BodyMesh:
     supports: Mapping[str, str] = field(default_factory=lambda: {"far_field": "half_plane"})
 
 
-# Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit. Nodes of a body: about 10 kB each
-# while it is assembled and factorised.
+# Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit.
+# Nodes of a body: about 10 kB each while it is assembled and factorised.
 MOST_CONTACT_NODES, MOST_NODES = 8_000, 500_000
 # Growth of the elements inside the body with the distance from a tip.
 _TIP_GROWTH = 0.5
@@ -148,24 +174,34 @@ _FAR = 1000.0
 
 def contact_nodes(grading: SurfaceGrading, order: int) -> int:
     """Nodes on |x| <= outer."""
-    elements = 2 * (grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size)
+    elements = 2 * (
+        grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size
+    )
     return round(elements + 2 * grading.halvings) * order + 1
 
 
 def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
-    """Nodes of a half-disc graded so, within a factor of two: the area over that of an equilateral triangle of the size there.
+    """Nodes of a half-disc graded so, within a factor of two: the area over that of an equilateral
+    triangle of the size there.
 
     # notation: L fine length of surface, h its elements, g growth, d distance from it, R radius
-    With size h + g d and dA = (pi d + L) dd the count is (4/sqrt 3) int_0^R (pi d + L)/(h + g d)^2 dd, in closed form.
+    With size h + g d and dA = (pi d + L) dd the count is (4/sqrt 3) int_0^R (pi d + L)/(h + g d)^2
+    dd, in closed form.
     """
     count, g = 0.0, growth
-    for length, h in ((2 * (grading.outer - grading.inner), grading.edge_size), (2 * grading.inner, grading.size)):
+    for length, h in (
+        (2 * (grading.outer - grading.inner), grading.edge_size),
+        (2 * grading.inner, grading.size),
+    ):
         if length > 0:
             reach = g * min(grading.radius, _FAR * grading.outer) / h
             count += (
                 4
                 / math.sqrt(3)
-                * (math.pi / g**2 * (math.log1p(reach) - reach / (1 + reach)) + length / (g * h) * reach / (1 + reach))
+                * (
+                    math.pi / g**2 * (math.log1p(reach) - reach / (1 + reach))
+                    + length / (g * h) * reach / (1 + reach)
+                )
             )
     return round(count * order**2 / 2)
 
@@ -175,54 +211,78 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
     what = "make element_size and edge_element_size larger"
     if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
         raise InputError(
-            f"mesh: the {name} body would have some {count:,} nodes on its contact, and the limit is {MOST_CONTACT_NODES:,}; {what}"
+            f"mesh: the {name} body would have some {count:,} nodes on its contact, and the limit"
+            f" is {MOST_CONTACT_NODES:,}; {what}"
         )
     if (count := body_nodes(grading, growth, order)) > MOST_NODES:
         raise InputError(
-            f"mesh: the {name} body would have about {count:,} nodes, and the limit is {MOST_NODES:,}; {what}, or growth"
+            f"mesh: the {name} body would have about {count:,} nodes, and the limit is"
+            f" {MOST_NODES:,}; {what}, or growth"
         )
 
 
 Array = NDArray[np.float64]
 
-# Elements around a base corner over the one in it. At a corner of a free side with a fixed base the displacement goes as r^0.71
-# (nu = 0.3), and elements of size h there leave an error of h^1.42 in the tangential displacement: 0.42 % of that of a block 8 a
-# wide and 10 a high without grading, 0.017 % with 16, 0.005 % with 64, for a sixth more nodes.
+# Elements around a base corner over the one in it. At a corner of a free side with a fixed base the
+# displacement goes as r^0.71 (nu = 0.3), and elements of size h there leave an error of h^1.42 in
+# the tangential displacement: 0.42 % of that of a block 8 a wide and 10 a high without grading,
+# 0.017 % with 16, 0.005 % with 64, for a sixth more nodes.
 _CORNER_SHARE = 64
 
 
 def rounded(values: ArrayLike) -> Array:
-    """Lengths to twelve digits, any shape: on the last digit gmsh makes another mesh, and the answer would depend on the units."""
+    """Lengths to twelve digits, any shape: on the last digit gmsh makes another mesh, and the
+    answer would depend on the units.
+    """
     return np.vectorize(lambda value: float(f"{value:.12g}"), otypes=[float])(values)
 
 
 def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
     """The grading in other units of length, rounded."""
-    values = np.array([grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius])
+    values = np.array(
+        [grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius]
+    )
     inner, outer, size, edge_size, radius = rounded(values * factor).tolist()
     return SurfaceGrading(inner, outer, size, edge_size, radius, grading.halvings)
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
-    """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`, halved towards a tip at x = 0."""
-    inside = np.linspace(0, grading.inner, max(round(grading.inner / grading.size), 1) + 1 if grading.inner > 0 else 1)
-    outside = np.linspace(grading.inner, grading.outer, max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1)
+    """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`,
+    halved towards a tip at x = 0.
+    """
+    inside = np.linspace(
+        0,
+        grading.inner,
+        max(round(grading.inner / grading.size), 1) + 1 if grading.inner > 0 else 1,
+    )
+    outside = np.linspace(
+        grading.inner,
+        grading.outer,
+        max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1,
+    )
     points = np.concatenate([inside[:-1], outside])
     towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
     return np.concatenate([points[:1], towards_tip, points[1:]])
 
 
-def size_formula(grading: SurfaceGrading, growth: float, base_corner: tuple[float, float] | None = None) -> str:
-    """Element size at a point of x >= 0, that of the nearest surface elements, growing with the distance: for gmsh's MathEval.
+def size_formula(
+    grading: SurfaceGrading, growth: float, base_corner: tuple[float, float] | None = None
+) -> str:
+    """Element size at a point of x >= 0, that of the nearest surface elements, growing with the
+    distance: for gmsh's MathEval.
 
     Four times faster there than a call back to Python.
 
     Parameters
     ----------
-    base_corner : (x, y) of the corner of a free side with a fixed base; None without one. Strain is infinite there
+    base_corner : (x, y) of the corner of a free side with a fixed base; None without one. Strain is
+        infinite there
     """
     outer, inner = grading.outer, grading.inner
-    fine = f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 + y^2)"
+    fine = (
+        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 +"
+        " y^2)"
+    )
     if inner > 0:
         fine = f"Min({fine}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))"
     if grading.halvings:
@@ -233,11 +293,14 @@ def size_formula(grading: SurfaceGrading, growth: float, base_corner: tuple[floa
     x, y = base_corner
     around = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
     size = float(rounded(min(around, x, -y) / _CORNER_SHARE))
-    return f"Min({fine}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y + {-y!r})^2))"
+    return (
+        f"Min({fine}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y + {-y!r})^2))"
+    )
 
 
 def corner_growth(growth: float) -> float:
-    """Growth of the element size with the distance from a base corner: twice that from the contact up to 0.4, or the same.
+    """Growth of the element size with the distance from a base corner: twice that from the contact
+    up to 0.4, or the same.
 
     >>> corner_growth(0.12), corner_growth(0.2), corner_growth(0.5)
     (0.24, 0.4, 0.5)

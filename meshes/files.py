@@ -1,4 +1,6 @@
-"""Field files written, VTU by meshio and their collection PVD; meshio, hardly maintained, is kept here."""
+"""Field files written, VTU by meshio and their collection PVD; meshio, hardly maintained, is kept
+here.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def write_vtu(
 
 @dataclass(frozen=True)
 class PvdEntry:
-    """One file of a collection: when it holds, which part of the whole it is, where it lies beside the collection."""
+    """One file of a collection: when it holds, which part of the whole it is, where it lies beside
+    the collection.
+    """
 
     time: float
     part: int
@@ -43,7 +47,8 @@ class PvdEntry:
 
 
 def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
-    """Write a PVD collection: the field files of all parts and instants as one, with the values of time, for ParaView.
+    """Write a PVD collection: the field files of all parts and instants as one, with the values of
+    time, for ParaView.
 
     Parameters
     ----------
@@ -54,7 +59,10 @@ def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
         f"name={quoteattr(entry.name)} file={quoteattr(entry.file)}/>\n"
         for entry in entries
     ]
-    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n <Collection>\n'
+    head = (
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"'
+        ' byte_order="LittleEndian">\n <Collection>\n'
+    )
     Path(path).write_text(head + "".join(lines) + " </Collection>\n</VTKFile>\n", encoding="utf-8")
 
 

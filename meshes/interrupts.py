@@ -1,4 +1,6 @@
-"""Signals that end the program, held back where half a piece of work would be worse than the wait."""
+"""Signals that end the program, held back where half a piece of work would be worse than the
+wait.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +14,23 @@ _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is none of Windows
 
 @contextmanager
 def interrupts_wait() -> Iterator[Sequence[int]]:
-    """Hold back Ctrl-C, SIGTERM and SIGHUP until the block ends, then act on the first of them once.
+    """Hold back Ctrl-C, SIGTERM and SIGHUP until the block ends, then act on the first of them
+    once.
 
-    The signal is acted on whether the block ends well or raises. What the block raised is then the context of what the signal
-    raises. Yields the signals that have come so far, for loops that look there and end early.
+    The signal is acted on whether the block ends well or raises. What the block raised is then the
+    context of what the signal raises. Yields the signals that have come so far, for loops that look
+    there and end early.
 
-    Needed where gmsh is at work, whose one global state has to be left in order, or where half of a change would be left (files
-    that are moved).
+    Needed where gmsh is at work, whose one global state has to be left in order, or where half of a
+    change would be left (files that are moved).
     """
     numbers = [number for name in _NAMES if (number := getattr(signal, name, None)) is not None]
-    handlers = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
+    handlers = {
+        number: handler for number in numbers if callable(handler := signal.getsignal(number))
+    }
     caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread() or not handlers:  # only the main thread is interrupted
+    # only the main thread is interrupted
+    if threading.current_thread() is not threading.main_thread() or not handlers:
         yield caught
         return
     for number in handlers:

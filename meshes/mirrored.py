@@ -1,4 +1,5 @@
-"""Mirror-symmetric meshes by gmsh: the half x >= 0 of a body is meshed and reflected, so that symmetry holds to the last bit.
+"""Mirror-symmetric meshes by gmsh: the half x >= 0 of a body is meshed and reflected, so that
+symmetry holds to the last bit.
 
 Also measures of the quality of a mesh.
 """
@@ -34,8 +35,9 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     Returns
     -------
     dict
-        elements, nodes; least_angle [degrees]; worst_shape and mean_shape (1 for an equilateral triangle or a square, 0 for a
-        sliver; from the corners); area_error (relative, isoparametric); size_ratio (longest over shortest side in the mesh).
+        elements, nodes; least_angle [degrees]; worst_shape and mean_shape (1 for an equilateral
+        triangle or a square, 0 for a sliver; from the corners); area_error (relative,
+        isoparametric); size_ratio (longest over shortest side in the mesh).
     """
     triangles = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
@@ -51,7 +53,9 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
         "least_angle": float(np.degrees(angles.min())),
         "worst_shape": float(shape.min()),
         "mean_shape": float(shape.mean()),
-        "area_error": float((np.abs(mesh.mapping().detDF(points)) @ weights).sum()) / exact_area - 1,
+        "area_error": (
+            float((np.abs(mesh.mapping().detDF(points)) @ weights).sum()) / exact_area - 1
+        ),
         "size_ratio": float(sides.max() / sides.min()),
     }
 
@@ -62,14 +66,19 @@ def _triangle_shape(cross: Array, sides: Array) -> Array:
 
 
 def _quadrilateral_shape(ahead: Array, back: Array, cross: Array) -> Array:
-    """Least over the corners of twice the parallelogram's area over the squares of its sides; negative if not convex."""
+    """Least over the corners of twice the parallelogram's area over the squares of its sides;
+    negative if not convex.
+    """
     sense = np.sign(cross.sum(axis=0))
-    return np.asarray((2 * sense * cross / (np.sum(ahead**2, axis=0) + np.sum(back**2, axis=0))).min(axis=0))
+    return np.asarray(
+        (2 * sense * cross / (np.sum(ahead**2, axis=0) + np.sum(back**2, axis=0))).min(axis=0)
+    )
 
 
 Indices = NDArray[np.int64]
 
-# gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and 2, quadrilaterals likewise.
+# gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and
+# 2, quadrilaterals likewise.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 _MESHES = {3: skfem.MeshTri, 6: skfem.MeshTri2, 4: skfem.MeshQuad, 9: skfem.MeshQuad2}
 _ON_AXIS = 1e-9
@@ -97,12 +106,13 @@ def mirrored_mesh(
 
     Parameters
     ----------
-    draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which curves have which name;
-        curves without a name lie on the axis
-    size : element size at a point (x, y), as a formula of gmsh's field MathEval; for quadrilaterals twice the one wanted, and
-        likewise each curve's elements
+    draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which
+        curves have which name; curves without a name lie on the axis
+    size : element size at a point (x, y), as a formula of gmsh's field MathEval; for quadrilaterals
+        twice the one wanted, and likewise each curve's elements
     order : 1 or 2, of elements and geometry
-    settle : given the points (n, 2) of the half and those of each name, the points where they shall be
+    settle : given the points (n, 2) of the half and those of each name, the points where they shall
+        be
 
     Returns
     -------
@@ -115,7 +125,9 @@ def mirrored_mesh(
     whole = _corners_first(_reflect(half))
     points, elements = np.ascontiguousarray(whole.points.T), np.ascontiguousarray(whole.elements.T)
     n_corners = int(elements[: whole.corners].max()) + 1
-    straight = _MESHES[whole.corners](points[:, :n_corners].copy(), elements[: whole.corners].copy())
+    straight = _MESHES[whole.corners](
+        points[:, :n_corners].copy(), elements[: whole.corners].copy()
+    )
     straight.is_valid(raise_=True)
     mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight
     return mesh.with_boundaries({name: _facets(mesh, nodes) for name, nodes in whole.named.items()})
@@ -126,7 +138,8 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
     # gmsh is one global state: entered here, left here, whatever happens.
     pipe = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
     gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
-    # gmsh lets a broken pipe end the whole process; in Python it is an error that can be reported. Only the main thread may say so.
+    # gmsh lets a broken pipe end the whole process; in Python it is an error that can be reported.
+    # Only the main thread may say so.
     if pipe is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGPIPE, pipe)
     try:
@@ -139,15 +152,19 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
         if cells == "quadrilaterals":
             gmsh.option.setNumber("Mesh.Algorithm", 8)
             gmsh.option.setNumber("Mesh.RecombineAll", 1)
-            gmsh.option.setNumber("Mesh.RecombineMinimumQuality", 0.1)  # no two sides of one element in line on the face
-            gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)  # every element into quadrilaterals of half its size
+            # no two sides of one element in line on the face
+            gmsh.option.setNumber("Mesh.RecombineMinimumQuality", 0.1)
+            # every element into quadrilaterals of half its size
+            gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
         gmsh.model.add("half")
         yield
     finally:
         gmsh.finalize()
 
 
-def _half(draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells) -> _Cells:
+def _half(
+    draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells
+) -> _Cells:
     with interrupts_wait(), _gmsh_model(cells):
         named = draw()
         gmsh.model.geo.synchronize()
@@ -192,7 +209,8 @@ def _reflect(half: _Cells) -> _Cells:
 
 
 def _corners_first(body: _Cells) -> _Cells:
-    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers alone.
+    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers
+    alone.
 
     Points of no element are dropped: gmsh counts the centre of an arc.
     """

@@ -1,4 +1,5 @@
-"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face where it truly is.
+"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face
+where it truly is.
 
 The half-disc stands for a half-plane. `build` goes from a shape to its mesh.
 """
@@ -28,20 +29,29 @@ from scenes import Block, Cylinder, HalfPlane, InputError, Pad, Profile, Shape
 from scenes.bodies import Face, face_of
 
 
-def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: int = 2, cells: Cells = "triangles") -> BodyMesh:
+def half_disc(
+    name: str,
+    grading: SurfaceGrading,
+    growth: float = 0.2,
+    order: int = 2,
+    cells: Cells = "triangles",
+) -> BodyMesh:
     """A half-disc y <= 0 of radius `grading.radius`, meshed by gmsh.
 
-    One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in rounding too.
-    Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of y = 0), "far_field" (the arc).
+    One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in
+    rounding too. Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of y = 0),
+    "far_field" (the arc).
 
     Returns
     -------
     BodyMesh
-        MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for order 1; MeshQuad2 of nine-node
-        quadrilaterals, MeshQuad.
+        MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for
+        order 1; MeshQuad2 of nine-node quadrilaterals, MeshQuad.
     """
     unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
-    mesh = mirrored_mesh(lambda: _quarter(unit), size_formula(unit, growth), order, cells).scaled(float(grading.outer))
+    mesh = mirrored_mesh(lambda: _quarter(unit), size_formula(unit, growth), order, cells).scaled(
+        float(grading.outer)
+    )
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
 
@@ -76,19 +86,24 @@ def solid(
 ) -> BodyMesh:
     """A body of finite size in its own frame: first contact at the origin, y out of the body.
 
-    Elements are small at the contact and in the corner of a free side with a fixed base, where the strain is infinite.
-    Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of the face), "sides" (none for a cylinder), "base".
+    Elements are small at the contact and in the corner of a free side with a fixed base, where the
+    strain is infinite. Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of the face),
+    "sides" (none for a cylinder), "base".
 
     Raises
     ------
     InputError
-        Where the face does not reach past the places that may touch, or a pad's face goes below its base.
+        Where the face does not reach past the places that may touch, or a pad's face goes below its
+        base.
     """
     check_face(name, shape, profile, grading)
     face, half_width = face_of(shape, profile), shape.face_half_width
     height = shape.radius if isinstance(shape, Cylinder) else shape.height
     unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
-    outline, supports = _Outline(face, half_width / length, height / length, length), _supports(shape)
+    outline, supports = (
+        _Outline(face, half_width / length, height / length, length),
+        _supports(shape),
+    )
     free_side_on_fixed_base = supports["base"] == "fixed" and "sides" not in supports
     size = size_formula(unit, growth, outline.base_corner if free_side_on_fixed_base else None)
     mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size, order, cells, outline.settle)
@@ -96,17 +111,26 @@ def solid(
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), supports)
 
 
-def check_face(name: str, shape: Block | Pad | Cylinder, profile: Profile, grading: SurfaceGrading) -> None:
-    """InputError where the face does not reach past the places that may touch, or a pad's face goes below its base."""
+def check_face(
+    name: str, shape: Block | Pad | Cylinder, profile: Profile, grading: SurfaceGrading
+) -> None:
+    """InputError where the face does not reach past the places that may touch, or a pad's face goes
+    below its base.
+    """
     half_width = shape.face_half_width
     if grading.outer >= half_width:
         raise InputError(
-            f"bodies.{name}: the contact reaches |x| = {grading.outer:.6g}, past the end of the {shape.kind}'s face at "
-            f"{half_width:.6g}: make the {shape.kind} wider, or the load less"
+            f"bodies.{name}: the contact reaches |x| = {grading.outer:.6g}, past the end of the"
+            f" {shape.kind}'s face at {half_width:.6g}: make the {shape.kind} wider, or the load"
+            " less"
         )
-    if isinstance(shape, Pad) and not float(face_of(shape, profile).depth(np.array(half_width))) < shape.height:
+    if (
+        isinstance(shape, Pad)
+        and not float(face_of(shape, profile).depth(np.array(half_width))) < shape.height
+    ):
         raise InputError(
-            f"bodies.{name}.height = {shape.height:g} is refused: the pad's face goes as deep at its sides; make it higher"
+            f"bodies.{name}.height = {shape.height:g} is refused: the pad's face goes as deep at"
+            " its sides; make it higher"
         )
 
 
@@ -133,7 +157,8 @@ class _Outline:
 
     def __init__(self, face: Face, half_width: float, height: float, length: float) -> None:
         self._face, self._length = face, length
-        # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes with the root of the width.
+        # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
+        # with the root of the width.
         drop = float(self._true_depth(np.array(half_width)))
         self._half_width, self._height, self._drop = rounded([half_width, height, drop]).tolist()
 
@@ -151,7 +176,10 @@ class _Outline:
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
         """Contact side, the rest of the face, side, base, axis."""
         geo, places = gmsh.model.geo, surface_points(grading)
-        surface = [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
+        surface = [
+            geo.addPoint(float(x), -float(y), 0)
+            for x, y in zip(places, self._depth(places), strict=True)
+        ]
         contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
         for line in contact:
             geo.mesh.setTransfiniteCurve(line, 2)
@@ -164,9 +192,13 @@ class _Outline:
         base = geo.addLine(foot, axis_end)
         axis = geo.addLine(axis_end, surface[0])
         geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
-        return {"contact": contact, "free": free, "base": [base]} | ({"sides": sides} if sides else {})
+        return {"contact": contact, "free": free, "base": [base]} | (
+            {"sides": sides} if sides else {}
+        )
 
-    def _rest_of_face(self, start: float, first: int, size: float, growth: float) -> tuple[list[int], int]:
+    def _rest_of_face(
+        self, start: float, first: int, size: float, growth: float
+    ) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
         geo, end = gmsh.model.geo, self._half_width
         if self._face.arc is not None:
@@ -175,7 +207,10 @@ class _Outline:
                 last = geo.addPoint(end, -self._drop, 0)
                 return [geo.addCircleArc(first, geo.addPoint(begin, -radius, 0), last)], last
         places = np.array([end]) if self._face.flat else self._places(start, end, size, growth)
-        points = [first] + [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
+        points = [first] + [
+            geo.addPoint(float(x), -float(y), 0)
+            for x, y in zip(places, self._depth(places), strict=True)
+        ]
         return [geo.addLine(a, b) for a, b in itertools.pairwise(points)], points[-1]
 
     def _places(self, start: float, end: float, size: float, growth: float) -> Array:
@@ -195,15 +230,20 @@ class _Outline:
         return settled
 
 
-def check(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings) -> None:
+def check(
+    name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
+) -> None:
     """InputError for all that `build` refuses, before gmsh is asked."""
     check_count(name, grading, mesh.growth, mesh.order)
     if not isinstance(shape, HalfPlane):
         check_face(name, shape, profile, grading)
 
 
-def build(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings) -> BodyMesh:
-    """The mesh of a body: a half-disc for a half-plane, the body itself for a block, a pad or a cylinder.
+def build(
+    name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
+) -> BodyMesh:
+    """The mesh of a body: a half-disc for a half-plane, the body itself for a block, a pad or a
+    cylinder.
 
     Parameters
     ----------
@@ -215,7 +255,8 @@ def build(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, me
     Raises
     ------
     InputError
-        Where the mesh would be too large for memory, with the limit; where a solid's face is shorter than the contact.
+        Where the mesh would be too large for memory, with the limit; where a solid's face is
+        shorter than the contact.
     """
     check(name, shape, profile, grading, mesh)
     if isinstance(shape, HalfPlane):

@@ -1,4 +1,6 @@
-"""Before anything is solved: whether a load path has a solution (|Q| <= f P, P >= 0 all along), and the size of the contact."""
+"""Before anything is solved: whether a load path has a solution (|Q| <= f P, P >= 0 all along), and
+the size of the contact.
+"""
 
 from __future__ import annotations
 
@@ -40,13 +42,14 @@ _SAMPLES = 513
 _NOISE = 0.05
 # Rows of a record that are looked at together.
 _BLOCK = 100_000
-# Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long before p0 = E*/10, and at a slope of
-# 0.3 the parabola is 2 % off the circle that it stands for.
+# Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long
+# before p0 = E*/10, and at a slope of 0.3 the parabola is 2 % off the circle that it stands for.
 _STRAIN, _SLOPE = 0.1, 0.3
-# Pa. What is softer than the first and no rubber (by Poisson's ratio) may be in GPa; nothing is stiffer than diamond.
+# Pa. What is softer than the first and no rubber (by Poisson's ratio) may be in GPa; nothing is
+# stiffer than diamond.
 _SOFT, _STEEL, _DIAMOND, _RUBBER = 1e9, 210e9, 1.3e12, 0.45
-# Half-width of a contact by theory over that of the narrower face beyond which there is no room for it: theory is some per cent
-# off for blocks, and thin layers have contacts several times narrower.
+# Half-width of a contact by theory over that of the narrower face beyond which there is no room for
+# it: theory is some per cent off for blocks, and thin layers have contacts several times narrower.
 _ROOM, _ROOM_OF_LAYERS = 1.1, 10.0
 # No pair of solids in air has more friction than clean indium or gold, about 2 to 3.
 _FRICTION = 3.0
@@ -58,8 +61,11 @@ _HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 class _NearestToSliding:
     """How near a load path comes to gross sliding."""
 
-    ratio: float  # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    # part, time, normal_load, tangential_load: where that is, `part` being "initial loading", "cycle", or "path" if none repeats
+    # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where
+    # it separates
+    ratio: float
+    # part, time, normal_load, tangential_load: where that is, `part` being "initial loading",
+    # "cycle", or "path" if none repeats
     part: str
     time: float
     normal_load: float
@@ -67,7 +73,8 @@ class _NearestToSliding:
 
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
-    """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst sample refined.
+    """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst
+    sample refined.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
@@ -81,26 +88,33 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     worst = [of(leg) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
-    return _NearestToSliding(ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time)))
+    return _NearestToSliding(
+        ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time))
+    )
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
-    """The legs of the initial loading and of one cycle, or of a path that does not repeat, and which of them each is part of.
+    """The legs of the initial loading and of one cycle, or of a path that does not repeat, and
+    which of them each is part of.
 
-    Of the rows of a record, which may be millions, those steps alone that decide, block by block: that with the worst ratio and
-    that with the largest P, both of which are at rows.
+    Of the rows of a record, which may be millions, those steps alone that decide, block by block:
+    that with the worst ratio and that with the largest P, both of which are at rows.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
         first = "initial loading" if path.cycle else "path"
-        return [(leg, first) for leg in path.initial_loading] + [(leg, "cycle") for leg in path.cycle]
+        return [(leg, first) for leg in path.initial_loading] + [
+            (leg, "cycle") for leg in path.cycle
+        ]
     first, later = ("initial loading", "cycle") if load.repeats else ("path", "path")
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
         block = rows[begin : begin + _BLOCK + 1]
-        normal, tangential = (np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2))
+        normal, tangential = (
+            np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2)
+        )
         ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
         for k in np.unique([np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
@@ -110,14 +124,17 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
 
 
 def require_admissible(scene: Scene, source: str) -> None:
-    """InputError naming `source`, the instant, the loads and the rule if the path leaves the admissible region."""
+    """InputError naming `source`, the instant, the loads and the rule if the path leaves the
+    admissible region.
+    """
     try:
         _check(scene)
     except InadmissibleLoadError as fault:
         if largest_normal_load(scene) <= 0:
             raise InputError(
-                f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
-                "turn its sign if compression is negative in this record"
+                f"{source}: load: P is never positive; it is a compression, positive where the"
+                " bodies are pressed together, so turn its sign if compression is negative in this"
+                " record"
             ) from fault
         hint = ""
         if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
@@ -130,7 +147,9 @@ def require_admissible(scene: Scene, source: str) -> None:
 
 
 def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
-    """The row of a fault, and the keys that take it out: the noise below a load, or another start or end."""
+    """The row of a fault, and the keys that take it out: the noise below a load, or another start
+    or end.
+    """
     rows = load.rows.values
     first, beyond = load.bounds()
     row = first + int(np.argmax(np.append(rows[first:beyond, 0] >= time, True)))
@@ -140,13 +159,23 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     place = f"; that is row {row + 1:,} of {len(rows):,}"
     noise = float(np.max(used[bad, 1], initial=0.0))
     largest = float(np.max(used[:, 1]))
-    if load.least_normal_load is None and not load.repeats and not load.has_bulk_or_tilt and noise < _NOISE * largest:
+    if (
+        load.least_normal_load is None
+        and not load.repeats
+        and not load.has_bulk_or_tilt
+        and noise < _NOISE * largest
+    ):
         # Twice the largest P of the bad rows, to two digits: noise does not end there.
         noise = max(2 * noise, _NOISE / 50 * largest)
         step = 10.0 ** (np.floor(np.log10(noise)) - 1)
         least = float(np.floor(noise / step) + 1) * step
-        return f"{place}. Rows of so little load are noise where it is: write load.least_normal_load = {least:.6g}"
-    return f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
+        return (
+            f"{place}. Rows of so little load are noise where it is: write load.least_normal_load ="
+            f" {least:.6g}"
+        )
+    return (
+        f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
+    )
 
 
 def _check(scene: Scene) -> None:
@@ -166,21 +195,29 @@ def largest_normal_load(scene: Scene) -> float:
 
 def _when_largest(scene: Scene) -> tuple[float, float]:
     """Largest P of the path and when that is."""
-    return max(_highest(leg, lambda time, leg=leg: leg.loads(time)[0]) for leg, _ in _deciding_legs(scene))  # type: ignore[misc]
+    return max(
+        _highest(leg, lambda time, leg=leg: leg.loads(time)[0]) for leg, _ in _deciding_legs(scene)
+    )  # type: ignore[misc]
 
 
 def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
-    """|Q|/(f P) of legs (..., n samples each); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
+    """|Q|/(f P) of legs (..., n samples each); 0 at P = Q = 0, infinite at P < 0 or at Q beside P =
+    0 or f = 0.
+    """
     size = np.abs(tangential)
     # A load that is zero but for the rounding of its own leg is zero.
-    size = np.where(size <= _ROUNDING * friction * np.max(np.abs(normal), axis=-1, keepdims=True), 0.0, size)
+    size = np.where(
+        size <= _ROUNDING * friction * np.max(np.abs(normal), axis=-1, keepdims=True), 0.0, size
+    )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = size / (friction * normal)
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
 def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
-    """(largest value, its time) on one leg: the best sample, then twice the best of samples close around it."""
+    """(largest value, its time) on one leg: the best sample, then twice the best of samples close
+    around it.
+    """
     time = sampled(leg, _SAMPLES)
     for _ in range(3):
         value = of(time)
@@ -200,25 +237,32 @@ class _Engines:
     finite_elements: str
 
     def in_words(self, source: str) -> str:
-        """Which engine takes the scene, and which does not and why, with the command that works; "" where both do."""
+        """Which engine takes the scene, and which does not and why, with the command that works; ""
+        where both do.
+        """
         if self.half_plane:
-            return f"Finite elements alone take this scene, `halfplane fe {source}`; half-plane theory does not: {self.half_plane}"
+            return (
+                f"Finite elements alone take this scene, `halfplane fe {source}`; half-plane theory"
+                f" does not: {self.half_plane}"
+            )
         if self.finite_elements:
             return (
-                f"Half-plane theory alone takes this scene, `halfplane exact {source}`; finite elements do not: "
-                f"{self.finite_elements}"
+                f"Half-plane theory alone takes this scene, `halfplane exact {source}`; finite"
+                f" elements do not: {self.finite_elements}"
             )
         return ""
 
 
 def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _Engines:
-    """Which engines take a scene whose load path is admissible; finite elements can be asked where theory refuses alone.
+    """Which engines take a scene whose load path is admissible; finite elements can be asked where
+    theory refuses alone.
 
     Raises
     ------
     InputError
-        One sentence, for what no engine answers: rows that do not say what the profile is, real bodies that finite elements refuse
-        (theory has half-planes in their place), and what both refuse.
+        One sentence, for what no engine answers: rows that do not say what the profile is, real
+        bodies that finite elements refuse (theory has half-planes in their place), and what both
+        refuse.
     """
     from semi_analytic.profiles import contact_of
     from semi_analytic.solution import require_followable
@@ -243,23 +287,31 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
         except InputError as fault:
             elements = str(fault)
             if theory:
-                raise InputError(f"{source}: {fault}; half-plane theory refuses the scene too: {theory}") from fault
+                raise InputError(
+                    f"{source}: {fault}; half-plane theory refuses the scene too: {theory}"
+                ) from fault
             if not scene.bodies.half_planes:
-                alone = f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
+                alone = (
+                    f"`halfplane exact {source}` gives half-plane theory's answer, which knows no"
+                    " bodies"
+                )
                 raise InputError(f"{source}: {fault}; {alone}") from fault
     return _Engines(theory, elements)
 
 
 def _require_room(scene: Scene, source: str) -> None:
-    """InputError where the contact by half-plane theory is wider than the narrower face; nothing is meshed for it.
+    """InputError where the contact by half-plane theory is wider than the narrower face; nothing is
+    meshed for it.
 
-    A layer thinner than the face is wide makes the contact narrower than theory's: there the limit is wider, and finite elements
-    look at what is below it.
+    A layer thinner than the face is wide makes the contact narrower than theory's: there the limit
+    is wider, and finite elements look at what is below it.
     """
     from halfplane_fe.interface import face_room
 
     room = float(face_room(scene))
-    heights = [float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)]
+    heights = [
+        float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
+    ]
     limit = _ROOM if min(heights) >= 1.5 * room else _ROOM_OF_LAYERS
     largest = largest_contact(scene, source)
     if largest.half_width <= limit * room:
@@ -267,11 +319,13 @@ def _require_room(scene: Scene, source: str) -> None:
     force, length, stress = units(scene)
     first = "".join(f"{remark} " for remark in remarks(scene, largest))
     raise InputError(
-        f"{source}: {first}Check the units first: loads are in {force} per {length} of thickness, E is in {stress}, sizes are in "
-        f"{length}. bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = {room:.6g}: by "
-        f"half-plane theory P = {largest.normal_load:.6g} gives the half-width {largest.half_width:.4g}, which is "
-        f"{largest.half_width / room:.3g} times that. If the units are right, make the bodies wider, or the load less; "
-        f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
+        f"{source}: {first}Check the units first: loads are in {force} per {length} of thickness, E"
+        f" is in {stress}, sizes are in {length}. bodies: the contact at the largest load reaches"
+        f" past the end of the narrower face, at |x| = {room:.6g}: by half-plane theory P ="
+        f" {largest.normal_load:.6g} gives the half-width {largest.half_width:.4g}, which is"
+        f" {largest.half_width / room:.3g} times that. If the units are right, make the bodies"
+        f" wider, or the load less; `halfplane exact {source}` gives half-plane theory's answer,"
+        " which knows no bodies"
     )
 
 
@@ -284,14 +338,17 @@ class _LargestContact:
     peak_pressure: float  # p0 [stress]; infinite at the tip of a sharp wedge
     strain: float  # p0/E*; the mean pressure over E* where p0 is infinite
     edge_slope: float  # h'(a), which is a/R for Hertz
-    ratios: dict[str, float]  # a over the radii of the profile, its half-length over a, sizes of the bodies over a
+    # a over the radii of the profile, its half-length over a, sizes of the bodies over a
+    ratios: dict[str, float]
 
 
 def largest_contact(scene: Scene, source: str) -> _LargestContact:
-    """What theory says of the largest load; InputError naming `source` where it can't press the profile together with it.
+    """What theory says of the largest load; InputError naming `source` where it can't press the
+    profile together with it.
 
-    That is a table or a function which ends within the contact, a shape under which the contact would split, a tilt of a profile
-    that bends down somewhere. The history does not matter, nor does bulk stress: neither moves p.
+    That is a table or a function which ends within the contact, a shape under which the contact
+    would split, a tilt of a profile that bends down somewhere. The history does not matter, nor
+    does bulk stress: neither moves p.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -302,7 +359,11 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
         path = scene.load.path()
         for leg in (*path.initial_loading, *path.cycle):
             if leg.turning is not None and leg.start <= time <= leg.end:
-                turned = {"moment" if path.moment_given else "tilt": float(leg.turning.loads(time)[int(path.moment_given)])}
+                turned = {
+                    "moment" if path.moment_given else "tilt": float(
+                        leg.turning.loads(time)[int(path.moment_given)]
+                    )
+                }
     still = scene.model_copy(update={"load": PolygonLoad(initial_loading=((load, 0.0),), **turned)})
 
     def solved(x: Array, *fields: str) -> ContactSolution:
@@ -312,16 +373,21 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
         left, right = solved(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones around the best.
+    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
+    # around the best.
     half = (right - left) / 2
     x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
-    x = np.union1d(x, [kink for one in scene.profile.kinks for kink in (-one, one) if left < kink < right])
+    x = np.union1d(
+        x, [kink for one in scene.profile.kinks for kink in (-one, one) if left < kink < right]
+    )
     pressure = solved(x, "pressure").pressure[0]
     best = int(np.argmax(pressure))
     near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
     peak = max(float(pressure[best]), float(np.max(solved(near, "pressure").pressure)))
     ends = np.array([left, right])
-    slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[:, 0] / (2e-6 * np.abs(ends))
+    slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[
+        :, 0
+    ] / (2e-6 * np.abs(ends))
     slope, mean = float(np.max(slopes)), load / (2 * half)
     strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)
     return _LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
@@ -331,13 +397,17 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
 class _BulkAndTilt:
     """What bulk stress and tilt do to a contact, from the loads alone."""
 
-    strain: float  # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
-    # e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
+    # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1
+    # - nu^2)
+    strain: float
+    # e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and
+    # without friction
     eccentricity: float | None
-    # that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate. Infinite where Q
-    # stands still, None where eps does
+    # that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk
+    # is moderate. Infinite where Q stands still, None where eps does
     share_of_moderate: float | None
-    # middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
+    # middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of
+    # other profiles
     centre: float | None
 
 
@@ -351,14 +421,27 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     path, shares, rows = scene.load.path(), bulk_strains(scene.material), []
     for leg in (*path.initial_loading, *path.cycle):
         time = sampled(leg, 129)
-        bulk, turning = (part.loads(time) if part is not None else np.zeros((2, len(time))) for part in (leg.bulk, leg.turning))
-        rows.append(np.array([leg.loads(time)[0], shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]), *turning]))
+        bulk, turning = (
+            part.loads(time) if part is not None else np.zeros((2, len(time)))
+            for part in (leg.bulk, leg.turning)
+        )
+        rows.append(
+            np.array(
+                [
+                    leg.loads(time)[0],
+                    shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]),
+                    *turning,
+                ]
+            )
+        )
     load, strain, tilt, moment = np.concatenate(rows, axis=1)
     found, centre = semi_analytic.eccentricity(scene), None
     if isinstance(scene.profile, Hertz):
         radius, pressed = scene.profile.radius, load > 0
         places = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
-        places = places / np.sqrt(4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material)))
+        places = places / np.sqrt(
+            4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material))
+        )
         centre = float(places[np.argmax(np.abs(places))])
     amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
     return _BulkAndTilt(
@@ -404,11 +487,21 @@ def remarks(scene: Scene, found: _LargestContact) -> list[str]:
     for key, material in pair.items() if pascal else ():
         modulus, soft = material.young_modulus * pascal, material.poisson_ratio < _RUBBER
         if modulus > _DIAMOND or (modulus < _SOFT and soft):
-            said.append(in_template("odd_modulus", key, material.young_modulus, stress, modulus > _DIAMOND, _STEEL / pascal))
+            said.append(
+                in_template(
+                    "odd_modulus",
+                    key,
+                    material.young_modulus,
+                    stress,
+                    modulus > _DIAMOND,
+                    _STEEL / pascal,
+                )
+            )
     if scene.friction.coefficient > _FRICTION:
         said.append(
-            f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids has. Is it in per cent? "
-            f"{scene.friction.coefficient:g} % is {scene.friction.coefficient / 100:g}."
+            f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"
+            f" has. Is it in per cent? {scene.friction.coefficient:g} % is"
+            f" {scene.friction.coefficient / 100:g}."
         )
     if found.strain > _STRAIN or found.edge_slope > _SLOPE:
         said.append(in_template("beyond_elasticity", found, _STRAIN, _SLOPE, force, length, stress))

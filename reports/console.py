@@ -1,4 +1,6 @@
-"""What the terminal shows: stages with progress on stderr, tables on stdout. Plain lines where there is no terminal."""
+"""What the terminal shows: stages with progress on stderr, tables on stdout. Plain lines where
+there is no terminal.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,17 @@ from rich.text import Text
 
 _Report = Callable[[int, int | None, str], None]
 
-# Without a terminal a line of progress every so many seconds: enough to see life in a log, not enough to fill it.
+# Without a terminal a line of progress every so many seconds: enough to see life in a log, not
+# enough to fill it.
 _LINE_EVERY = 2.0
 # Seconds after which the first twentieth of a part is enough to foretell the rest.
 _FORETOLD = 60.0
 
 
 class Console(_RichConsole):
-    """Rich's console; a reader that has gone away is an error for the outermost door, which knows the exit code."""
+    """Rich's console; a reader that has gone away is an error for the outermost door, which knows
+    the exit code.
+    """
 
     def on_broken_pipe(self) -> None:
         """Raise what rich would end the program for."""
@@ -30,7 +35,9 @@ class Console(_RichConsole):
 
 
 class TimeLeft:
-    """How long the rest of a part takes if it goes on as it began; a part is one count from 0 to its total: a revolution."""
+    """How long the rest of a part takes if it goes on as it began; a part is one count from 0 to
+    its total: a revolution.
+    """
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
         self._clock, self._begun, self._done, self._total = clock, clock(), 0, 0
@@ -47,15 +54,23 @@ class TimeLeft:
         if total is None or done < self._done or total != self._total or not done:
             self._begun = now
         self._done, self._total = done, total or 0
-        # The first steps of a part are no measure of the rest: for a work of one minute they foretold 23.
-        if not done or not total or now <= self._begun or (20 * done < total and now - self._begun < _FORETOLD):
+        # The first steps of a part are no measure of the rest: for a work of one minute they
+        # foretold 23.
+        if (
+            not done
+            or not total
+            or now <= self._begun
+            or (20 * done < total and now - self._begun < _FORETOLD)
+        ):
             return ""
         left = (now - self._begun) / done * (total - done)
         return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
 
 
 class Stages:
-    """Runs the stages of a job one after the other, shows each, and keeps their wall times in `seconds`, every line in `log`."""
+    """Runs the stages of a job one after the other, shows each, and keeps their wall times in
+    `seconds`, every line in `log`.
+    """
 
     def __init__(self, quiet: bool = False) -> None:
         self.console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
@@ -95,9 +110,20 @@ class Stages:
 
     @contextmanager
     def _bar(self, name: str) -> Generator[_Report, None, None]:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+        )
 
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+        )
         left = TimeLeft()
         with Progress(*columns, console=self.console, transient=True) as progress:
             task = progress.add_task(name, total=None)
@@ -106,7 +132,9 @@ class Stages:
                 from rich.markup import escape
 
                 words = ", ".join(filter(None, (text, left.words(done, total))))
-                progress.update(task, completed=done, total=total, description=escape(f"{name}: {words}"))
+                progress.update(
+                    task, completed=done, total=total, description=escape(f"{name}: {words}")
+                )
 
             yield report
 
@@ -150,30 +178,52 @@ def show(parts: Iterable[Part]) -> None:
             say(*part)
 
 
-def show_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
+def show_table(
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
+) -> None:
     """A table on stdout; columns whose numbers are in `right` are set flush right."""
     console, lines = Console(highlight=False), [list(row) for row in rows]
-    # Rules between columns, and a blank on both sides of each where no word has to be broken for it.
-    airy, close = (_widths([columns, *lines], console.width - rules) for rules in (3 * len(columns) - 1, len(columns) + 1))
+    # Rules between columns, and a blank on both sides of each where no word has to be broken for
+    # it.
+    airy, close = (
+        _widths([columns, *lines], console.width - rules)
+        for rules in (3 * len(columns) - 1, len(columns) + 1)
+    )
     widths, blank = (airy, 1) if airy or not close else (close, 0)
-    table = Table(title=Text(_printable(title)), title_justify="left", title_style="bold", pad_edge=False, padding=(0, blank))
+    table = Table(
+        title=Text(_printable(title)),
+        title_justify="left",
+        title_style="bold",
+        pad_edge=False,
+        padding=(0, blank),
+    )
     sizes: Sequence[int | None] = widths or [None] * len(columns)
     for number, (column, cells) in enumerate(zip(columns, sizes, strict=True)):
-        table.add_column(column, justify="right" if number in right else "left", overflow="fold", width=cells)
+        table.add_column(
+            column, justify="right" if number in right else "left", overflow="fold", width=cells
+        )
     for row in lines:
         table.add_row(*(_coloured(cell) for cell in row))
     console.print(table)
 
 
 def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Widths of columns in which no word is broken, for a table that has `room` for its cells; empty where there is none.
+    """Widths of columns in which no word is broken, for a table that has `room` for its cells;
+    empty where there is none.
 
-    >>> _widths([("a long head", "b"), ("word", "c")], 80), _widths([("a long head", "two words")], 12), _widths([("words",)], 4)
+    >>> (
+    ...     _widths([("a long head", "b"), ("word", "c")], 80),
+    ...     _widths([("a long head", "two words")], 12),
+    ...     _widths([("words",)], 4),
+    ... )
     ([11, 1], [6, 6], [])
     """
     columns = list(zip(*lines, strict=True))
     whole = [max(cell_len(_printable(cell)) for cell in column) for column in columns]
-    least = [max(cell_len(word) for cell in column for word in _printable(cell).split() or [""]) for column in columns]
+    least = [
+        max(cell_len(word) for cell in column for word in _printable(cell).split() or [""])
+        for column in columns
+    ]
     if sum(whole) <= room:
         return whole
     if sum(least) > room:
@@ -186,18 +236,30 @@ def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
 
 
 def _coloured(cell: str) -> Text:
-    """Verdict words in colour, where the terminal has any; every cell taken literally, brackets and all."""
-    style = {"within": "green", "yes": "green", "outside": "bold red", "no": "bold red", "undecided": "bold yellow"}.get(cell, "")
+    """Verdict words in colour, where the terminal has any; every cell taken literally, brackets and
+    all.
+    """
+    style = {
+        "within": "green",
+        "yes": "green",
+        "outside": "bold red",
+        "no": "bold red",
+        "undecided": "bold yellow",
+    }.get(cell, "")
     return Text(_printable(cell), style=style)
 
 
 def _printable(text: str) -> str:
-    """What a file says must not steer the terminal: its control characters are shown as their escapes."""
+    """What a file says must not steer the terminal: its control characters are shown as their
+    escapes.
+    """
     return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
 def say(text: str, style: str = "") -> None:
-    """A line on stdout, taken literally and never broken; `style` where the terminal has colours."""
+    """A line on stdout, taken literally and never broken; `style` where the terminal has
+    colours.
+    """
     Console(highlight=False, soft_wrap=True).print(Text(_printable(text), style=style))
 
 

@@ -1,7 +1,7 @@
 """The folder that results go to: found usable before any solving, filled in one go, never half.
 
-Files and folders have a hidden name until they are whole; it holds the machine and the process that writes, so that the next run
-finds what a killed process left, and removes it.
+Files and folders have a hidden name until they are whole; it holds the machine and the process that
+writes, so that the next run finds what a killed process left, and removes it.
 """
 
 from __future__ import annotations
@@ -26,15 +26,18 @@ from meshes.interrupts import interrupts_wait
 from scenes import InputError, files
 from scenes.files import parsed_json, text_of
 
-# ---------------------------------------------------------------------------------------------------- hidden until whole
+# ------------------------------------------------------------------------------- hidden until whole
 # None on Windows, which has other locks.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
 
 # Of a container its own processes: one of another with the same name and number may live.
 _SPACE = Path("/proc/self/ns/pid")
-_HERE = hashlib.sha256(f"{platform.node()} {_SPACE.readlink() if _SPACE.is_symlink() else ''}".encode()).hexdigest()[:6]
+_HERE = hashlib.sha256(
+    f"{platform.node()} {_SPACE.readlink() if _SPACE.is_symlink() else ''}".encode()
+).hexdigest()[:6]
 _OURS = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
-# Seconds: where nobody says whether its process lives, what did not change for a day is left behind.
+# Seconds: where nobody says whether its process lives, what did not change for a day is left
+# behind.
 _LEFT_BEHIND = 86400.0
 
 
@@ -81,18 +84,24 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Write a file in one go: a reader sees the old one or the new one; InputError where that is not possible."""
+    """Write a file in one go: a reader sees the old one or the new one; InputError where that is
+    not possible.
+    """
     try:
         remove_left_behind(path.parent)
         with _made(path.parent):
             replace_file(path, text.encode())
     except OSError as reason:
-        raise InputError(f"{path}: the file can't be written: {reason.strerror or reason}; name another place") from reason
+        raise InputError(
+            f"{path}: the file can't be written: {reason.strerror or reason}; name another place"
+        ) from reason
 
 
 @contextmanager
 def _made(folder: Path) -> Generator[None, None, None]:
-    """`folder` is there, with all above it; what had to be made for that goes again after an error, unless something lies in it."""
+    """`folder` is there, with all above it; what had to be made for that goes again after an error,
+    unless something lies in it.
+    """
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -107,14 +116,18 @@ def _made(folder: Path) -> Generator[None, None, None]:
 def remove_left_behind(folder: Path) -> None:
     """Remove what killed processes left in `folder` under a hidden name of ours."""
     with suppress(OSError), os.scandir(folder) as entries:
-        for entry in [entry for entry in entries if _OURS.fullmatch(entry.name) and not entry.is_symlink()]:
+        for entry in [
+            entry for entry in entries if _OURS.fullmatch(entry.name) and not entry.is_symlink()
+        ]:
             with suppress(OSError):
                 if _is_dead(Path(entry.path)):
                     _remove(Path(entry.path))
 
 
 def _is_dead(path: Path) -> bool:
-    """Whether the process that made a hidden file or folder has ended: one of this machine is asked for, of others age counts."""
+    """Whether the process that made a hidden file or folder has ended: one of this machine is asked
+    for, of others age counts.
+    """
     found = _OURS.fullmatch(path.name)
     if found and found[1] == _HERE and found[2] and sys.platform != "win32":
         try:
@@ -124,7 +137,10 @@ def _is_dead(path: Path) -> bool:
         except PermissionError:  # somebody else's
             pass
         return False
-    return time.time() - max(there.stat().st_mtime for there in (path, *path.rglob("*"))) > _LEFT_BEHIND
+    return (
+        time.time() - max(there.stat().st_mtime for there in (path, *path.rglob("*")))
+        > _LEFT_BEHIND
+    )
 
 
 MANIFEST = "manifest.json"
@@ -136,10 +152,16 @@ RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "referen
 
 def files_of_a_solution(name: str) -> tuple[str, ...]:
     """The files that hold one solution, `name` being that of its engine, or "partial"."""
-    return (MANIFEST, "run.log", "scene.json", *(f"{name}.{kind}" for kind in ("nc", "json", "csv")))
+    return (
+        MANIFEST,
+        "run.log",
+        "scene.json",
+        *(f"{name}.{kind}" for kind in ("nc", "json", "csv")),
+    )
 
 
-# The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
+# The folder that the running command writes to, once it is known: run.log there takes the traceback
+# of an internal error.
 output_folder: ContextVar[Path | None] = ContextVar("output_folder", default=None)
 
 
@@ -157,7 +179,8 @@ def default_folder(name: str) -> Path:
 
 
 def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
-    """`out` as a path that results can be written to; it is not made yet. What killed runs left in it and beside it is removed.
+    """`out` as a path that results can be written to; it is not made yet. What killed runs left in
+    it and beside it is removed.
 
     `names` are files that will be written there.
 
@@ -169,7 +192,9 @@ def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
     folder = Path(out)
     try:
         if folder.exists() and not folder.is_dir():
-            raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
+            raise InputError(
+                f"--out {out}: this is a file; results go to a folder, so name another"
+            )
         for place in (folder, _above(folder)):
             remove_left_behind(place)
         _remove(_staging(folder))
@@ -194,21 +219,27 @@ def add_to_log(folder: Path, text: str) -> Path:
 
 
 @contextmanager
-def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()) -> Generator[Path, None, None]:
-    """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing does after an error.
+def filled(
+    out: str | Path, *, fresh: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()
+) -> Generator[Path, None, None]:
+    """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing
+    does after an error.
 
-    Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
-    one did not write again are removed where their names start with one of `fresh` (all do by default), since a page must
-    not stand beside figures of another run; the others stay too. Of two runs that fill one folder at once, the one that
-    moves its files last leaves all of them. Where `out` can't be filled in the end, all in it stays as it was, the new
+    Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an
+    earlier run that this one did not write again are removed where their names start with one of
+    `fresh` (all do by default), since a page must not stand beside figures of another run; the
+    others stay too. Of two runs that fill one folder at once, the one that moves its files last
+    leaves all of them. Where `out` can't be filled in the end, all in it stays as it was, the new
     files are kept beside it, and the error says where that is.
 
     Parameters
     ----------
     out : the folder
-    fresh : beginnings of the names of earlier files that are removed where they are not written again
-    solutions : names of files, each written in one go, that must outlive a fault in what is written after them. They move to
-        `out` alone, and a note of the error says so; where the disk itself fails they are kept beside `out`
+    fresh : beginnings of the names of earlier files that are removed where they are not written
+        again
+    solutions : names of files, each written in one go, that must outlive a fault in what is written
+        after them. They move to `out` alone, and a note of the error says so; where the disk itself
+        fails they are kept beside `out`
 
     Raises
     ------
@@ -265,13 +296,22 @@ def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
 
 
 def _move_solutions(
-    staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path, solutions: tuple[str, ...], fault: Exception
+    staging: Path,
+    folder: Path,
+    fresh: tuple[str, ...],
+    out: str | Path,
+    solutions: tuple[str, ...],
+    fault: Exception,
 ) -> None:
-    """After `fault`: the solutions that were written go to their folder, and a note of the fault names them."""
+    """After `fault`: the solutions that were written go to their folder, and a note of the fault
+    names them.
+    """
     with suppress(OSError, InputError):  # the fault itself is what has to be said
         if written := _leave_only(staging / "results", solutions):
             _move(staging, folder, fresh, out)
-            fault.add_note(f"the solutions are saved: {' and '.join(str(folder / name) for name in written)}")
+            fault.add_note(
+                f"the solutions are saved: {' and '.join(str(folder / name) for name in written)}"
+            )
 
 
 def _is_about_another_file(fault: OSError, staging: Path) -> bool:
@@ -279,7 +319,9 @@ def _is_about_another_file(fault: OSError, staging: Path) -> bool:
 
 
 def _visible(staging: Path) -> Path:
-    """The folder under a name that users see and no run removes, what they have no use for taken out; else under its own."""
+    """The folder under a name that users see and no run removes, what they have no use for taken
+    out; else under its own.
+    """
     try:
         for path in staging.iterdir():
             if path.is_file():
@@ -292,18 +334,26 @@ def _visible(staging: Path) -> Path:
 
 
 def _unwritable(out: str | Path, reason: OSError) -> InputError:
-    return InputError(f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another")
+    return InputError(
+        f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another"
+    )
 
 
 def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
     """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
-    # Where folders can't be locked another run may move its files now: the manifest goes there before them, so it is read after.
+    # Where folders can't be locked another run may move its files now: the manifest goes there
+    # before them, so it is read after.
     there = {name for name in names if os.path.lexists(folder / name)}
     for name in sorted(set(names) - set(_owned(folder))):
         if not _lies_in(folder, name):
-            raise InputError(f"--out {out}: {name} would be written outside, through a link; name another folder")
+            raise InputError(
+                f"--out {out}: {name} would be written outside, through a link; name another folder"
+            )
         if name in there:
-            raise InputError(f"--out {out}: {name} is there already and halfplane did not write it; name another folder or move it")
+            raise InputError(
+                f"--out {out}: {name} is there already and halfplane did not write it; name another"
+                " folder or move it"
+            )
 
 
 def _above(folder: Path) -> Path:
@@ -312,7 +362,8 @@ def _above(folder: Path) -> Path:
 
 
 def _staging(folder: Path) -> Path:
-    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if that can't be.
+    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if
+    that can't be.
 
     Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """
@@ -320,7 +371,9 @@ def _staging(folder: Path) -> Path:
 
 
 def _files(folder: Path) -> list[str]:
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    return sorted(
+        path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
+    )
 
 
 def _manifest(path: Path, names: Iterable[str]) -> Path:
@@ -330,18 +383,26 @@ def _manifest(path: Path, names: Iterable[str]) -> Path:
 
 
 def _owned(folder: Path) -> list[str]:
-    """Files in `folder` that an earlier run listed as its own; a manifest that is not ours lists none."""
+    """Files in `folder` that an earlier run listed as its own; a manifest that is not ours lists
+    none.
+    """
     try:
         stored = parsed_json(text_of(folder / MANIFEST, "the manifest"))
     except (OSError, ValueError):
         return []
-    if not isinstance(stored, dict) or stored.get("written by") != "halfplane" or not isinstance(stored.get("files"), list):
+    if (
+        not isinstance(stored, dict)
+        or stored.get("written by") != "halfplane"
+        or not isinstance(stored.get("files"), list)
+    ):
         return []
     return [name for name in stored["files"] if isinstance(name, str) and _lies_in(folder, name)]
 
 
 def _lies_in(folder: Path, name: str) -> bool:
-    """Whether a file of that name lies in `folder` itself: not above it, and not behind a link that leads out of it."""
+    """Whether a file of that name lies in `folder` itself: not above it, and not behind a link that
+    leads out of it.
+    """
     try:
         return bool(name) and (folder / name).parent.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError):
@@ -349,10 +410,12 @@ def _lies_in(folder: Path, name: str) -> bool:
 
 
 def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
-    """The results to `folder`: the old page goes first, the new one comes last. After an error everything is as it was before.
+    """The results to `folder`: the old page goes first, the new one comes last. After an error
+    everything is as it was before.
 
-    The manifest that goes there before any file lists what was there and what will be, so that a run killed between two
-    moves leaves nothing that the next one takes for somebody else's; the one that goes there last, what is there.
+    The manifest that goes there before any file lists what was there and what will be, so that a
+    run killed between two moves leaves nothing that the next one takes for somebody else's; the one
+    that goes there last, what is there.
     """
     results, before = staging / "results", staging / "before"
     new = _files(results)
@@ -360,7 +423,10 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
         _refuse_foreign(folder, new, out)
         others = set(_owned(folder)) - {*new, MANIFEST}
         stale = {name for name in others if name.startswith(fresh)}
-        old = sorted((name for name in {*new, *stale} if os.path.lexists(folder / name)), key=lambda name: (name != _PAGE, name))
+        old = sorted(
+            (name for name in {*new, *stale} if os.path.lexists(folder / name)),
+            key=lambda name: (name != _PAGE, name),
+        )
         begun = _manifest(staging / "begun.json", {*new, *others})
         ended = _manifest(staging / "ended.json", {*new, *(others - stale)})
         for name in old:
@@ -392,7 +458,8 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
 
 @contextmanager
 def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator[None, None, None]:
-    """Wait for other processes that move files to `folder`; not where the system can't lock a folder (Windows, some networks).
+    """Wait for other processes that move files to `folder`; not where the system can't lock a
+    folder (Windows, some networks).
 
     One that goes meanwhile is made again, or FileNotFoundError.
     """
@@ -403,7 +470,8 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
         handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):  # else it was just replaced
+            # else it was just replaced
+            if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):
                 break
         except BlockingIOError:
             pass
@@ -412,8 +480,8 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
         os.close(handle)
         if time.monotonic() > end:
             raise InputError(
-                f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves no files (is it stopped?); "
-                "end it, or name another folder"
+                f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves"
+                " no files (is it stopped?); end it, or name another folder"
             )
         time.sleep(0.01)
     try:

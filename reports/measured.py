@@ -1,4 +1,5 @@
-"""Measured loads: what reduction and noise make of the dissipation, cycles counted by rainflow, the dissipation of each of them.
+"""Measured loads: what reduction and noise make of the dissipation, cycles counted by rainflow, the
+dissipation of each of them.
 
 # notation: P, Q loads; W dissipation; sigma standard deviation of the noise of a row
 """
@@ -21,32 +22,38 @@ Array = NDArray[np.float64]
 
 # Of W: a change that is worth a warning.
 _WARNED = 0.01
-# Rows beyond which W of other reductions is not computed: half-plane theory takes a second for 100,000.
+# Rows beyond which W of other reductions is not computed: half-plane theory takes a second for
+# 100,000.
 _MOST_ROWS = 200_000
-# Differences of the second and of the fourth order of white noise state one sigma; of anything smooth the latter are far less.
+# Differences of the second and of the fourth order of white noise state one sigma; of anything
+# smooth the latter are far less.
 _ALIKE = (0.7, 1.4)
-# Fewer rows tell noise from loads by chance; so many of the first show what there is, predicted from so many rows before each.
+# Fewer rows tell noise from loads by chance; so many of the first show what there is, predicted
+# from so many rows before each.
 _LEAST_ROWS, _PREDICTED, _LAGS = 50, 20_000, 8
 # Cycles and instants in files, cycles on a page.
 _LISTED, _INSTANTS, _SHOWN = 1000, 400, 10
 
 
-# ------------------------------------------------------------------------------------------------- reduction and noise
+# ------------------------------------------------------------------------------ reduction and noise
 @dataclass(frozen=True)
 class RecordCheck:
-    """What reduction and noise make of W, by half-plane theory; None for what was not asked or could not be computed."""
+    """What reduction and noise make of W, by half-plane theory; None for what was not asked or
+    could not be computed.
+    """
 
     # rows, kept: of the record, and those that the path goes through
     rows: int
     kept: int
-    # dissipation, unreduced, all_rows, half_threshold: W of the path, of it without reduction, of all rows, with half the
-    # threshold
+    # dissipation, unreduced, all_rows, half_threshold: W of the path, of it without reduction, of
+    # all rows, with half the threshold
     dissipation: float | None
     unreduced: float | None
     all_rows: float | None
     half_threshold: float | None
     noise: tuple[float, float]  # (sigma of P, sigma of Q), 0 where none is seen
-    # average, averaged: how many rows a mean may stand for before it blurs the loads; W of all rows in such means
+    # average, averaged: how many rows a mean may stand for before it blurs the loads; W of all rows
+    # in such means
     average: int
     averaged: float | None
 
@@ -90,19 +97,26 @@ def _work(scene: Scene, **changes: Any) -> float | None:
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise of rows (n,), from the median of their fourth differences; 0 where none is seen.
+    """Standard deviation of white noise of rows (n,), from the median of their fourth differences;
+    0 where none is seen.
 
-    White noise has second differences of variance 6 sigma^2, fourth ones of 70 sigma^2, and can't be predicted from the rows
-    before. Of a load that is resolved by its rows the fourth differences are far smaller; one of a few rows a period is predicted.
+    White noise has second differences of variance 6 sigma^2, fourth ones of 70 sigma^2, and can't
+    be predicted from the rows before. Of a load that is resolved by its rows the fourth differences
+    are far smaller; one of a few rows a period is predicted.
 
     >>> t = np.linspace(0, 20, 2000)
-    >>> noise_of(np.sin(t)), round(noise_of(np.sin(t) + np.random.default_rng(1).normal(0, 0.1, 2000)), 2)
+    >>> (
+    ...     noise_of(np.sin(t)),
+    ...     round(noise_of(np.sin(t) + np.random.default_rng(1).normal(0, 0.1, 2000)), 2),
+    ... )
     (0.0, 0.1)
     """
     values = values[:_PREDICTED]
     if len(values) < _LEAST_ROWS:
         return 0.0
-    second, fourth = (1.4826 * float(np.median(np.abs(np.diff(values, k)))) / n**0.5 for k, n in ((2, 6), (4, 70)))
+    second, fourth = (
+        1.4826 * float(np.median(np.abs(np.diff(values, k)))) / n**0.5 for k, n in ((2, 6), (4, 70))
+    )
     if not (fourth > 0 and _ALIKE[0] < second / fourth < _ALIKE[1]):
         return 0.0
     before = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
@@ -112,11 +126,15 @@ def noise_of(values: Array) -> float:
 
 
 def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
-    """How many rows (n, 3) a mean may stand for: as long as the means still look like noise, they blur nothing of the loads."""
+    """How many rows (n, 3) a mean may stand for: as long as the means still look like noise, they
+    blur nothing of the loads.
+    """
     count = 1
     while len(rows) // (count + 1) >= _LEAST_ROWS:
         blurred = means(rows, count + 1)
-        if not all(noise_of(blurred[:, column]) for column, size in zip((1, 2), sigma, strict=True) if size):
+        if not all(
+            noise_of(blurred[:, column]) for column, size in zip((1, 2), sigma, strict=True) if size
+        ):
             break
         count += 1
     return count
@@ -134,12 +152,21 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
 
     first, beyond = load.bounds()
     if beyond - first < len(load.rows):
-        yield f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start and end.", False
+        yield (
+            (
+                f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start"
+                " and end."
+            ),
+            False,
+        )
     if load.least_normal_load is not None:
         low = load.rows.values[first:beyond, 1] < load.least_normal_load
         yield (
-            f"P is below least_normal_load = {number(load.least_normal_load)} {unit} in {np.count_nonzero(low):,} of the rows: "
-            f"Q counts as 0 there. Of these the first {int(np.argmin(low)):,} are initial loading at Q = 0.",
+            (
+                f"P is below least_normal_load = {number(load.least_normal_load)} {unit} in"
+                f" {np.count_nonzero(low):,} of the rows: Q counts as 0 there. Of these the first"
+                f" {int(np.argmin(low)):,} are initial loading at Q = 0."
+            ),
             False,
         )
     if load.reduce is not None:
@@ -152,33 +179,49 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
         else:
             by, much = change(found.dissipation, found.unreduced)
             yield (
-                f"{words}: by half-plane theory W = {number(found.dissipation or 0.0)} {energy}, and "
-                f"{number(found.unreduced)} with {all_of} ({by}).",
+                (
+                    f"{words}: by half-plane theory W = {number(found.dissipation or 0.0)}"
+                    f" {energy}, and {number(found.unreduced)} with {all_of} ({by})."
+                ),
                 much,
             )
     if found.half_threshold is not None and found.dissipation:
         by, much = change(found.half_threshold, found.dissipation)
         yield f"With half the threshold W changes by {by}.", much
     if any(found.noise):
-        seen = f"The rows look noisy: standard deviation {found.noise[0]:.2g} of P and {found.noise[1]:.2g} {unit} of Q"
+        seen = (
+            f"The rows look noisy: standard deviation {found.noise[0]:.2g} of P and"
+            f" {found.noise[1]:.2g} {unit} of Q"
+        )
         if load.average > 1:
             by, much = change(found.unreduced, found.all_rows)
-            doubt = ": by noise, or because means of so many rows blur the loads; compare with a smaller load.average" * much
+            doubt = (
+                ": by noise, or because means of so many rows blur the loads; compare with a"
+                " smaller load.average" * much
+            )
             yield f"{seen}. The means of {load.average} rows change W by {by}{doubt}.", False
         elif found.by_noise is None:
-            yield f"{seen}. How much of W is noise can't be told: there are too few rows a cycle, or the record repeats.", False
+            yield (
+                (
+                    f"{seen}. How much of W is noise can't be told: there are too few rows a cycle,"
+                    " or the record repeats."
+                ),
+                False,
+            )
         else:
             by, much = change(found.averaged, found.all_rows)
             cure = f"; load.average = {found.average} takes it out" if much else ""
             yield f"{seen}. Means of {found.average} rows change W by {by}{cure}.", much
 
 
-# --------------------------------------------------------------------------------------------------- cycles and their work
+# ---------------------------------------------------------------------------- cycles and their work
 @dataclass(frozen=True)
 class LoadCycle:
-    """A cycle of Q that rainflow counts: 1 for a closed one, 0.5 for half of one; `end` is when it closes.
+    """A cycle of Q that rainflow counts: 1 for a closed one, 0.5 for half of one; `end` is when it
+    closes.
 
-    `dissipation` is that of its own time, without what closed cycles within it dissipate: all of them add up to W.
+    `dissipation` is that of its own time, without what closed cycles within it dissipate: all of
+    them add up to W.
     """
 
     count: float
@@ -191,7 +234,9 @@ class LoadCycle:
 
 @dataclass(frozen=True, eq=False)
 class LoadCycles:
-    """Cycles of Q in the order in which they end, and the dissipation so far, (n,) at the times (n,)."""
+    """Cycles of Q in the order in which they end, and the dissipation so far, (n,) at the times
+    (n,).
+    """
 
     cycles: tuple[LoadCycle, ...]
     time: Array
@@ -222,12 +267,16 @@ class LoadCycles:
 
 
 def load_cycles(solution: ContactSolution) -> LoadCycles | None:
-    """Cycles of a measured record and the dissipation of each; None for other loads, and for results of other programs.
+    """Cycles of a measured record and the dissipation of each; None for other loads, and for
+    results of other programs.
 
     Of a record that repeats: of its last cycle.
     """
     scene = solution.scene
-    if not isinstance(scene.load, TimeSeriesLoad) or solution.engine not in ("semi_analytic", "halfplane_fe"):
+    if not isinstance(scene.load, TimeSeriesLoad) or solution.engine not in (
+        "semi_analytic",
+        "halfplane_fe",
+    ):
         return None
     rows = scene.load.series()
     late = 0.0
@@ -244,20 +293,28 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     so_far -= so_far[0]
     solved = rows[rows[:, 0] <= time[-1] + slack]
     cycles = tuple(with_work(counted(solved[:, 0], solved[:, 2]), time, so_far))
-    return LoadCycles(tuple(replace(one, start=one.start + late, end=one.end + late) for one in cycles), time + late, so_far)
+    return LoadCycles(
+        tuple(replace(one, start=one.start + late, end=one.end + late) for one in cycles),
+        time + late,
+        so_far,
+    )
 
 
 def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]:
-    """Times of rows (n, 3) and of the ends of their cycles, and W since the time before each, by half-plane theory.
+    """Times of rows (n, 3) and of the ends of their cycles, and W since the time before each, by
+    half-plane theory.
 
-    A row more on a straight line changes nothing of the path, so that the work between two rows needs no interpolation.
+    A row more on a straight line changes nothing of the path, so that the work between two rows
+    needs no interpolation.
     """
     import semi_analytic
 
     ends = np.unique([cycle.end for cycle in counted(rows[:, 0], rows[:, 2])])
     after = np.clip(np.searchsorted(rows[:, 0], ends), 1, len(rows) - 1)
     apart = np.minimum(np.abs(rows[after, 0] - ends), np.abs(ends - rows[after - 1, 0]))
-    time = np.sort(np.concatenate([rows[:, 0], ends[apart > 1e-9 * (rows[after, 0] - rows[after - 1, 0])]]))
+    time = np.sort(
+        np.concatenate([rows[:, 0], ends[apart > 1e-9 * (rows[after, 0] - rows[after - 1, 0])]])
+    )
     path = np.column_stack([time, *(np.interp(time, rows[:, 0], rows[:, k]) for k in (1, 2))])
     closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=scene.load.repeats))  # type: ignore[union-attr]
     found = semi_analytic.solve(closer, x=[0.0], time=time + late, fields=("dissipation",))
@@ -265,10 +322,11 @@ def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]
 
 
 def counted(time: Array, force: Array) -> list[LoadCycle]:
-    """Cycles of a force (n,), straight between the times (n,), without their work, in the order in which they end.
+    """Cycles of a force (n,), straight between the times (n,), without their work, in the order in
+    which they end.
 
-    A closed cycle lasts from its first reversal to when the force is back there, so that cycles lie within one another in time;
-    halves follow each other.
+    A closed cycle lasts from its first reversal to when the force is back there, so that cycles lie
+    within one another in time; halves follow each other.
     """
     from rainflow import extract_cycles
 
@@ -280,7 +338,9 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
 
 
 def with_work(cycles: Sequence[LoadCycle], time: Array, so_far: Array) -> Iterator[LoadCycle]:
-    """The cycles with the work of each, from its sum `so_far` (m,) at times (m,), straight between them."""
+    """The cycles with the work of each, from its sum `so_far` (m,) at times (m,), straight between
+    them.
+    """
     ended: list[tuple[float, float]] = []  # start and work of cycles that none has taken in yet
     for cycle in cycles:
         whole = float(np.interp(cycle.end, time, so_far) - np.interp(cycle.start, time, so_far))
@@ -305,7 +365,9 @@ def _back(time: Array, force: Array, first: int, last: int) -> float:
 
 
 def record_content(scene: Scene) -> dict[str, Any] | None:
-    """For JSON: how files were read, what reduction and noise make of W; None where nothing was measured."""
+    """For JSON: how files were read, what reduction and noise make of W; None where nothing was
+    measured.
+    """
     read, found = read_in_pairs(scene), check_record(scene)
     if not read and found is None:
         return None
@@ -315,7 +377,9 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
 
 
 def read_in_pairs(scene: Scene) -> dict[str, tuple[tuple[str, str], ...]]:
-    """How each file beside the scene was read, by its key: what was found in it, what was stated, what was assumed."""
+    """How each file beside the scene was read, by its key: what was found in it, what was stated,
+    what was assumed.
+    """
     profile = getattr(scene.profile, "fitted", None) or scene.profile
     tables = (("load.file", scene.load), ("profile.file", profile))
     found = {name: getattr(table, "read_as", None) for name, table in tables}
@@ -323,11 +387,22 @@ def read_in_pairs(scene: Scene) -> dict[str, tuple[tuple[str, str], ...]]:
 
 
 def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
-    """What the page shows of measured data: how files were read, sentences on the record, its cycles; None where there is none."""
+    """What the page shows of measured data: how files were read, sentences on the record, its
+    cycles; None where there is none.
+    """
     read, record = read_in_pairs(scene), check_record(scene)
     if not read and record is None:
         return None
-    cycles = [(name_of(one.engine).capitalize(), found) for one in solutions if (found := load_cycles(one)) is not None]
+    cycles = [
+        (name_of(one.engine).capitalize(), found)
+        for one in solutions
+        if (found := load_cycles(one)) is not None
+    ]
     first = cycles[0][1].cycles if cycles else ()
     most = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
-    return {"read": read, "said": list(record_in_words(scene, record)) if record else [], "cycles": cycles, "most": most}
+    return {
+        "read": read,
+        "said": list(record_in_words(scene, record)) if record else [],
+        "cycles": cycles,
+        "most": most,
+    }

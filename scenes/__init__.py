@@ -1,31 +1,53 @@
-"""The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics.
+"""The question and the form of the answer: frozen types, the reading of scene files, the library of
+scenes. No mechanics.
 
 The question::
 
-    scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files and the library
+    scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files
+                    and the library
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas, through measured rows, by Python functions
-    measured.py     tables of numbers, from files, in the scene's units; long records by turning points or within a tolerance
-    fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
-    loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk stress and tilt beside P and Q
-    segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
+    measured.py     tables of numbers, from files, in the scene's units; long records by turning
+                    points or within a tolerance
+    fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial,
+                    smoothing spline
+    loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk
+                    stress and tilt beside P and Q
+    segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev
+                    series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     height_slopes.py    slope of a height function, and what its rounding leaves uncertain
-    frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
+    frozen.py       what every table of keys has in common: checked at every door, changed by
+                    `vary`, refused in one sentence
 
 Its files and the answer::
 
-    text_tables.py  text tables of any program to columns of numbers: separators, headings, the line of a fault
-    unit_words.py   words for units, their sizes, whether they are one set
-    files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
-    errors.py       what can go wrong, as sentences
-    arrays.py       arrays of real numbers from Python callers; the largest number that is admitted
-    solution.py     the form of every answer
+    text_tables.py  text tables of any program to columns of numbers: separators, headings, the line
+    of a fault unit_words.py   words for units, their sizes, whether they are one set files.py
+    files up to a stated size, whole or not at all: text, keys, NetCDF, source files errors.py
+    what can go wrong, as sentences arrays.py       arrays of real numbers from Python callers; the
+    largest number that is admitted solution.py     the form of every answer
 """
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
-from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError, ProfileDataError
-from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LineOfAction, PolygonLoad, TimeSeriesLoad, Wave, WaveSum
+from scenes.errors import (
+    ConvergenceError,
+    InadmissibleLoadError,
+    InputError,
+    Interrupted,
+    NotFoundError,
+    ProfileDataError,
+)
+from scenes.loads import (
+    CallableLoad,
+    EllipseLoad,
+    HarmonicLoad,
+    LineOfAction,
+    PolygonLoad,
+    TimeSeriesLoad,
+    Wave,
+    WaveSum,
+)
 from scenes.profiles import (
     CallableProfile,
     Compound,
@@ -65,7 +87,17 @@ from scenes.segments import (
     parabola_segment,
     sampled,
 )
-from scenes.solution import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, Record, SurfaceState, Work, freeze
+from scenes.solution import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    ContactSolution,
+    Record,
+    SurfaceState,
+    Work,
+    freeze,
+)
 
 __all__ = [
     "NORMAL_LOAD",

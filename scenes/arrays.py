@@ -1,4 +1,6 @@
-"""Arrays of real numbers from what a Python caller gives: the one door, so that nothing is read by a part of itself."""
+"""Arrays of real numbers from what a Python caller gives: the one door, so that nothing is read by
+a part of itself.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from numpy.typing import NDArray
 from scenes.errors import InputError, shown
 
 LARGEST = 1e100
-"""Largest number that is admitted, and the inverse of the smallest scale: their squares and products are numbers."""
+"""Largest number that is admitted, and the inverse of the smallest scale: their squares and
+products are numbers.
+"""
 
 
 def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
@@ -37,7 +41,9 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
         raise _refused(values, name, "an array of real numbers is needed") from reason
     if plain.dtype.kind == "c":
         raise _refused(values, name, "real numbers are needed, not complex ones")
-    if plain.dtype.kind == "O" and not any(isinstance(value, bool | np.bool_ | str | bytes) for value in plain.flat):
+    if plain.dtype.kind == "O" and not any(
+        isinstance(value, bool | np.bool_ | str | bytes) for value in plain.flat
+    ):
         try:
             plain = plain.astype(float)
         except (TypeError, ValueError, OverflowError) as reason:

@@ -1,4 +1,6 @@
-"""Smooth functions of one variable by piecewise Chebyshev series: values, differences without cancellation, derivatives, roots."""
+"""Smooth functions of one variable by piecewise Chebyshev series: values, differences without
+cancellation, derivatives, roots.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,11 @@ DEGREE = 24
 _COUNT, _ODD = DEGREE + 1, 2 * np.arange(DEGREE, -1, -1) + 1
 NODES = np.cos(_ODD * (np.pi / (2 * _COUNT)))
 """Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
-# Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last coefficients.
-_TO_SERIES = np.cos(np.outer(_ODD, np.arange(_COUNT)) % (4 * _COUNT) * (np.pi / (2 * _COUNT))) * (2 / _COUNT)
+# Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last
+# coefficients.
+_TO_SERIES = np.cos(np.outer(_ODD, np.arange(_COUNT)) % (4 * _COUNT) * (np.pi / (2 * _COUNT))) * (
+    2 / _COUNT
+)
 _TO_SERIES[:, 0] /= 2
 
 
@@ -37,20 +42,28 @@ def series(values: ArrayLike) -> Array:
     return np.asarray(values, dtype=float) @ _TO_SERIES
 
 
-# Equal parts of a piece on each of which its series is a sum of powers about the middle: a fifth of the time of a recurrence.
+# Equal parts of a piece on each of which its series is a sum of powers about the middle: a fifth of
+# the time of a recurrence.
 _PARTS = 8
 _MIDDLES = (2 * np.arange(_PARTS) + 1) / _PARTS - 1
-# From the coefficients of a series on [-1, 1] to those of the series on each part, and from these to powers of s on [-1/2, 1/2].
+# From the coefficients of a series on [-1, 1] to those of the series on each part, and from these
+# to powers of s on [-1/2, 1/2].
 _ON_PARTS = _TO_SERIES.T @ chebyshev.chebvander(_MIDDLES[:, None] + NODES / _PARTS, DEGREE)
 _TO_POWERS = 2.0 ** np.arange(_COUNT)[:, None] * np.transpose(
-    [np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, DEGREE - k)) for k, row in enumerate(np.eye(_COUNT))]
+    [
+        np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, DEGREE - k))
+        for k, row in enumerate(np.eye(_COUNT))
+    ]
 )
 
 
 class Powers:
-    """Chebyshev series on [-1, 1] as sums of powers: `coefficients` (k, n) of the series of n pieces, k up to DEGREE + 1.
+    """Chebyshev series on [-1, 1] as sums of powers: `coefficients` (k, n) of the series of n
+    pieces, k up to DEGREE + 1.
 
-    >>> float(Powers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12))  # T_2 = 2 t^2 - 1
+    >>> float(
+    ...     Powers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
+    ... )  # T_2 = 2 t^2 - 1
     -0.82
     """
 
@@ -58,10 +71,14 @@ class Powers:
         parts = _ON_PARTS[..., : len(coefficients)] @ coefficients
         needed = np.any(np.abs(parts) > 5e-16 * np.max(np.abs(parts), axis=(0, 1)), axis=(0, 2))
         count = int(np.max(np.flatnonzero(needed), initial=0)) + 1
-        self._rows = np.moveaxis(_TO_POWERS[:count, :count] @ parts[:, :count], 0, 2).reshape(count, -1)
+        self._rows = np.moveaxis(_TO_POWERS[:count, :count] @ parts[:, :count], 0, 2).reshape(
+            count, -1
+        )
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
-        """Value of the series of these pieces at t, both of one shape; beyond the ends of a piece too."""
+        """Value of the series of these pieces at t, both of one shape; beyond the ends of a piece
+        too.
+        """
         place = (np.ravel(t) + 1) * (_PARTS / 2)
         part = np.clip(place.astype(np.intp), 0, _PARTS - 1)
         place -= part
@@ -126,7 +143,8 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
 
 
 def difference(coefficients: Array, t: Array, since: Array) -> Array:
-    """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,), shape of t.
+    """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,),
+    shape of t.
 
     >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
     1.2
@@ -143,10 +161,12 @@ def difference(coefficients: Array, t: Array, since: Array) -> Array:
 
 
 def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
-    """A function by series on pieces between `edges` (n,), cut further until each is resolved to rounding.
+    """A function by series on pieces between `edges` (n,), cut further until each is resolved to
+    rounding.
 
-    Resolved means: to 1e-13 of the largest value on the piece, to 1e-15 of that on the next one, or to 4e-15 of `scale`. A corner
-    inside a piece is found by halving, becomes an edge, and the pieces next to it are computed again.
+    Resolved means: to 1e-13 of the largest value on the piece, to 1e-15 of that on the next one, or
+    to 4e-15 of `scale`. A corner inside a piece is found by halving, becomes an edge, and the
+    pieces next to it are computed again.
 
     Raises
     ------
@@ -177,12 +197,14 @@ class Unresolved(ValueError):
 def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
     """A function by series on pieces, halved as `fit` does; next to a corner as short as need be.
 
-    `scale` is one number or one for each piece between `edges`, (n,). Each turn halves all pieces that are left, and no piece gets
-    shorter than 1e-14 of the first ones: 47 turns at most.
+    `scale` is one number or one for each piece between `edges`, (n,). Each turn halves all pieces
+    that are left, and no piece gets shorter than 1e-14 of the first ones: 47 turns at most.
     """
     low, high, owner = edges[:-1], edges[1:], np.arange(len(edges) - 1)
     shortest = np.maximum(_SHORTEST * (high - low), 4e-16 * np.maximum(np.abs(low), np.abs(high)))
-    values = np.asarray(function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float)
+    values = np.asarray(
+        function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
+    )
     size = np.max(np.abs(values), axis=1)
     known = np.zeros(len(low)) if scale is None else np.asarray(scale, dtype=float)
     # What is next to a piece counts too: a piece may be flat.
@@ -192,7 +214,9 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         coefficients, count = series(values), count + np.bincount(owner, minlength=len(count))
         limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
         rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
-        bad = np.flatnonzero(~np.all(np.isfinite(values), axis=1) | (rough & (count[owner] > _PIECES)))
+        bad = np.flatnonzero(
+            ~np.all(np.isfinite(values), axis=1) | (rough & (count[owner] > _PIECES))
+        )
         if len(bad):
             raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
         starts.append(low[~rough])
@@ -200,27 +224,51 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         low, high, owner = low[rough], high[rough], np.tile(owner[rough], 2)
         middle = (low + high) / 2
         low, high = np.append(low, middle), np.append(middle, high)
-        values = np.asarray(function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float) if len(low) else values
+        values = (
+            np.asarray(
+                function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
+            )
+            if len(low)
+            else values
+        )
     order = np.argsort(np.concatenate(starts))
-    return Pieces(np.append(np.concatenate(starts)[order], edges[-1]), np.concatenate(found)[order].T.copy())
+    return Pieces(
+        np.append(np.concatenate(starts)[order], edges[-1]), np.concatenate(found)[order].T.copy()
+    )
 
 
 def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
-    """(first, last + 1) of each run of pieces that halving left short: there is a corner among them."""
+    """(first, last + 1) of each run of pieces that halving left short: there is a corner among
+    them.
+    """
     length = np.diff(pieces.edges)
     whole = np.diff(edges)[np.searchsorted(edges, pieces.edges[:-1], side="right") - 1]
     short = np.concatenate([[False], length < _CORNER * whole, [False]]).astype(int)
-    return list(zip(np.flatnonzero(np.diff(short) == 1).tolist(), np.flatnonzero(np.diff(short) == -1).tolist(), strict=True))
+    return list(
+        zip(
+            np.flatnonzero(np.diff(short) == 1).tolist(),
+            np.flatnonzero(np.diff(short) == -1).tolist(),
+            strict=True,
+        )
+    )
 
 
 def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
-    """Where the functions left and right of a run of short pieces cross, or their slopes where they only touch."""
+    """Where the functions left and right of a run of short pieces cross, or their slopes where they
+    only touch.
+    """
     begin, end = (float(pieces.edges[place]) for place in run)
     least = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
     shortest = float(pieces.edges[least] + pieces.edges[least + 1]) / 2
-    width = min(50 * (end - begin), begin - float(pieces.edges[0]) or np.inf, float(pieces.edges[-1]) - end or np.inf)
+    width = min(
+        50 * (end - begin),
+        begin - float(pieces.edges[0]) or np.inf,
+        float(pieces.edges[-1]) - end or np.inf,
+    )
     left, right = (
-        chebyshev.Chebyshev(series(function(low + width * (1 + NODES) / 2))[:_LOW], domain=[low, low + width])
+        chebyshev.Chebyshev(
+            series(function(low + width * (1 + NODES) / 2))[:_LOW], domain=[low, low + width]
+        )
         for low in (begin - width, end)
     )
     jump = chebyshev.Chebyshev.interpolate(lambda x: right(x) - left(x), 3, [begin, end])

@@ -1,4 +1,6 @@
-"""What can go wrong, as exceptions whose text is the one sentence that the user reads; and values in sentences."""
+"""What can go wrong, as exceptions whose text is the one sentence that the user reads; and values
+in sentences.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +14,28 @@ _LONGEST, _SHOWN = 2000, 120
 class InputError(ValueError):
     """Bad input: one clear sentence naming file, key, value, rule and what to do (exit code 2).
 
-    What stands in a file may be a megabyte long or steer a terminal: the middle of a long sentence is left out, and what is not
-    printable is written as its escape.
+    What stands in a file may be a megabyte long or steer a terminal: the middle of a long sentence
+    is left out, and what is not printable is written as its escape.
 
     >>> str(InputError("a" + chr(27) + "b")).isprintable(), len(str(InputError("x" * 10**6)))
     (True, 2005)
     """
 
     def __init__(self, sentence: str = "") -> None:
-        short = sentence if len(sentence) <= _LONGEST else f"{sentence[: _LONGEST // 2]} ... {sentence[-_LONGEST // 2 :]}"
-        super().__init__("".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short))
+        short = (
+            sentence
+            if len(sentence) <= _LONGEST
+            else f"{sentence[: _LONGEST // 2]} ... {sentence[-_LONGEST // 2 :]}"
+        )
+        super().__init__(
+            "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short)
+        )
 
 
 class ProfileDataError(InputError):
-    """Rows or a function that do not say what the profile is where the bodies touch: no engine has an answer to that."""
+    """Rows or a function that do not say what the profile is where the bodies touch: no engine has
+    an answer to that.
+    """
 
 
 class RowError(ValueError):
@@ -37,34 +47,39 @@ class RowError(ValueError):
 
     @classmethod
     def refuse(cls, bad: Any, rule: Callable[[int], str], first: int = 0) -> None:
-        """Raise for the first row that is `bad` (n,), the rows being counted from `first` on; `rule` is given its number."""
+        """Raise for the first row that is `bad` (n,), the rows being counted from `first` on;
+        `rule` is given its number.
+        """
         if bad.any():
             row = first + int(bad.argmax())
             raise cls(row, rule(row))
 
 
 _RULES = {
-    "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
-    "lower the tangential load, raise the normal load or friction.coefficient",
+    "gross sliding": (
+        "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load"
+        " control; lower the tangential load, raise the normal load or friction.coefficient"
+    ),
     "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
 }
 
 
 class InadmissibleLoadError(InputError):
-    """The load path leaves the region where a solution exists: gross sliding or separation under load control.
+    """The load path leaves the region where a solution exists: gross sliding or separation under
+    load control.
 
     Parameters
     ----------
     reason : "gross sliding" or "separation"
     time, normal_load, tangential_load : the instant and the loads at which it happens
     friction : f
-    seen : time, P and Q where the fault shows, if not there: a path that slides from the unloaded state on does so at P = Q = 0
-    where : words on that place, such as "worst in the cycle"
+    seen : time, P and Q where the fault shows, if not there: a path that slides from the unloaded
+    state on does so at P = Q = 0 where : words on that place, such as "worst in the cycle"
     rule : what is broken and what to do, in place of the words for `reason`
 
     >>> print(InadmissibleLoadError("separation", 1.5, 0.0, 0.0, 0.5, (2.0, -3.0, 0.0)))
-    load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the bodies part; keep P > 0
-    after the start
+    load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the
+    bodies part; keep P > 0 after the start
     """
 
     def __init__(
@@ -87,7 +102,9 @@ class InadmissibleLoadError(InputError):
         loads = f"P = {normal:.6g}, Q = {tangential:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads += f", f = {friction:g}"
-        super().__init__(f"load: {reason}{since}{place} at time {at:.6g} with {loads}: {rule or _RULES[reason]}")
+        super().__init__(
+            f"load: {reason}{since}{place} at time {at:.6g} with {loads}: {rule or _RULES[reason]}"
+        )
 
 
 class ConvergenceError(RuntimeError):
@@ -114,7 +131,8 @@ class Interrupted(KeyboardInterrupt):
     Attributes
     ----------
     partial : ContactSolution or None
-        The solution up to the last accepted step, or the whole of one that later work was interrupted on.
+        The solution up to the last accepted step, or the whole of one that later work was
+        interrupted on.
     """
 
     def __init__(self, message: str = "", partial: Any = None) -> None:

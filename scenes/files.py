@@ -1,4 +1,6 @@
-"""Files: read only up to a stated size, written whole or not at all. Text, tables of keys (TOML, JSON), NetCDF, source files."""
+"""Files: read only up to a stated size, written whole or not at all. Text, tables of keys (TOML,
+JSON), NetCDF, source files.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +33,14 @@ if TYPE_CHECKING:
 # None where the system has no such thing; the sizes that files state are checked all the same.
 resource = import_module("resource") if find_spec("resource") else None
 
-# Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV, answers to NetCDF.
+# Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV,
+# answers to NetCDF.
 TOML, TEXT, SOLUTION = 2**20, 2**28, 2**31
-# Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes up to 1 kB for each of its
-# parts. A number of so many hexadecimal digits is still a float.
+# Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
+# up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
 _DEEPEST, _MOST_KEYS, _LONGEST = 8, 10_000, 250
-# Only repeats of single characters are possessive: those of groups match wrongly before Python 3.11.5 (Debian 12 has 3.11.2).
+# Only repeats of single characters are possessive: those of groups match wrongly before Python
+# 3.11.5 (Debian 12 has 3.11.2).
 _PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
 # What is not closed ends with its line or the text: nothing behind it is read by the parser either.
 _TOML = re.compile(
@@ -62,7 +66,8 @@ def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
     Raises
     ------
     InputError
-        One sentence: it can't be read, is no regular file, is too large (with the limit), or is not UTF-8 text.
+        One sentence: it can't be read, is no regular file, is too large (with the limit), or is not
+        UTF-8 text.
     """
     try:
         check_size(path, what, most, advice)
@@ -77,19 +82,28 @@ def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
 
 
 def check_size(path: Path, what: str, most: int, advice: str = "") -> None:
-    """InputError where `path` is no regular file, or one of more than `most` bytes; OSError where it can't be looked at."""
+    """InputError where `path` is no regular file, or one of more than `most` bytes; OSError where
+    it can't be looked at.
+    """
     found = path.stat()
     if stat.S_ISDIR(found.st_mode):
         raise InputError(f"{path}: {what} can't be read: Is a directory")
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{path}: {what} can't be read: it is no regular file but a pipe or a device; write it to a file first")
+        raise InputError(
+            f"{path}: {what} can't be read: it is no regular file but a pipe or a device; write it"
+            " to a file first"
+        )
     if found.st_size > most:
         more = f"; {advice}" if advice else ""
-        raise InputError(f"{path}: {what} has {in_words(found.st_size)}, and at most {in_words(most)} are read{more}")
+        raise InputError(
+            f"{path}: {what} has {in_words(found.st_size)}, and at most {in_words(most)} are"
+            f" read{more}"
+        )
 
 
 def parsed_json(text: str) -> Any:
-    """What the JSON text says; ValueError for every fault of it: brackets nested by the thousand, integers beyond every float.
+    """What the JSON text says; ValueError for every fault of it: brackets nested by the thousand,
+    integers beyond every float.
 
     >>> parsed_json('{"n": 3}')
     {'n': 3}
@@ -101,9 +115,11 @@ def parsed_json(text: str) -> Any:
 
 
 def parsed_toml(text: str) -> dict[str, Any]:
-    """What the TOML text says; ValueError for every fault of it, among them tables nested too deeply and too many keys.
+    """What the TOML text says; ValueError for every fault of it, among them tables nested too
+    deeply and too many keys.
 
-    These are counted before the parser sees the text: it takes memory with the square of the dots in a key.
+    These are counted before the parser sees the text: it takes memory with the square of the dots
+    in a key.
 
     >>> parsed_toml("a.b = 3")
     {'a': {'b': 3}}
@@ -114,25 +130,35 @@ def parsed_toml(text: str) -> dict[str, Any]:
     depth, keys, before = 0, 0, ""
     for found in _TOML.finditer(text):
         sign = found["sign"] or ""
-        keys += sign == "=" or (sign == "[" and depth == 0 and before != "=")  # the latter: the head of a table
+        # the latter: the head of a table
+        keys += sign == "=" or (sign == "[" and depth == 0 and before != "=")
         depth += (sign in "[{") - (sign in "]}") if sign else 0
         before = sign
         if found["deep"] or found["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
             what = f"Tables nested deeper than {_DEEPEST}"
             if not found["deep"] and depth <= _DEEPEST:
-                what = f"A key or a number of {_LONGEST} characters or more" if found["long"] else f"More than {_MOST_KEYS:,} keys"
-            line, column = text.count("\n", 0, found.start()) + 1, found.start() - text.rfind("\n", 0, found.start())
+                what = (
+                    f"A key or a number of {_LONGEST} characters or more"
+                    if found["long"]
+                    else f"More than {_MOST_KEYS:,} keys"
+                )
+            line, column = (
+                text.count("\n", 0, found.start()) + 1,
+                found.start() - text.rfind("\n", 0, found.start()),
+            )
             raise ValueError(f"{what} (at line {line}, column {column})")
     return tomllib.loads(text)
 
 
 def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
-    """The table of keys in a file, JSON where its name says so, else TOML: the door of every file that a user writes by hand.
+    """The table of keys in a file, JSON where its name says so, else TOML: the door of every file
+    that a user writes by hand.
 
     Raises
     ------
     InputError
-        One sentence: for what `text_of` refuses (`what`, `advice` as there), for a fault with its line, for a list.
+        One sentence: for what `text_of` refuses (`what`, `advice` as there), for a fault with its
+        line, for a list.
     """
     is_json = path.suffix == ".json"
     text = text_of(path, what, TEXT if is_json else TOML, advice)
@@ -140,13 +166,24 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
         return {}
     try:
         data = parsed_json(text) if is_json else parsed_toml(text)
-    except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits
-        why, place, lines = f"not valid TOML: {reason}", re.search(r"\(at line (\d+), column \d+\)", str(reason)), text.split("\n")
+    except (
+        ValueError,
+        RecursionError,
+    ) as reason:  # the parsers' own errors, numbers of thousands of digits
+        why, place, lines = (
+            f"not valid TOML: {reason}",
+            re.search(r"\(at line (\d+), column \d+\)", str(reason)),
+            text.split("\n"),
+        )
         if is_json:
             why = f"not valid JSON: {reason}"
         elif place and 0 < int(place[1]) <= len(lines):
             line = lines[int(place[1]) - 1].strip()
-            comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
+            comma = (
+                "; write a decimal point, not a comma"
+                if re.search(r"=\s*[-+]?\d+,\d", line)
+                else ""
+            )
             why += f", in {shown(line)}{comma}"
         raise InputError(f"{path}: {why}") from reason
     if not isinstance(data, dict):
@@ -163,9 +200,11 @@ def _whole_number(digits: str) -> int:
 
 @contextmanager
 def within_memory(path: Path, most: int) -> Generator[None, None, None]:
-    """While a foreign file is unpacked by a library, the process may grow by `most` bytes and no more (POSIX only).
+    """While a foreign file is unpacked by a library, the process may grow by `most` bytes and no
+    more (POSIX only).
 
-    What compresses a terabyte into a megabyte shows its size only while it is unpacked: then the allocation fails, not the machine.
+    What compresses a terabyte into a megabyte shows its size only while it is unpacked: then the
+    allocation fails, not the machine.
 
     Raises
     ------
@@ -177,7 +216,9 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     try:  # the address space of this process
-        taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(resource.getpagesize())
+        taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(
+            resource.getpagesize()
+        )
     except OSError:
         taken = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
     room = taken + most
@@ -187,21 +228,32 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         yield
     except MemoryError as reason:
         raise InputError(
-            f"{path}: unpacked it takes more than {in_words(most)} of memory, which is the limit; write the contact surface alone"
+            f"{path}: unpacked it takes more than {in_words(most)} of memory, which is the limit;"
+            " write the contact surface alone"
         ) from reason
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 # What the libraries raise on files that are broken off, spoilt or something else.
-_FAULTS = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RuntimeError, OverflowError)
+_FAULTS = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    IndexError,
+    RuntimeError,
+    OverflowError,
+)
 WHAT = "the solution"
 
 
 def netcdf_of(data: xr.Dataset) -> memoryview:
     """The bytes of a NetCDF file.
 
-    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process once the file is closed.
+    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process
+    once the file is closed.
     """
     import h5netcdf
     from xarray.backends import H5NetCDFStore
@@ -213,7 +265,8 @@ def netcdf_of(data: xr.Dataset) -> memoryview:
 
 
 def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
-    """InputError where a stored solution is of another format than `newest`; what states no format and no engine is not judged.
+    """InputError where a stored solution is of another format than `newest`; what states no format
+    and no engine is not judged.
 
     Asked before the variables are looked for: those of another format may have other names.
     """
@@ -221,39 +274,52 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
     if "format" not in attributes:
         if "engine" in attributes:
             raise InputError(
-                f"{path}: this solution was written by version 0.1, which is read no more; load and save it with halfplane 0.3, "
-                "or solve the scene again"
+                f"{path}: this solution was written by version 0.1, which is read no more; load and"
+                " save it with halfplane 0.3, or solve the scene again"
             )
         return
     stated = str(attributes["format"])
     stated_kind, _, number = stated.rpartition(" ")
     if stated_kind == kind and number.isdecimal() and int(number) > int(known):
         raise InputError(
-            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}'; update halfplane, or solve the "
-            "scene again"
+            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}';"
+            " update halfplane, or solve the scene again"
         )
 
 
 def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> xr.Dataset:
-    """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions) there and made of numbers.
+    """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions)
+    there and made of numbers.
 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or of a later format than `newest`.
+        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or
+        of a later format than `newest`.
     """
     import xarray as xr
 
-    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal says all there is to say.
+    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
+    # says all there is to say.
     before, sys.unraisablehook = sys.unraisablehook, lambda _fault: None
     try:
         check_size(path, WHAT, SOLUTION)
-        # Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names.
-        with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as data:
-            unpacked = sum(int(np.prod(each.shape, dtype=object)) * each.dtype.itemsize for each in data.variables.values())
+        # Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered,
+        # and refused by their names.
+        with (
+            within_memory(path, 2 * SOLUTION),
+            xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as data,
+        ):
+            unpacked = sum(
+                int(np.prod(each.shape, dtype=object)) * each.dtype.itemsize
+                for each in data.variables.values()
+            )
             if unpacked > SOLUTION:
                 most = in_words(SOLUTION)
-                raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most} are read")
+                raise InputError(
+                    f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most}"
+                    " are read"
+                )
             _require_format(path, data.attrs, newest)
             for name, dimensions in form.items():
                 if name not in data.variables:
@@ -261,12 +327,16 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str)
                 variable = data.variables[name]
                 if variable.dims != dimensions or variable.dtype.kind not in "fiu":
                     raise InputError(
-                        f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
-                        f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
+                        f"{path}: {WHAT} can't be read: {name} should be numbers over"
+                        f" {' and '.join(dimensions)}, and is {variable.dtype} over"
+                        f" {' and '.join(map(str, variable.dims)) or 'nothing'}"
                     )
             for key, stored in data.variables.items():
                 if stored.dtype.kind == "c":
-                    raise InputError(f"{path}: {WHAT} can't be read: {key} holds complex numbers, and should hold real ones")
+                    raise InputError(
+                        f"{path}: {WHAT} can't be read: {key} holds complex numbers, and should"
+                        " hold real ones"
+                    )
             return data.load()
     except InputError:
         raise
@@ -283,24 +353,35 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     Raises
     ------
     InputError
-        One sentence: for another suffix, for more than the reader would take back, for what can't be written.
+        One sentence: for another suffix, for more than the reader would take back, for what can't
+        be written.
     """
     if path.suffix not in (".toml", ".json"):
-        raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
+        raise InputError(
+            f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}"
+        )
     is_json = path.suffix == ".json"
-    content = (json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)).encode()
+    content = (
+        json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)
+    ).encode()
     most = TEXT if is_json else TOML
     if len(content) > most:
         more = "" if is_json else "; save it as .json"
-        raise InputError(f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most)} would be read{more}")
+        raise InputError(
+            f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most)} would"
+            f" be read{more}"
+        )
     try:
         replace_file(path, content)
     except OSError as reason:
-        raise InputError(f"{path}: the scene can't be written: {reason.strerror or reason}") from reason
+        raise InputError(
+            f"{path}: the scene can't be written: {reason.strerror or reason}"
+        ) from reason
 
 
 def replace_file(path: str | Path, content: bytes | memoryview, part: Path | None = None) -> None:
-    """Write a file in one go: a reader sees the old one or the new one, whole; `part` is the file beside it that is written first.
+    """Write a file in one go: a reader sees the old one or the new one, whole; `part` is the file
+    beside it that is written first.
 
     Raises
     ------
@@ -328,7 +409,9 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
 def toml_text(keys: Mapping[str, Any]) -> str:
     """Keys as TOML: numbers, words and lists first, then tables and lists of tables.
 
-    >>> print(toml_text({"load": {"initial_loading": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6}))
+    >>> print(
+    ...     toml_text({"load": {"initial_loading": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6})
+    ... )
     cycles = 6
     <BLANKLINE>
     [load]
@@ -340,7 +423,11 @@ def toml_text(keys: Mapping[str, Any]) -> str:
 
 
 def _lines(keys: Mapping[str, Any], inside: str) -> Iterator[str]:
-    tables = {key: value if isinstance(value, list) else [value] for key, value in keys.items() if _is_table(value)}
+    tables = {
+        key: value if isinstance(value, list) else [value]
+        for key, value in keys.items()
+        if _is_table(value)
+    }
     for key in keys:
         if key not in tables:
             # Words, numbers and lists of JSON are those of TOML, but for one control character.
@@ -355,12 +442,15 @@ def _lines(keys: Mapping[str, Any], inside: str) -> Iterator[str]:
 
 
 def _is_table(value: Any) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+    )
 
 
 @cache
 def source_digest(*names: str) -> str:
-    """SHA-256 of the source of modules, and of packages with all that is in them, as this process found it when it first asked.
+    """SHA-256 of the source of modules, and of packages with all that is in them, as this process
+    found it when it first asked.
 
     Raises
     ------
@@ -380,7 +470,9 @@ def source_digest(*names: str) -> str:
         for folder in (spec and spec.submodule_search_locations) or ():
             files = sorted(Path(folder).rglob("*.py"))
         if not files or any(file.suffix != ".py" or not file.is_file() for file in files):
-            raise InputError(f"{name}: this installation lacks the module's source file; install halfplane again")
+            raise InputError(
+                f"{name}: this installation lacks the module's source file; install halfplane again"
+            )
         for path in files:
             content = path.read_bytes()
             digest.update(f"{path.name}\0{len(content)}\0".encode() + content)

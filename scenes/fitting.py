@@ -1,7 +1,8 @@
-"""Curves through noisy measured rows: parabola, flat with rounded edges, even polynomial, smoothing spline; all convex.
+"""Curves through noisy measured rows: parabola, flat with rounded edges, even polynomial, smoothing
+spline; all convex.
 
-# notation: x0 centre, s = |x - x0|, L the largest s, kappa = h'' >= 0, b half-length of a flat, sigma noise of h,
-#           alpha tilt: slope at which the trace lay in the instrument
+# notation: x0 centre, s = |x - x0|, L the largest s, kappa = h'' >= 0, b half-length of a flat,
+#           sigma noise of h, alpha tilt: slope at which the trace lay in the instrument
 
 Each is a sum of kappa's with factors that are not negative, so that the contact can't split:
 
@@ -10,15 +11,18 @@ Each is a sum of kappa's with factors that are not negative, so that the contact
     parabola     kappa = 1
     flat         0 up to s = b, then 1
     polynomial   1, u, u (u - c)^2 and (u - c)^2 with u = (s/L)^2: their sums are the polynomials without negative values at u >= 0
-    spline       hat functions on evenly spaced knots; the squares of the steps of w are added with a weight, which is that of the
-                 least expected error by Mallows (1973) from the noise, or by generalised cross-validation without it
+    spline       hat functions on evenly spaced knots; the squares of the steps of w are added with
+                 a weight, which is that of the least expected error by Mallows (1973) from the
+                 noise, or by generalised cross-validation without it
 
-The w, h0 and alpha are found by least squares without negative w (Lawson and Hanson 1974) for given x0 and b; these two by
-steps of Gauss and Newton on what is left of the rows (variable projection, Golub and Pereyra 1973).
+The w, h0 and alpha are found by least squares without negative w (Lawson and Hanson 1974) for given
+x0 and b; these two by steps of Gauss and Newton on what is left of the rows (variable projection,
+Golub and Pereyra 1973).
 
-The tilt is no part of the profile. A parabola whose middle is fitted has none: there a tilt only moves the middle. Rows of one side
-are taken as level. Rows that are almost a parabola hardly show a tilt, so the square of alpha is added with a weight: as if tilts
-had a standard deviation of a tenth of the rise over the length. Where the rows show the tilt the weight changes nothing.
+The tilt is no part of the profile. A parabola whose middle is fitted has none: there a tilt only
+moves the middle. Rows of one side are taken as level. Rows that are almost a parabola hardly show a
+tilt, so the square of alpha is added with a weight: as if tilts had a standard deviation of a tenth
+of the rise over the length. Where the rows show the tilt the weight changes nothing.
 """
 
 from __future__ import annotations
@@ -40,9 +44,11 @@ Array = NDArray[np.float64]
 # Rows that a fit needs: it has up to six numbers, and the noise may have to come from what is left.
 _FEWEST = 8
 _MOST = 20_000
-# A middle that is given may lie beside the rows by this share of their reach: rows of one side need not begin at x = 0.
+# A middle that is given may lie beside the rows by this share of their reach: rows of one side need
+# not begin at x = 0.
 _BESIDE = 0.1
-# Parts of the rows; the first has risen where it lies by more than this share of all heights above the lowest.
+# Parts of the rows; the first has risen where it lies by more than this share of all heights above
+# the lowest.
 _PARTS, _RISEN = 8, 0.05
 # Rise of a curve, over that of the rows, below which it is none.
 _BENT = 1e-9
@@ -50,11 +56,13 @@ _BENT = 1e-9
 _PASSES = 5
 # Places c, in L^2, of the polynomials (u - c)^2.
 _TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
-# Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows and steps count alike.
+# Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows
+# and steps count alike.
 _KNOTS, _PIECES, _WEIGHTS = 31, 61, np.logspace(-9, 3, 19)
 # Half-lengths of the flat, in L, of which the best begins the search; the longest.
 _STARTS, _LONGEST = np.linspace(0.02, 0.94, 24), 0.98
-# Middles, in L from that of a parabola through the rows, with which the half-lengths are tried where a tilt has moved the parabola.
+# Middles, in L from that of a parabola through the rows, with which the half-lengths are tried
+# where a tilt has moved the parabola.
 _MIDDLES = np.linspace(-0.45, 0.45, 7)
 # Median of the square of a normal deviate.
 _MEDIAN = 0.4549
@@ -87,16 +95,23 @@ class FitRequest:
 
 
 def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
-    """Keys of the profile of this kind that fits rows x, h (n,) best, with `fitted`, what is known of the fit.
+    """Keys of the profile of this kind that fits rows x, h (n,) best, with `fitted`, what is known
+    of the fit.
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up or lie on one side of the middle in part.
+        For too few or too many rows, x that descends, rows that do not bend up or lie on one side
+        of the middle in part.
     """
-    RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)  # a trace with few digits has rows at one x
+    # a trace with few digits has rows at one x
+    RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     if len(x) > _MOST:
-        raise RowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
+        raise RowError(
+            _MOST,
+            f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
+            " n-th",
+        )
     last = len(x) - 1
     every_x = x
     tilt = request.tilt or 0.0
@@ -105,11 +120,15 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     if fixed is None and _begins_in_the_middle(x, every_h):
         fixed = 0.0
     one_sided = fixed is not None and x[0] >= fixed
-    tilt_fitted = request.tilt is None and not one_sided and not (request.kind == "hertz" and fixed is None)
+    tilt_fitted = (
+        request.tilt is None and not one_sided and not (request.kind == "hertz" and fixed is None)
+    )
     start = _middle(x, every_h) if fixed is None else fixed
     if request.guess is not None and fixed is None:
         start = request.guess[0]
-    elif tilt_fitted and fixed is None and not x[0] < start < x[-1]:  # so much tilt that a parabola falls from end to end
+    elif (
+        tilt_fitted and fixed is None and not x[0] < start < x[-1]
+    ):  # so much tilt that a parabola falls from end to end
         start = float(x[0] + x[-1]) / 2
     reach = request.extent or math.inf
     for _ in range(_PASSES):
@@ -117,21 +136,38 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         x = every_x[near]
         h = every_h[near]
         if (count := len(np.unique(x))) < _FEWEST:
-            raise RowError(last, f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are needed")
+            raise RowError(
+                last,
+                f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are"
+                " needed",
+            )
         # In units of the rows, so that nothing depends on theirs.
         apart, height = np.abs(x - start), float(np.ptp(h))
         length = float(np.max(apart))
         if not x[0] <= start < x[-1] and (fixed is None or np.min(apart) > _BESIDE * length):
-            where = f"the middle, x = {start:.6g}, is not among the rows, which go from x = {x[0]:.6g} to {x[-1]:.6g}"
+            where = (
+                f"the middle, x = {start:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
+                f" to {x[-1]:.6g}"
+            )
             raise RowError(0, f"{where}: measure both sides of it, or state centre")
         if not height > 0:
             raise RowError(last, "the rows are flat from end to end: they must rise somewhere")
-        level = None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))  # beyond, no square
-        rows = _Rows((x - start) / length, (h - h[0]) / height, request.kind, fixed is None, tilt_fitted)
+        # beyond, no square
+        level = (
+            None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))
+        )
+        rows = _Rows(
+            (x - start) / length, (h - h[0]) / height, request.kind, fixed is None, tilt_fitted
+        )
         half = None if request.guess is None else request.guess[1] / length
         best = rows.fit(level, request.weight, half)
-        if np.ptp(best.shape) < _BENT or abs(best.centre) > _LONGEST:  # the former: round-off error of rows on a line
-            raise RowError(last, "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?")
+        # the former: round-off error of rows on a line
+        if np.ptp(best.shape) < _BENT or abs(best.centre) > _LONGEST:
+            raise RowError(
+                last,
+                "the rows do not bend up: h is a gap, which grows to both sides; is its sign"
+                " turned?",
+            )
         middle = start + length * best.centre
         # Other rows lie within the extent of another middle.
         if np.array_equal(np.abs(every_x - middle) <= reach, near):
@@ -162,15 +198,20 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
 
 
 def _begins_in_the_middle(x: Array, h: Array) -> bool:
-    """Whether rows at x >= 0 are those of one side: their first part is hardly higher than the lowest."""
+    """Whether rows at x >= 0 are those of one side: their first part is hardly higher than the
+    lowest.
+    """
     if len(x) < _FEWEST or x[0] < 0:
         return False
     parts = np.array([part.mean() for part in np.array_split(h, _PARTS)])
     return bool(parts[0] - parts.min() <= _RISEN * np.ptp(parts))
 
 
-def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.0) -> dict[str, Any] | None:
-    """Keys of the profile that the same fit makes of the same rows, or of another measurement; None where noise bent them down.
+def fitted_again(
+    profile: Any, noise: Array | None = None, smoothing: float = 1.0
+) -> dict[str, Any] | None:
+    """Keys of the profile that the same fit makes of the same rows, or of another measurement; None
+    where noise bent them down.
 
     Parameters
     ----------
@@ -197,7 +238,9 @@ def fitted_again(profile: Any, noise: Array | None = None, smoothing: float = 1.
 
 
 def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
-    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt found again; None if unfit."""
+    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt
+    found again; None if unfit.
+    """
     fitted = profile.fitted
     x, h = fitted.rows.values[fitted.used_rows()].T
     request = FitRequest("smoothing_spline", centre=None if fitted.centre_fitted else 0.0)
@@ -210,17 +253,23 @@ def _middle(x: Array, h: Array) -> float:
     """Where the parabola of least squares has its least value; the mean of x where it has none."""
     scale = float(np.ptp(x)) / 2 or 1.0
     # Rows that all but coincide have no parabola, and no warning either.
-    _, slope, bend = np.linalg.lstsq(polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None)[0]
+    _, slope, bend = np.linalg.lstsq(
+        polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None
+    )[0]
     return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
 
 
 def _variance(x: Array, h: Array) -> float:
-    """Variance of the noise of h, from third differences of four neighbouring rows each, the median of their squares.
+    """Variance of the noise of h, from third differences of four neighbouring rows each, the median
+    of their squares.
 
     A shape whose curvature hardly changes between neighbours has none of its own.
 
     >>> x = np.linspace(-1, 1, 2001)
-    >>> round(_variance(x, x**2 + np.random.default_rng(0).normal(0, 0.1, 2001)), 4), _variance(x, x**2) < 1e-30
+    >>> (
+    ...     round(_variance(x, x**2 + np.random.default_rng(0).normal(0, 0.1, 2001)), 4),
+    ...     _variance(x, x**2) < 1e-30,
+    ... )
     (0.0096, True)
     """
     places = np.lib.stride_tricks.sliding_window_view(x, 4)
@@ -228,7 +277,8 @@ def _variance(x: Array, h: Array) -> float:
     apart = np.all(np.diff(places) > 0, axis=1)
     if not np.any(apart):
         return 0.0
-    # Weights of a divided difference: 1 over the product of the distances to the other places, in units of the widest.
+    # Weights of a divided difference: 1 over the product of the distances to the other places, in
+    # units of the widest.
     places = places[apart] / (places[apart, -1] - places[apart, 0])[:, None]
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
@@ -236,8 +286,14 @@ def _variance(x: Array, h: Array) -> float:
     return float(np.median(differences)) / _MEDIAN
 
 
-# Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1, u, (u - c)^2 and u (u - c)^2.
-_BENDS = np.concatenate([np.eye(4)[:2], *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _TOUCHES.tolist())])
+# Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1,
+# u, (u - c)^2 and u (u - c)^2.
+_BENDS = np.concatenate(
+    [
+        np.eye(4)[:2],
+        *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _TOUCHES.tolist()),
+    ]
+)
 _BENDS /= np.abs(_BENDS).max(axis=1, keepdims=True)
 # What two integrals make of 1, u, u^2 and u^3, over s^2.
 _TWICE = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
@@ -245,7 +301,9 @@ _TWICE = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Rows in units in which |x| and the range of h are 1, x (n,) counted from a first guess of the middle, and what is fitted."""
+    """Rows in units in which |x| and the range of h are 1, x (n,) counted from a first guess of the
+    middle, and what is fitted.
+    """
 
     x: Array
     h: Array
@@ -257,7 +315,9 @@ class _Rows:
 
     @cached_property
     def tilt_weight(self) -> float:
-        """Of the square of the tilt against those of the residuals: variance of the noise over that of the tilts expected."""
+        """Of the square of the tilt against those of the residuals: variance of the noise over that
+        of the tilts expected.
+        """
         return _variance(self.x, self.h) / _TILTS**2
 
     @property
@@ -272,9 +332,12 @@ class _Rows:
                 return np.maximum(s - half, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
                 return (s[:, None] ** [2, 4, 6, 8] / _TWICE) @ _BENDS.T
-        # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls from the middle on.
+        # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls
+        # from the middle on.
         step = float(self.knots[1])
-        corner = np.maximum(s[:, None] - np.append(self.knots, self.knots[-1] + step), 0.0) ** 3 / (6 * step)
+        corner = np.maximum(s[:, None] - np.append(self.knots, self.knots[-1] + step), 0.0) ** 3 / (
+            6 * step
+        )
         first = s[:, None] ** 2 / 2 - corner[:, :1] + corner[:, 1:2]
         return np.hstack([first, np.diff(corner, 2, axis=1)])
 
@@ -295,7 +358,11 @@ class _Rows:
             table = np.vstack([table - np.outer(along, tilts), math.sqrt(self.tilt_weight) * tilts])
         if count > size + 1:
             table = np.asarray(np.linalg.qr(table, mode="r"))  # as many rows as columns are enough
-        penalty = math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0) if weight else np.zeros((0, size + 1))
+        penalty = (
+            math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0)
+            if weight
+            else np.zeros((0, size + 1))
+        )
         rows = np.vstack([table, penalty])
         try:
             w = nnls(rows[:, :-1], rows[:, -1], maxiter=50 * size)[0]
@@ -305,7 +372,9 @@ class _Rows:
         shape = columns @ w
         offset = float(self.h.mean() - mean @ w + tilt * (centre - self.x.mean()))
         curve = offset + tilt * (self.x - centre) + shape
-        penalties = np.append(penalty[:, :-1] @ w, math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0)
+        penalties = np.append(
+            penalty[:, :-1] @ w, math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
+        )
         return _Fit(
             of=self,
             centre=centre,
@@ -328,18 +397,29 @@ class _Rows:
             return self.at(start, weight)
         low, high = [-1.0] * self.centred, [1.0] * self.centred
         bounds = ([*low, 1e-9][: len(start)], [*high, _LONGEST][: len(start)])
-        found = least_squares(lambda z: self.at(z, weight).rest, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        found = least_squares(
+            lambda z: self.at(z, weight).rest,
+            start,
+            bounds=bounds,
+            xtol=1e-12,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
         return self.at(found.x, weight)
 
     def fit(self, noise: float | None, weight: float | None, half: float | None) -> _Fit:
-        """The best of all, for the spline with the weight of the least expected error; `half` is a guess of b, if there is one."""
+        """The best of all, for the spline with the weight of the least expected error; `half` is a
+        guess of b, if there is one.
+        """
         z = np.zeros(int(self.centred))
         if self.kind == "flat_rounded" and half is not None:
             return self.best(np.append(z, np.clip(half, _STARTS[0], _STARTS[-1])), 0.0)
         if self.kind == "flat_rounded":
             middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
             starts = [np.append(z + middle, half) for middle in middles for half in _STARTS]
-            return self.best(min(starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))), 0.0)
+            return self.best(
+                min(starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))), 0.0
+            )
         if self.kind != "smoothing_spline":
             return self.best(z, 0.0)
         fits, errors = [], []
@@ -348,16 +428,25 @@ class _Rows:
             columns = self.columns(np.abs(self.x - found.centre), 0.0)
             square = (columns - columns.mean(axis=0)).T @ columns
             steps = np.diff(np.eye(len(square)), axis=0)
-            numbers = 1 + self.centred + self.tilted + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
+            numbers = (
+                1
+                + self.centred
+                + self.tilted
+                + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
+            )
             rest, count = float(np.sum((self.h - found.curve) ** 2)), len(self.x)
-            errors.append(rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2)
+            errors.append(
+                rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2
+            )
             fits.append(replace(found, numbers=min(numbers, count - 1.0)))
         return fits[int(np.argmin(errors))]
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """A fit: x0, b, w, h0, tilt; sum of w_j B_j and curve (n,) at the rows; numbers fitted, weight of the smoothing, residuals."""
+    """A fit: x0, b, w, h0, tilt; sum of w_j B_j and curve (n,) at the rows; numbers fitted, weight
+    of the smoothing, residuals.
+    """
 
     of: _Rows
     centre: float
@@ -378,8 +467,19 @@ class _Fit:
                 return {"kind": "hertz", "radius": length**2 / height / float(self.w[0])}
             case "flat_rounded":
                 radius = length**2 / height / float(self.w[0])
-                return {"kind": "flat_rounded", "radius": radius, "flat_half_length": length * self.half}
+                return {
+                    "kind": "flat_rounded",
+                    "radius": radius,
+                    "flat_half_length": length * self.half,
+                }
             case "even_polynomial":
-                return {"kind": "polynomial", "length": length, "rises": tuple((height * (self.w @ _BENDS) / _TWICE).tolist())}
+                return {
+                    "kind": "polynomial",
+                    "length": length,
+                    "rises": tuple((height * (self.w @ _BENDS) / _TWICE).tolist()),
+                }
         x = np.linspace(0.0, self.of.knots[-1], _PIECES)
-        return {"kind": "tabulated", "points": np.column_stack([length * x, height * (self.of.columns(x, 0.0) @ self.w)])}
+        return {
+            "kind": "tabulated",
+            "points": np.column_stack([length * x, height * (self.of.columns(x, 0.0) @ self.w)]),
+        }

@@ -1,4 +1,6 @@
-"""What every table of keys has in common: frozen, checked at every door, changed by `vary` alone, refused in one sentence."""
+"""What every table of keys has in common: frozen, checked at every door, changed by `vary` alone,
+refused in one sentence.
+"""
 
 from __future__ import annotations
 
@@ -35,20 +37,41 @@ else:
 
 _NAMED = 4  # keys at fault beside the first that a refusal names
 
-# What no scene can state, by how a word of a key begins that would state it: section "What is neglected" of docs/theory.md.
+# What no scene can state, by how a word of a key begins that would state it: section "What is
+# neglected" of docs/theory.md.
 _NEGLECTED = {
     ("wear", "archard"): "wear is not modelled",
-    ("plastic", "yield", "hardening", "hardness"): "the materials are linear elastic, without plasticity",
+    (
+        "plastic",
+        "yield",
+        "hardening",
+        "hardness",
+    ): "the materials are linear elastic, without plasticity",
     ("creep", "visco", "relaxation"): "the materials are linear elastic, without creep",
     ("temperature", "thermal", "heat"): "temperature is not modelled",
     ("fatigue", "life", "crack"): "fatigue life is not computed",
     ("inertia", "mass", "density", "gravity"): "the contact is quasi-static, without inertia",
-    ("static", "kinetic", "velocity", "frequency", "rate"): "friction has one coefficient, and nothing depends on the rate",
+    (
+        "static",
+        "kinetic",
+        "velocity",
+        "frequency",
+        "rate",
+    ): "friction has one coefficient, and nothing depends on the rate",
     ("adhesion", "adhesive", "roughness"): "the faces are smooth and do not adhere",
     ("thickness",): "the bodies are in plane strain, and loads are per unit thickness",
 }
 # What loads state, asked for elsewhere or by another word.
-_OF_LOADS = ("bulk", "remote", "moment", "tilt", "rotation", "inclination", "misalignment", "eccentricity")
+_OF_LOADS = (
+    "bulk",
+    "remote",
+    "moment",
+    "tilt",
+    "rotation",
+    "inclination",
+    "misalignment",
+    "eccentricity",
+)
 
 
 def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
@@ -59,24 +82,42 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
     data : the keys as they stand in the file, tables as dicts and lists
     """
     listed = model.keys_listed
-    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's branches the one that got farthest.
-    errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
+    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's
+    # branches the one that got farthest.
+    errors = sorted(
+        faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"]))
+    )
     fault = errors[0]
     key, value = _key(fault, data), fault["input"]
-    more = _also([name for name in dict.fromkeys(_key(error, data) for error in errors) if name not in (key, "")])
+    more = _also(
+        [
+            name
+            for name in dict.fromkeys(_key(error, data) for error in errors)
+            if name not in (key, "")
+        ]
+    )
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     match fault["type"]:
         case "extra_forbidden":
             word = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
             schema = model.model_json_schema()
-            known = {name for table in (schema, *schema.get("$defs", {}).values()) for name in table.get("properties", {})}
-            hint = neglected(word) or f"{did_you_mean(word, known - {word})} {listed} lists the keys"
+            known = {
+                name
+                for table in (schema, *schema.get("$defs", {}).values())
+                for name in table.get("properties", {})
+            }
+            hint = (
+                neglected(word) or f"{did_you_mean(word, known - {word})} {listed} lists the keys"
+            )
             return f"unknown key {key} = {shown(value)};{hint}{more}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {listed} lists the keys{more}"
         case "key_missing":
-            return f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists the keys{more}"
+            return (
+                f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists"
+                f" the keys{more}"
+            )
         case "missing":
             rule = "a point is [P, Q]"
         case "union_tag_not_found":
@@ -99,14 +140,18 @@ def _also(keys: Sequence[str]) -> str:
     """The other keys at fault, in brackets; of many the first few, told once these are mended.
 
     >>> _also(["friction.coefficient"]), _also(list("abcdef")), _also([])
-    (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once these are mended)', '')
+    (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once
+    these are mended)', '')
     """
-    rest = f" and {len(keys) - _NAMED} more, named once these are mended" if len(keys) > _NAMED else ""
+    rest = (
+        f" and {len(keys) - _NAMED} more, named once these are mended" if len(keys) > _NAMED else ""
+    )
     return f" (also at fault: {', '.join(keys[:_NAMED])}{rest})" if keys else ""
 
 
 def neglected(word: str) -> str:
-    """Why there is no key of this name, with a blank before it and the page that says so; empty where that is not the reason.
+    """Why there is no key of this name, with a blank before it and the page that says so; empty
+    where that is not the reason.
 
     >>> neglected("yield_stress")
     " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
@@ -115,13 +160,24 @@ def neglected(word: str) -> str:
     """
     words = re.split("[^a-z]+", word.lower())
     if any(part.startswith(_OF_LOADS) for part in words):
-        return " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of [load]: docs/scene-keys.md"
-    found = next((limit for stems, limit in _NEGLECTED.items() if any(part.startswith(stems) for part in words)), "")
+        return (
+            " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of"
+            " [load]: docs/scene-keys.md"
+        )
+    found = next(
+        (
+            limit
+            for stems, limit in _NEGLECTED.items()
+            if any(part.startswith(stems) for part in words)
+        ),
+        "",
+    )
     return f" {found}: docs/theory.md, 'What is neglected'" if found else ""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """A question after the known word that is most like `word`, with a blank before it; empty where none is.
+    """A question after the known word that is most like `word`, with a blank before it; empty where
+    none is.
 
     >>> did_you_mean("radias", ["radius", "kind"]), did_you_mean("zzz", ["radius", "kind"])
     (' did you mean radius?', '')
@@ -130,13 +186,19 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """
     words = sorted(known, key=len)
     # A key cut short, or with a unit behind it, is nearer than one with as many letters in common.
-    begun = [key for key in words if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))]
+    begun = [
+        key
+        for key in words
+        if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))
+    ]
     near = begun or difflib.get_close_matches(word, words, n=1)
     return f" did you mean {near[0]}?" if near else ""
 
 
 def _key(fault: ErrorDetails, data: Any) -> str:
-    """The key as it stands in the file: pydantic's location less the parts that only its unions know."""
+    """The key as it stands in the file: pydantic's location less the parts that only its unions
+    know.
+    """
     found: list[str] = []
     level: Any = data
     for part in fault["loc"]:
@@ -164,7 +226,9 @@ def _numbers(value: Any) -> Iterator[float]:
 def a_scale(number: float) -> float:
     """A positive number as it is; ValueError where its square would be 0."""
     if number < 1 / LARGEST:
-        raise ValueError(f"{number:g} is below {1 / LARGEST:g}, and its square would be 0: choose other units")
+        raise ValueError(
+            f"{number:g} is below {1 / LARGEST:g}, and its square would be 0: choose other units"
+        )
     return number
 
 
@@ -183,9 +247,13 @@ class _OneDoor(ModelMetaclass):
 
 
 class Frozen(BaseModel, metaclass=_OneDoor):
-    """A frozen table of keys. Whatever is put into another table is checked again there, however it was made."""
+    """A frozen table of keys. Whatever is put into another table is checked again there, however it
+    was made.
+    """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always")
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always"
+    )
 
     keys_listed: ClassVar[str] = "`halfplane schema`"
     """Where a user finds the keys."""
@@ -197,22 +265,28 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     def _can_be_squared(cls, value: Any) -> Any:
         for number in _numbers(value):
             if abs(number) > LARGEST:
-                raise ValueError(f"{number:g} is above {LARGEST:g}, and its square would be no number: choose other units")
+                raise ValueError(
+                    f"{number:g} is above {LARGEST:g}, and its square would be no number: choose"
+                    " other units"
+                )
         return value
 
     def vary(self, /, **changes: Any) -> Self:
-        """A checked copy with other values; the only way to change a scene, or a part of one, from Python.
+        """A checked copy with other values; the only way to change a scene, or a part of one, from
+        Python.
 
         Parameters
         ----------
-        changes : key -> value. A value is what the constructor takes: a number, a list, a model. A mapping given for a table of
-            keys changes those keys and keeps the others, at every depth. A mapping with another `kind` than the table has
-            replaces it whole: nothing of an ellipse is right for a polygon. A list replaces the whole list.
+        changes : key -> value. A value is what the constructor takes: a number, a list, a model. A
+            mapping given for a table of keys changes those keys and keeps the others, at every
+            depth. A mapping with another `kind` than the table has replaces it whole: nothing of an
+            ellipse is right for a polygon. A list replaces the whole list.
 
         Raises
         ------
         InputError
-            One sentence with key, value and rule: for an unknown key, or a value that the scene file would not be allowed either.
+            One sentence with key, value and rule: for an unknown key, or a value that the scene
+            file would not be allowed either.
 
         >>> from scenes import load_scene
         >>> scene = load_scene("hertz-paper").vary(friction=0.6, load={"phase_degrees": 60})
@@ -220,18 +294,25 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         (0.6, 60.0, 'ellipse')
         >>> scene.vary(frictoin=0.6)
         Traceback (most recent call last):
-        scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction? `halfplane schema` lists the keys
+        scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction?
+        `halfplane schema` lists the keys
         """
         return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys that were given, those of `changes` in their place; raw, for the check that follows."""
+        """The keys that were given, those of `changes` in their place; raw, for the check that
+        follows.
+        """
         given = self.model_fields_set - {*self.written}
         data = {name: value for name, value in self if name == "kind" or name in given}
         for name, value in changes.items():
             old = getattr(self, name, None)
             kind = getattr(old, "kind", None)
-            if isinstance(old, Frozen) and isinstance(value, Mapping) and value.get("kind", kind) == kind:
+            if (
+                isinstance(old, Frozen)
+                and isinstance(value, Mapping)
+                and value.get("kind", kind) == kind
+            ):
                 data[name] = old.merged(value)
             else:
                 data[name] = value
@@ -240,10 +321,14 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
         hidden = {*dir(BaseModel), "merged", "keys_listed", "written", "datum"}
-        return sorted(name for name in super().__dir__() if name not in hidden and not name.startswith("_"))
+        return sorted(
+            name for name in super().__dir__() if name not in hidden and not name.startswith("_")
+        )
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """pydantic's copy; with `update` it is `vary`, for pydantic itself checks nothing of an update."""
+        """pydantic's copy; with `update` it is `vary`, for pydantic itself checks nothing of an
+        update.
+        """
         return self.vary(**update) if update else super().model_copy(deep=deep)
 
     def copy(self, **_options: Any) -> NoReturn:
@@ -253,11 +338,15 @@ class Frozen(BaseModel, metaclass=_OneDoor):
 
 @dataclass(frozen=True)
 class ShortForm:
-    """Mark of a field, for the JSON schema: `form` may stand there in place of the table of keys."""
+    """Mark of a field, for the JSON schema: `form` may stand there in place of the table of
+    keys.
+    """
 
     form: Any
 
-    def __get_pydantic_json_schema__(self, table: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, table: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return {"anyOf": [handler(table), handler(TypeAdapter(self.form).core_schema)]}
 
 
@@ -268,13 +357,17 @@ Positive = Annotated[PositiveNumber, AfterValidator(a_scale)]
 
 def _function(value: Any) -> Any:
     if value is not None and not callable(value):
-        raise ValueError("a Python function is needed: such a scene can only be built in Python, not read from a file")
+        raise ValueError(
+            "a Python function is needed: such a scene can only be built in Python, not read from a"
+            " file"
+        )
     return value
 
 
 def _refuse(function: Any) -> str:
     raise ValueError(
-        f"the scene holds the Python function {getattr(function, '__name__', 'without a name')}, which can't be written to a file"
+        f"the scene holds the Python function {getattr(function, '__name__', 'without a name')},"
+        " which can't be written to a file"
     )
 
 
@@ -290,12 +383,14 @@ M = TypeVar("M", bound=Frozen)
 
 
 def validated(given: M, wanted: type[Frozen]) -> M:
-    """`given` as its own check leaves it: the door of every function that takes a scene or a part of one.
+    """`given` as its own check leaves it: the door of every function that takes a scene or a part
+    of one.
 
     Raises
     ------
     InputError
-        One sentence: for what is none of `wanted`, and for what was made past the checks (`model_construct`) and does not pass.
+        One sentence: for what is none of `wanted`, and for what was made past the checks
+        (`model_construct`) and does not pass.
 
     >>> from scenes import Elastic
     >>> validated(Elastic.model_construct(young_modulus=1.0, poisson_ratio=0.7), Elastic)
@@ -303,13 +398,21 @@ def validated(given: M, wanted: type[Frozen]) -> M:
     scenes.errors.InputError: Elastic: poisson_ratio = 0.7 is refused: should be less than 0.5
     """
     if not isinstance(given, wanted):
-        how = "; load_scene reads one from the library or a file" if wanted.__name__ == "Scene" else ""
+        how = (
+            "; load_scene reads one from the library or a file"
+            if wanted.__name__ == "Scene"
+            else ""
+        )
         raise InputError(f"a {wanted.__name__} is needed, not {shown(given)}{how}")
     name = getattr(given, "name", "")
-    return checked(type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__)
+    return checked(
+        type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__
+    )
 
 
-def checked(model: type[M], data: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()) -> M:
+def checked(
+    model: type[M], data: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()
+) -> M:
     """What the check of `model` makes of `data`: the one way from keys to a table of them.
 
     Parameters
@@ -328,7 +431,9 @@ def checked(model: type[M], data: Any, where: str = "", *, of_file: bool = False
     before = f"{where}: " if where else ""
     try:
         if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
-            return model.model_validate_json(json.dumps(data, default=str), strict=True, context=context)
+            return model.model_validate_json(
+                json.dumps(data, default=str), strict=True, context=context
+            )
         return model.model_validate(data, context=context)
     except ValidationError as faults:
         raise InputError(f"{before}{refusal(faults, _plain(data), model)}") from faults

@@ -1,11 +1,14 @@
-"""Slope h' of a height h that a function gives, and what the rounding of its values leaves uncertain in loads.
+"""Slope h' of a height h that a function gives, and what the rounding of its values leaves
+uncertain in loads.
 
-A derivative of a series multiplies the rounding in coefficient k by k^2. So each series is fitted by least squares to many more
-values than it has coefficients, and coefficients within the rounding are dropped. The rounding of the values is what a series of
-full degree leaves of them; a coefficient of n values has sqrt(2/n) of it.
+A derivative of a series multiplies the rounding in coefficient k by k^2. So each series is fitted
+by least squares to many more values than it has coefficients, and coefficients within the rounding
+are dropped. The rounding of the values is what a series of full degree leaves of them; a
+coefficient of n values has sqrt(2/n) of it.
 
-Near x = 0 a height such as R - sqrt(R^2 - x^2) is a difference of larger numbers. There it has few digits of its own, and the
-slope is that of one polynomial of x^2 which begins at 0, fitted as far out as one resolves h.
+Near x = 0 a height such as R - sqrt(R^2 - x^2) is a difference of larger numbers. There it has few
+digits of its own, and the slope is that of one polynomial of x^2 which begins at 0, fitted as far
+out as one resolves h.
 """
 
 from __future__ import annotations
@@ -24,10 +27,11 @@ from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, tail
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
 
-# Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one is left by 6 % and by 2 %.
+# Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one
+# is left by 6 % and by 2 %.
 _OF_PIECE, _OF_CORE = 512, 4096
-# A coefficient counts from so many standard deviations on. Rounding is no perfect chance: above 4 some is left, above 8 none was
-# seen; what is dropped with it costs 1e-15 of a load.
+# A coefficient counts from so many standard deviations on. Rounding is no perfect chance: above 4
+# some is left, above 8 none was seen; what is dropped with it costs 1e-15 of a load.
 _SIGNIFICANT = 8.0
 # So many standard deviations are stated as error.
 _STATED = 4.0
@@ -35,11 +39,13 @@ _STATED = 4.0
 _EXPLAINED = 6.0
 # Largest error of a load, over the load: beyond, a height is too rough to have a slope.
 _ROUGHEST = 1e-7
-# Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k'' over k^3, found for k up to 24.
+# Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k''
+# over k^3, found for k up to 24.
 _OF_LOAD, _OF_STIFFNESS = 2.9, 1.5
 # int cos(angle) h'(a cos(angle)) d angle over the largest h' below a: 0.59 of a slope x^3.
 _LEAST_LOAD = 0.5
-# Rounding of an octave far down, over h there, up to which h has its digits at any x; where the octave ends, over the extent.
+# Rounding of an octave far down, over h there, up to which h has its digits at any x; where the
+# octave ends, over the extent.
 _EXACT, _FAR_DOWN = 1e-15, 2.0**-20
 # Octaves below the extent in which the polynomial of x^2 may end, and its lowest powers of x^2.
 _ENDS, _LOWEST = 13, (1, 2, 3, 4)
@@ -126,8 +132,8 @@ class _Samples:
 
     Attributes
     ----------
-    places : (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to no rounding
-    values : (n, DEGREE + 1) T_k(place)
+    places : (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to
+    no rounding values : (n, DEGREE + 1) T_k(place)
     to_series : (n, DEGREE + 1) coefficients by least squares are values at the places times this
     """
 
@@ -136,7 +142,9 @@ class _Samples:
     to_series: Array
 
     def series_and_rounding(self, heights: Array) -> tuple[Array, Array]:
-        """Coefficients (..., DEGREE + 1) from values at `places` on the last axis, and the rounding of the values (...,)."""
+        """Coefficients (..., DEGREE + 1) from values at `places` on the last axis, and the rounding
+        of the values (...,).
+        """
         coefficients = heights @ self.to_series
         # A second time of what is left: sums of many values lose more than the rounding of one.
         coefficients = coefficients + (heights - coefficients @ self.values.T) @ self.to_series
@@ -163,7 +171,9 @@ def _samples(count: int) -> _Samples:
 
 
 def _rounding_far_down(rise: Function, extent: float) -> float:
-    """Rounding of h over h in one octave far below the extent; infinite where h is 0 or no number."""
+    """Rounding of h over h in one octave far below the extent; infinite where h is 0 or no
+    number.
+    """
     samples = _samples(_OF_PIECE)
     heights = rise(extent * _FAR_DOWN * (3 + samples.places) / 4)
     largest = float(np.max(np.abs(heights)))
@@ -176,12 +186,15 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     """Series of h between `edges`, and what its rounding leaves uncertain."""
     samples = _samples(_OF_PIECE)
     low, half = edges[:-1], np.diff(edges) / 2
-    coefficients, rounding = samples.series_and_rounding(rise(low[:, None] + half[:, None] * (1 + samples.places)))
+    coefficients, rounding = samples.series_and_rounding(
+        rise(low[:, None] + half[:, None] * (1 + samples.places))
+    )
     number = np.arange(DEGREE + 1)
     kept = number <= samples.last_of(coefficients, rounding)[:, None]
     pieces = Pieces(edges, np.where(kept, coefficients, 0.0).T.copy())
 
-    # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on counts most.
+    # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on
+    # counts most.
     deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half))
     of_load = deviation * _OF_LOAD * np.sqrt(np.sum(kept * number**2.0, axis=1))
     of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(kept * number**6.0, axis=1))
@@ -195,12 +208,15 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
         piece = int(np.flatnonzero(rises)[rough[0]])
         raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
     stiffness_errors = of_stiffness[rises] / half[rises] / loads
-    return pieces, Rounding(float(np.max(load_errors, initial=0.0)), float(np.max(stiffness_errors, initial=0.0)))
+    return pieces, Rounding(
+        float(np.max(load_errors, initial=0.0)), float(np.max(stiffness_errors, initial=0.0))
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Core:
-    """The slope of h = s^m g(s), s = (x/end)^2, for x <= `end`: h' = (2 x/end^2) s^(m - 1) [m g + s g'].
+    """The slope of h = s^m g(s), s = (x/end)^2, for x <= `end`: h' = (2 x/end^2) s^(m - 1) [m g + s
+    g'].
 
     Attributes
     ----------
@@ -222,8 +238,14 @@ class _Core:
 
 
 def _core(rise: Function, ends: Array) -> _Core | None:
-    """The polynomial of x^2 with the least error, or nearly so, and of those the widest; None where no end resolves h."""
-    cores = [core for core in (_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist()) if core is not None]
+    """The polynomial of x^2 with the least error, or nearly so, and of those the widest; None where
+    no end resolves h.
+    """
+    cores = [
+        core
+        for core in (_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist())
+        if core is not None
+    ]
     if not cores:
         return None
     least = min(core.rounding.load for core in cores)
@@ -232,7 +254,9 @@ def _core(rise: Function, ends: Array) -> _Core | None:
 
 
 def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
-    """The same up to one end by `count` values; None where a series of x^2 does not resolve h, or rounding leaves no slope."""
+    """The same up to one end by `count` values; None where a series of x^2 does not resolve h, or
+    rounding leaves no slope.
+    """
     samples = _samples(count)
     heights = rise(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
@@ -249,8 +273,12 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
     return None
 
 
-def _with_lowest_power(samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float) -> _Core | None:
-    """H = s^power g(s), g of `count` coefficients, by least squares; None where g(0) is rounding."""
+def _with_lowest_power(
+    samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float
+) -> _Core | None:
+    """H = s^power g(s), g of `count` coefficients, by least squares; None where g(0) is
+    rounding.
+    """
     s = (1 + samples.places) / 2
     orthogonal, triangle = np.linalg.qr(s[:, None] ** power * samples.values[:, :count])
     inverse = np.linalg.inv(triangle)
@@ -264,12 +292,16 @@ def _with_lowest_power(samples: _Samples, heights: Array, end: float, power: int
     ends = np.array([0.0, 1.0])
     values = np.stack([bracket(ends) for bracket in brackets], axis=1)
     rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
-    value_errors, rate_errors = (_STATED * rounding * np.linalg.norm(each @ inverse, axis=1) for each in (values, rates))
+    value_errors, rate_errors = (
+        _STATED * rounding * np.linalg.norm(each @ inverse, axis=1) for each in (values, rates)
+    )
     size = np.abs(values @ g)
     if not np.all(value_errors < _ROUGHEST * size):
         return None
     bracket = sum(share * each for share, each in zip(g.tolist(), brackets, strict=True))
     load_error = float(np.max(value_errors / size)) / _LEAST_LOAD
     # dP/da is of x h'' too: (2 m - 1) h' + 2 s times the rate of the bracket.
-    stiffness_error = 2 * power * load_error + float(np.max(2 * ends * rate_errors / size)) / _LEAST_LOAD
+    stiffness_error = (
+        2 * power * load_error + float(np.max(2 * ends * rate_errors / size)) / _LEAST_LOAD
+    )
     return _Core(end, bracket, power - 1, rounding, Rounding(load_error, stiffness_error))

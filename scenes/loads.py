@@ -1,6 +1,8 @@
-"""Load histories P(t), Q(t) as load segments, and what loads state beside them: bulk stresses in the bodies, tilt or moment.
+"""Load histories P(t), Q(t) as load segments, and what loads state beside them: bulk stresses in
+the bodies, tilt or moment.
 
-# notation: sigma_l, sigma_u bulk stresses of the lower and the upper body; alpha tilt; M moment of the pressure about x = 0
+# notation: sigma_l, sigma_u bulk stresses of the lower and the upper body; alpha tilt; M moment of
+the pressure about x = 0
 """
 
 from __future__ import annotations
@@ -19,7 +21,18 @@ from pydantic import Field, model_validator
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Reduction, Table, reduced
+from scenes.measured import (
+    COLUMNS,
+    READ_AS,
+    SCALE,
+    UNITS,
+    ZERO,
+    FromFile,
+    ReadAs,
+    Reduction,
+    Table,
+    reduced,
+)
 from scenes.segments import (
     ChebyshevSegment,
     Combination,
@@ -42,8 +55,12 @@ _ROUNDING = 1e-12
 InitialLoading = Literal["straight"] | tuple[Point, ...]
 
 
-def straight_loading(initial_loading: InitialLoading, first: LoadSegment, duration: float) -> tuple[StraightSegment, ...]:
-    """From (0, 0) through the points of `initial_loading` to the start of the segment `first`, `duration` a line."""
+def straight_loading(
+    initial_loading: InitialLoading, first: LoadSegment, duration: float
+) -> tuple[StraightSegment, ...]:
+    """From (0, 0) through the points of `initial_loading` to the start of the segment `first`,
+    `duration` a line.
+    """
     points = [
         (0.0, 0.0),
         *(() if initial_loading == "straight" else initial_loading),
@@ -53,7 +70,10 @@ def straight_loading(initial_loading: InitialLoading, first: LoadSegment, durati
     return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
 
-Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
+Harmonic = tuple[
+    Annotated[float, Field(ge=0, description="amplitude")],
+    Annotated[float, Field(description="lag, degrees")],
+]
 _INITIAL = "values at the points of the load's initial_loading; in proportion to P if left out"
 
 
@@ -74,19 +94,25 @@ class WaveSum(Frozen):
     """mean + sum over k of amplitude_k cos(k t - phase_k), t being the time of the harmonics."""
 
     mean: float = Field(0.0, description="in the unit of the key")
-    harmonics: tuple[Harmonic, ...] = Field((), description="[amplitude, phase in degrees] of k = 1, 2, ...")
+    harmonics: tuple[Harmonic, ...] = Field(
+        (), description="[amplitude, phase in degrees] of k = 1, 2, ..."
+    )
     initial_loading: tuple[float, ...] = Field((), description=_INITIAL)
 
     def waves(self) -> tuple[float, Waves]:
         """(mean, ((amplitude, phase in radians), ...))."""
-        return self.mean, tuple((amplitude, math.radians(phase)) for amplitude, phase in self.harmonics)
+        return self.mean, tuple(
+            (amplitude, math.radians(phase)) for amplitude, phase in self.harmonics
+        )
 
 
 class LineOfAction(Frozen):
     """Where the load acts on the upper body: M = x P + height Q."""
 
     x: float = Field(0.0, description="of the line along which P acts, length units (library: mm)")
-    height: float = Field(0.0, description="above the contact at which Q acts, length units (library: mm)")
+    height: float = Field(
+        0.0, description="above the contact at which Q acts, length units (library: mm)"
+    )
 
 
 V = TypeVar("V")
@@ -97,11 +123,14 @@ KEYS = (*_PAIRS["bulk"], *_PAIRS["turning"], "line_of_action")
 
 
 class BulkAndTilt(Frozen, Generic[V]):
-    """Keys of bulk stress and tilt. During initial loading they grow in proportion to P, to their values at the cycle's start.
+    """Keys of bulk stress and tilt. During initial loading they grow in proportion to P, to their
+    values at the cycle's start.
 
     >>> from scenes import EllipseLoad
     >>> load = EllipseLoad(
-    ...     mean_normal_load=3.0, tangential_amplitude=1.0, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 90}
+    ...     mean_normal_load=3.0,
+    ...     tangential_amplitude=1.0,
+    ...     bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 90},
     ... )
     >>> path = load.path()
     >>> [round(float(one), 12) for one in path.cycle[0].bulk.loads(path.cycle_start)]
@@ -109,18 +138,33 @@ class BulkAndTilt(Frozen, Generic[V]):
     """
 
     bulk_stress_lower: float | V | None = Field(
-        None, description="bulk stress along x in the lower body, tension positive, stress units (library: MPa)"
+        None,
+        description=(
+            "bulk stress along x in the lower body, tension positive, stress units (library: MPa)"
+        ),
     )
-    bulk_stress_upper: float | V | None = Field(None, description="likewise in the upper body (library: MPa)")
-    tilt: float | V | None = Field(None, description="turn of the upper body that opens the gap at x > 0 (library: rad)")
+    bulk_stress_upper: float | V | None = Field(
+        None, description="likewise in the upper body (library: MPa)"
+    )
+    tilt: float | V | None = Field(
+        None, description="turn of the upper body that opens the gap at x > 0 (library: rad)"
+    )
     moment: float | V | None = Field(
-        None, description="moment of the pressure about x = 0 per unit thickness, in place of the tilt (library: N)"
+        None,
+        description=(
+            "moment of the pressure about x = 0 per unit thickness, in place of the tilt"
+            " (library: N)"
+        ),
     )
-    line_of_action: LineOfAction | None = Field(None, description="where P and Q act on the upper body, in place of the moment")
+    line_of_action: LineOfAction | None = Field(
+        None, description="where P and Q act on the upper body, in place of the moment"
+    )
 
     @model_validator(mode="after")
     def _can_be_followed(self) -> Self:
-        ways = [key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None]
+        ways = [
+            key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
+        ]
         if len(ways) > 1:
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
         if self.has_bulk_or_tilt:
@@ -134,7 +178,9 @@ class BulkAndTilt(Frozen, Generic[V]):
 
     @property
     def moment_given(self) -> bool:
-        """Whether the moment is stated, by itself or by a line of action, so that the tilt follows from it."""
+        """Whether the moment is stated, by itself or by a line of action, so that the tilt follows
+        from it.
+        """
         return self.moment is not None or self.line_of_action is not None
 
     def path(self) -> LoadPath:
@@ -154,12 +200,19 @@ class BulkAndTilt(Frozen, Generic[V]):
             straight = legs[: len(legs) - len(curved)]
             ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
             normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight)])
-            columns = [self.at_corners(value, normal_loads, float(end)).tolist() for value, end in zip(pair, ends, strict=True)]
+            columns = [
+                self.at_corners(value, normal_loads, float(end)).tolist()
+                for value, end in zip(pair, ends, strict=True)
+            ]
             corners = pairwise(zip(*columns, strict=True))
-            lines = (StraightSegment(leg.start, leg.end, *both) for leg, both in zip(straight, corners, strict=True))
+            lines = (
+                StraightSegment(leg.start, leg.end, *both)
+                for leg, both in zip(straight, corners, strict=True)
+            )
             further[name] = [*lines, *curved]
         found = [
-            replace(leg, **dict(zip(further, parts, strict=True))) for leg, *parts in zip(legs, *further.values(), strict=True)
+            replace(leg, **dict(zip(further, parts, strict=True)))
+            for leg, *parts in zip(legs, *further.values(), strict=True)
         ]
         count = len(path.initial_loading)
         return LoadPath(tuple(found[:count]), tuple(found[count:]), self.moment_given)
@@ -169,11 +222,19 @@ class BulkAndTilt(Frozen, Generic[V]):
         """P and Q alone."""
 
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:  # noqa: ARG002 straight loads have none
-        """Two keys over the time of the last legs of `path`, those on which they follow formulas; before, they are straight."""
+        """Two keys over the time of the last legs of `path`, those on which they follow formulas;
+        before, they are straight.
+        """
         return ()
 
-    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:
-        """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in proportion to it, or by own points.
+    def at_corners(
+        self,
+        value: Any,
+        normal_loads: NDArray[np.float64],
+        last: float,  # noqa: ARG002 no time is needed
+    ) -> NDArray[np.float64]:
+        """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in
+        proportion to it, or by own points.
 
         Raises
         ------
@@ -182,8 +243,13 @@ class BulkAndTilt(Frozen, Generic[V]):
         """
         own, count = getattr(value, "initial_loading", ()), len(normal_loads) - 2
         if own and len(own) != count:
-            raise ValueError(f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points of the load")
-        return np.array([0.0, *own, last]) if own else last * normal_loads / (normal_loads[-1] or 1.0)
+            raise ValueError(
+                f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points"
+                " of the load"
+            )
+        return (
+            np.array([0.0, *own, last]) if own else last * normal_loads / (normal_loads[-1] or 1.0)
+        )
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
@@ -194,7 +260,11 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
 
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         means, waves = zip(
-            *(value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ()) for value in pair), strict=True
+            *(
+                value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ())
+                for value in pair
+            ),
+            strict=True,
         )
         return [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
 
@@ -204,7 +274,9 @@ class EllipseLoad(CyclicLoad[Wave]):
 
     The cycle starts where |Q - Q0| is largest while P grows.
 
-    >>> load = EllipseLoad(mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1)
+    >>> load = EllipseLoad(
+    ...     mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1
+    ... )
     >>> p, q = load.path().at(load.path().cycle_start)  # the paper's point H
     >>> float(p), round(float(q), 12)
     (3.0, 0.1)
@@ -212,14 +284,24 @@ class EllipseLoad(CyclicLoad[Wave]):
 
     kind: Literal["ellipse"] = "ellipse"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
-    normal_amplitude: float = Field(0.0, ge=0, description="P1, force per unit thickness (library: N/mm)")
-    mean_tangential_load: float = Field(0.0, description="Q0, force per unit thickness (library: N/mm)")
-    tangential_amplitude: float = Field(0.0, ge=0, description="Q1, force per unit thickness (library: N/mm)")
-    phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise")
+    normal_amplitude: float = Field(
+        0.0, ge=0, description="P1, force per unit thickness (library: N/mm)"
+    )
+    mean_tangential_load: float = Field(
+        0.0, description="Q0, force per unit thickness (library: N/mm)"
+    )
+    tangential_amplitude: float = Field(
+        0.0, ge=0, description="Q1, force per unit thickness (library: N/mm)"
+    )
+    phase_degrees: float = Field(
+        90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
+    )
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
-        description="from (0, 0) to the first point of the cycle: a straight line, the paper's parabola "
-        "(tangent to the ellipse there), or the [P, Q] points of a polygon in between",
+        description=(
+            "from (0, 0) to the first point of the cycle: a straight line, the paper's parabola "
+            "(tangent to the ellipse there), or the [P, Q] points of a polygon in between"
+        ),
     )
 
     @property
@@ -243,34 +325,45 @@ class EllipseLoad(CyclicLoad[Wave]):
 
 
 class StraightLoad(BulkAndTilt[tuple[float, ...]]):
-    """A load of straight lines, whose bulk stresses and tilts are straight between its corners too."""
+    """A load of straight lines, whose bulk stresses and tilts are straight between its corners
+    too.
+    """
 
     entries: ClassVar[str]
     """What the entries of a list stand for."""
 
     @abc.abstractmethod
     def places(self, corners: int) -> tuple[Sequence[int], int]:
-        """Which entry of a list each corner of the path has, -1 for none; up to which corner a number grows with P."""
+        """Which entry of a list each corner of the path has, -1 for none; up to which corner a
+        number grows with P.
+        """
 
     def entries_needed(self, places: Sequence[int]) -> int:
         """How many entries a list has."""
         return max(places) + 1
 
-    def at_corners(self, value: Any, normal_loads: NDArray[np.float64], last: float) -> NDArray[np.float64]:  # noqa: ARG002
+    def at_corners(
+        self, value: Any, normal_loads: NDArray[np.float64], last: float
+    ) -> NDArray[np.float64]:
         places, first = self.places(len(normal_loads))
         if not isinstance(value, tuple):
             growth = normal_loads / (normal_loads[first] or 1.0)
             return (value or 0.0) * np.where(np.arange(len(normal_loads)) < first, growth, 1.0)
         if len(value) != (needed := self.entries_needed(places)):
-            raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {needed} are needed, {self.entries}")
+            raise ValueError(
+                f"a bulk stress or tilt has {len(value)} values, and {needed} are needed,"
+                f" {self.entries}"
+            )
         return np.array([value[k] if k >= 0 else 0.0 for k in places])
 
 
 class PolygonLoad(StraightLoad):
-    """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `initial_loading`, then `cycle` and back.
+    """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `initial_loading`,
+    then `cycle` and back.
 
-    The cycle starts at the last point of the initial loading, not repeated in `cycle`; an empty cycle is a path that just ends.
-    A point may stand twice in a row where the lists of bulk stress or tilt change from one to the other.
+    The cycle starts at the last point of the initial loading, not repeated in `cycle`; an empty
+    cycle is a path that just ends. A point may stand twice in a row where the lists of bulk stress
+    or tilt change from one to the other.
 
     >>> load = PolygonLoad(initial_loading=[(2, 0)], cycle=[(2, 1), (2, -1)])
     >>> [float(v) for v in load.path().at(1.5)], load.path().period
@@ -278,9 +371,15 @@ class PolygonLoad(StraightLoad):
     """
 
     kind: Literal["polygon"] = "polygon"
-    initial_loading: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0) (library: N/mm)")
+    initial_loading: tuple[Point, ...] = Field(
+        min_length=1, description="[P, Q] points after (0, 0) (library: N/mm)"
+    )
     cycle: tuple[Point, ...] = Field(
-        (), description="[P, Q] points after the last one of the initial loading, force per unit thickness (library: N/mm)"
+        (),
+        description=(
+            "[P, Q] points after the last one of the initial loading, force per unit thickness"
+            " (library: N/mm)"
+        ),
     )
 
     entries = "one for each point of initial_loading and cycle"
@@ -293,7 +392,10 @@ class PolygonLoad(StraightLoad):
     def _moves(self) -> Self:
         path = self.path()
         for leg in (*path.initial_loading, *path.cycle):
-            ends, parts = np.array([leg.start, leg.end]), [part for part in (leg, leg.bulk, leg.turning) if part is not None]
+            ends, parts = (
+                np.array([leg.start, leg.end]),
+                [part for part in (leg, leg.bulk, leg.turning) if part is not None],
+            )
             if all(first == last for part in parts for first, last in part.loads(ends)):
                 lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
                 beside = " with the same bulk stress and tilt" if lists else ""
@@ -302,15 +404,28 @@ class PolygonLoad(StraightLoad):
         return self
 
     def path_of_loads(self) -> LoadPath:
-        corners = [(0.0, 0.0), *self.initial_loading, *self.cycle, *(self.initial_loading[-1:] if self.cycle else ())]
-        segments, first = straight_segments([(float(k), *point) for k, point in enumerate(corners)]), len(self.initial_loading)
+        corners = [
+            (0.0, 0.0),
+            *self.initial_loading,
+            *self.cycle,
+            *(self.initial_loading[-1:] if self.cycle else ()),
+        ]
+        segments, first = (
+            straight_segments([(float(k), *point) for k, point in enumerate(corners)]),
+            len(self.initial_loading),
+        )
         return LoadPath(segments[:first], segments[first:])
 
 
 class HarmonicLoad(CyclicLoad[WaveSum]):
-    """P = P0 + sum over k of P_k cos(k t - phi_k), Q likewise; a revolution takes 2 pi and starts at t = 0.
+    """P = P0 + sum over k of P_k cos(k t - phi_k), Q likewise; a revolution takes 2 pi and starts
+    at t = 0.
 
-    >>> load = HarmonicLoad(mean_normal_load=3, normal_harmonics=[(1, 0)], tangential_harmonics=[(0.5, 90), (0.25, 0)])
+    >>> load = HarmonicLoad(
+    ...     mean_normal_load=3,
+    ...     normal_harmonics=[(1, 0)],
+    ...     tangential_harmonics=[(0.5, 90), (0.25, 0)],
+    ... )
     >>> p, q = load.path().at(0.0)
     >>> float(p), round(float(q), 12)
     (4.0, 0.25)
@@ -318,11 +433,18 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
 
     kind: Literal["harmonics"] = "harmonics"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
-    mean_tangential_load: float = Field(0.0, description="Q0, force per unit thickness (library: N/mm)")
-    normal_harmonics: tuple[Harmonic, ...] = Field((), description="[P_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)")
-    tangential_harmonics: tuple[Harmonic, ...] = Field((), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)")
+    mean_tangential_load: float = Field(
+        0.0, description="Q0, force per unit thickness (library: N/mm)"
+    )
+    normal_harmonics: tuple[Harmonic, ...] = Field(
+        (), description="[P_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)"
+    )
+    tangential_harmonics: tuple[Harmonic, ...] = Field(
+        (), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)"
+    )
     initial_loading: InitialLoading = Field(
-        "straight", description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points"
+        "straight",
+        description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points",
     )
 
     def path_of_loads(self) -> LoadPath:
@@ -330,13 +452,16 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
             tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
             for harmonics in (self.normal_harmonics, self.tangential_harmonics)
         )
-        turn = HarmonicSegment(0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves)
+        turn = HarmonicSegment(
+            0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves
+        )
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
     def in_words(self, unit: str) -> str:
         return (
-            f"the loads hold {len(self.normal_harmonics)} and {len(self.tangential_harmonics)} harmonics about "
-            f"P = {self.mean_normal_load:.6g}, Q = {self.mean_tangential_load:.6g} {unit}"
+            f"the loads hold {len(self.normal_harmonics)} and {len(self.tangential_harmonics)}"
+            f" harmonics about P = {self.mean_normal_load:.6g}, Q = {self.mean_tangential_load:.6g}"
+            f" {unit}"
         )
 
 
@@ -369,10 +494,11 @@ class RecordRow(Frozen):
 
 
 class TimeSeriesLoad(StraightLoad, FromFile):
-    """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
+    """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0,
+    0), unless it is (0, 0) itself.
 
-    With `repeats` the rows are one cycle, which must end with the loads that it starts with. With `reduce` the path goes through
-    some of the rows only: `series` has them, `rows` all.
+    With `repeats` the rows are one cycle, which must end with the loads that it starts with. With
+    `reduce` the path goes through some of the rows only: `series` has them, `rows` all.
 
     >>> load = TimeSeriesLoad(rows=[[0, 2, 0], [1, 2, 1], [3, 2, 0]])
     >>> [float(v) for v in load.path().at(2.0)], load.path().start
@@ -388,59 +514,97 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     }
 
     kind: Literal["time_series"] = "time_series"
-    file: str | None = Field(None, description="text table with the columns time, P, Q; path relative to the scene file")
+    file: str | None = Field(
+        None, description="text table with the columns time, P, Q; path relative to the scene file"
+    )
     rows: Table = Field(
         default_factory=Table.of_a_file,
-        description="the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)",
+        description=(
+            "the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)"
+        ),
     )
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
     columns: OfLoads[str | int] | None = Field(None, description=COLUMNS)
     units: OfLoads[str] | None = Field(None, description=UNITS)
     thickness: Positive | None = Field(
         None,
-        description="length of the contact out of the plane, by which forces of the file are divided, length units (library: mm)",
+        description=(
+            "length of the contact out of the plane, by which forces of the file are divided,"
+            " length units (library: mm)"
+        ),
     )
     scale: OfLoads[Positive] | None = Field(None, description=SCALE)
     zero: OfLoads[float] | None = Field(None, description=ZERO)
-    sign: OfLoads[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as P of a cell that counts tension")
+    sign: OfLoads[Literal[1, -1]] | None = Field(
+        None, description="-1 turns a column, such as P of a cell that counts tension"
+    )
     read_as: ReadAs | None = Field(None, description=READ_AS)
     start: float | RecordRow | None = Field(
-        None, description="first row that counts: its time, or {row = 10}; the record's if left out (library: s)"
+        None,
+        description=(
+            "first row that counts: its time, or {row = 10}; the record's if left out (library: s)"
+        ),
     )
     end: float | RecordRow | None = Field(
-        None, description="last row that counts: its time, or {row = 900}; the record's if left out (library: s)"
+        None,
+        description=(
+            "last row that counts: its time, or {row = 900}; the record's if left out (library: s)"
+        ),
     )
     least_normal_load: Positive | None = Field(
         None,
-        description="P below which rows are noise: Q counts as 0 there, and rows before the first that reaches it as initial "
-        "loading at Q = 0, force per unit thickness (library: N/mm)",
+        description=(
+            "P below which rows are noise: Q counts as 0 there, and rows before the first that"
+            " reaches it as initial loading at Q = 0, force per unit thickness (library: N/mm)"
+        ),
     )
-    average: int = Field(1, ge=1, description="how many neighbouring rows one mean stands for: it takes noise out")
+    average: int = Field(
+        1, ge=1, description="how many neighbouring rows one mean stands for: it takes noise out"
+    )
     reduce: Reduction | None = Field(
         None,
-        description="rows that the path goes through: turning_points of P or Q above the threshold, or as few as keep it within "
-        "the threshold as a tolerance; without, all",
+        description=(
+            "rows that the path goes through: turning_points of P or Q above the threshold, or as"
+            " few as keep it within the threshold as a tolerance; without, all"
+        ),
     )
     threshold: Threshold | None = Field(
-        None, description="of turning_points the largest swing that is left out, of tolerance the largest distance in P and in Q"
+        None,
+        description=(
+            "of turning_points the largest swing that is left out, of tolerance the largest"
+            " distance in P and in Q"
+        ),
     )
 
     @model_validator(mode="after")
     def _threshold_has_a_use(self) -> Self:
         if self.threshold is not None and self.reduce is None:
-            raise ValueError('threshold has a use with reduce = "turning_points" or reduce = "tolerance" only: add one of them')
+            raise ValueError(
+                'threshold has a use with reduce = "turning_points" or reduce = "tolerance" only:'
+                " add one of them"
+            )
         if self.average > 1 and self.repeats:
-            raise ValueError("average goes with records that do not repeat: means have no row at which the cycle closes")
+            raise ValueError(
+                "average goes with records that do not repeat: means have no row at which the cycle"
+                " closes"
+            )
         if self.least_normal_load is not None and (self.repeats or self.has_bulk_or_tilt):
             raise ValueError(
-                "least_normal_load goes with records of P and Q alone that do not repeat: leave it out, and cut the noise by start "
-                "and end"
+                "least_normal_load goes with records of P and Q alone that do not repeat: leave it"
+                " out, and cut the noise by start and end"
             )
         if self.average > 1 and (count := len(self.used_rows())) < 2 * self.average:
-            raise ValueError(f"average = {self.average} leaves one of {count} rows: two at least are needed")
+            raise ValueError(
+                f"average = {self.average} leaves one of {count} rows: two at least are needed"
+            )
         if self.has_bulk_or_tilt and (self.average > 1 or self.reduce is not None):
-            raise ValueError("average and reduce go with records of P and Q alone: leave them out beside bulk stress or tilt")
-        if self.reduce == "tolerance" and (self.threshold is None or not max(self.threshold.P, self.threshold.Q)):
+            raise ValueError(
+                "average and reduce go with records of P and Q alone: leave them out beside bulk"
+                " stress or tilt"
+            )
+        if self.reduce == "tolerance" and (
+            self.threshold is None or not max(self.threshold.P, self.threshold.Q)
+        ):
             raise ValueError('reduce = "tolerance" needs a threshold, such as {P = 1.0, Q = 0.5}')
         return self
 
@@ -452,23 +616,42 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, "one row is no history: two at least are needed")
         first, beyond = self.bounds()
         if beyond - first < 2:
-            raise RowError(min(first, len(rows) - 1), f"start and end leave {max(beyond - first, 0)} rows: two at least are needed")
+            raise RowError(
+                min(first, len(rows) - 1),
+                f"start and end leave {max(beyond - first, 0)} rows: two at least are needed",
+            )
         time, words = rows[:, 0], ("stands there twice", "comes after a later one")
         RowError.refuse(
             np.diff(time[first:beyond]) <= 0,
-            lambda k: f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend",
+            lambda k: (
+                f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend"
+            ),
             first + 1,
         )
-        if self.least_normal_load is not None and not np.any(rows[first:beyond, 1] >= self.least_normal_load):
+        if self.least_normal_load is not None and not np.any(
+            rows[first:beyond, 1] >= self.least_normal_load
+        ):
             highest = float(np.max(rows[first:beyond, 1]))
-            raise RowError(first, f"no row reaches least_normal_load = {self.least_normal_load:.6g}: P is {highest:.6g} at most")
+            raise RowError(
+                first,
+                f"no row reaches least_normal_load = {self.least_normal_load:.6g}: P is"
+                f" {highest:.6g} at most",
+            )
         if self.repeats and not np.any(rows[first, 1:]):
-            raise RowError(first, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
+            raise RowError(
+                first,
+                "a cycle that repeats can't start unloaded: its first row is where the initial"
+                " loading ends",
+            )
         if self.repeats and np.any(rows[first, 1:] != rows[beyond - 1, 1:]):
-            raise RowError(beyond - 1, "a cycle that repeats must end with the loads of its first row")
+            raise RowError(
+                beyond - 1, "a cycle that repeats must end with the loads of its first row"
+            )
 
     def bounds(self) -> tuple[int, int]:
-        """Number of the first row that counts, from 0 on, and of the first behind the last that does."""
+        """Number of the first row that counts, from 0 on, and of the first behind the last that
+        does.
+        """
         time, first, beyond = self.rows.values[:, 0], 0, len(self.rows)
         if isinstance(self.start, RecordRow):
             first = self.start.row - 1
@@ -481,7 +664,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return first, beyond
 
     def used_rows(self) -> Table:
-        """The rows (n, 3) between `start` and `end`; those below `least_normal_load` without their noise.
+        """The rows (n, 3) between `start` and `end`; those below `least_normal_load` without their
+        noise.
 
         >>> noisy = [[0, 0.1, -0.9], [1, 0.3, 0.7], [2, 50, 1], [3, 100, 30], [4, 0.2, -0.5]]
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
@@ -489,7 +673,11 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """
         first, beyond = self.bounds()
         if self.least_normal_load is None:
-            return self.rows if (first, beyond) == (0, len(self.rows)) else Table.of(self.rows.values[first:beyond])
+            return (
+                self.rows
+                if (first, beyond) == (0, len(self.rows))
+                else Table.of(self.rows.values[first:beyond])
+            )
         rows = self.rows.values[first:beyond].copy()
         low = rows[:, 1] < self.least_normal_load
         rows[low, 1] = np.maximum(rows[low, 1], 0.0)
@@ -509,7 +697,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return reduced(rows, self.average, self.reduce, size.P, size.Q)
 
     def series(self) -> NDArray[np.float64]:
-        """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the first step."""
+        """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the
+        first step.
+        """
         rows = self.kept_rows()
         if not np.any(rows[0, 1:]):
             return rows
@@ -545,26 +735,44 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             which += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
         elif self.reduce == "tolerance":
             which += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
-        limits = f"P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}"
+        limits = (
+            f"P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g}"
+            f" {unit}"
+        )
         return f"the loads follow {which}. {limits}{again}"
 
 
 class CallableLoad(BulkAndTilt[PythonFunction]):
-    """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps refused.
+    """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps
+    refused.
 
     >>> import math
-    >>> load = CallableLoad(normal_load=lambda t: 2 + math.cos(t), tangential_load=math.sin, duration=2 * math.pi, repeats=True)
+    >>> load = CallableLoad(
+    ...     normal_load=lambda t: 2 + math.cos(t),
+    ...     tangential_load=math.sin,
+    ...     duration=2 * math.pi,
+    ...     repeats=True,
+    ... )
     >>> [round(float(v), 12) for v in load.path().at(math.pi / 2)]
     [2.0, 1.0]
     """
 
     kind: Literal["callable"] = "callable"
-    normal_load: PythonFunction = Field(description="P(time), force per unit thickness (library: N/mm)")
-    tangential_load: PythonFunction = Field(description="Q(time), force per unit thickness (library: N/mm)")
-    duration: Positive = Field(description="time that the functions cover, one cycle if it repeats, any time unit (library: s)")
+    normal_load: PythonFunction = Field(
+        description="P(time), force per unit thickness (library: N/mm)"
+    )
+    tangential_load: PythonFunction = Field(
+        description="Q(time), force per unit thickness (library: N/mm)"
+    )
+    duration: Positive = Field(
+        description=(
+            "time that the functions cover, one cycle if it repeats, any time unit (library: s)"
+        )
+    )
     repeats: bool = Field(False, description="whether the functions are one cycle that repeats")
     initial_loading: InitialLoading = Field(
-        "straight", description="from (0, 0) to the loads at time 0: straight, or along [P, Q] points"
+        "straight",
+        description="from (0, 0) to the loads at time 0: straight, or along [P, Q] points",
     )
 
     @model_validator(mode="after")
@@ -574,13 +782,23 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         for before, following in zip(segments, after, strict=False):
             left, right = before.loads(before.end), following.loads(following.start)
             for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
-                if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
-                    raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {before.end:.6g}")
+                if abs(float(one - two)) > 1e3 * _ROUNDING * max(
+                    abs(float(left[0])), abs(float(right[0]))
+                ):
+                    raise ValueError(
+                        f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time"
+                        f" {before.end:.6g}"
+                    )
         return self
 
     def _segments(self) -> list[ChebyshevSegment]:
-        functions = {"normal_load": values_of(self.normal_load), "tangential_load": values_of(self.tangential_load)}
-        functions |= {key: values_of(getattr(self, key)) for key in KEYS if callable(getattr(self, key))}
+        functions = {
+            "normal_load": values_of(self.normal_load),
+            "tangential_load": values_of(self.tangential_load),
+        }
+        functions |= {
+            key: values_of(getattr(self, key)) for key in KEYS if callable(getattr(self, key))
+        }
         # Not in halves: a function of few turns is met between its corners, not on them.
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         times = np.linspace(0, self.duration, 65)
@@ -588,14 +806,18 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             bad = ~np.isfinite(function(times))
             if np.any(bad):
                 raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
-        scales = {name: float(np.max(np.abs(function(times)))) for name, function in functions.items()}
+        scales = {
+            name: float(np.max(np.abs(function(times)))) for name, function in functions.items()
+        }
         scale = scales["tangential_load"] = scales["normal_load"]
         for name, function in [*functions.items()] * 2:  # the edges of one are cuts of the other
             try:
                 edges = fit(function, edges, scales[name] or 1.0).edges
             except Unresolved as fault:
                 why = "not finite, or it jumps or swings too fast"
-                raise ValueError(f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}") from fault
+                raise ValueError(
+                    f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}"
+                ) from fault
         pair = [functions["normal_load"], functions["tangential_load"]]
         return [_chebyshev_piece(low, high, pair, scale) for low, high in pairwise(edges.tolist())]
 
@@ -604,20 +826,46 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
         initial_loading: tuple[LoadSegment, ...] = ()
         # Unless it is unloaded at first.
-        if self.repeats or self.initial_loading != "straight" or np.max(first) > _ROUNDING * np.max(last):
+        if (
+            self.repeats
+            or self.initial_loading != "straight"
+            or np.max(first) > _ROUNDING * np.max(last)
+        ):
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
-        return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
+        return (
+            LoadPath(initial_loading, segments)
+            if self.repeats
+            else LoadPath((*initial_loading, *segments), ())
+        )
 
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        functions = [values_of(one) if callable(one) else lambda time, one=one: np.full(np.shape(time), one or 0.0) for one in pair]
-        return [_chebyshev_piece(leg.start, leg.end, functions) for leg in (*path.initial_loading, *path.cycle) if leg.start >= 0]
+        functions = [
+            (
+                values_of(one)
+                if callable(one)
+                else lambda time, one=one: np.full(np.shape(time), one or 0.0)
+            )
+            for one in pair
+        ]
+        return [
+            _chebyshev_piece(leg.start, leg.end, functions)
+            for leg in (*path.initial_loading, *path.cycle)
+            if leg.start >= 0
+        ]
 
     def in_words(self, unit: str) -> str:
-        return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
+        return (
+            f"the loads (in {unit}) are Python functions of time over"
+            f" {self.duration:.6g}{', repeated' if self.repeats else ''}"
+        )
 
 
-def _chebyshev_piece(low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0) -> ChebyshevSegment:
+def _chebyshev_piece(
+    low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
+) -> ChebyshevSegment:
     """Two functions of time between two edges as series, without what is rounding at their ends."""
     both = [series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions]
     degrees = [int(np.max(np.flatnonzero(np.abs(one) > 1e-16 * scale), initial=0)) for one in both]
-    return ChebyshevSegment(low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True)))
+    return ChebyshevSegment(
+        low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True))
+    )

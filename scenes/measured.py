@@ -1,4 +1,6 @@
-"""Measured tables: rows of numbers from lists, or columns of text files in the units of the scene; fewer rows for a long record."""
+"""Measured tables: rows of numbers from lists, or columns of text files in the units of the scene;
+fewer rows for a long record.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Rows of finite numbers as a read-only array (n_rows, n_columns); in a scene file, a list of lists.
+    """Rows of finite numbers as a read-only array (n_rows, n_columns); in a scene file, a list of
+    lists.
 
     >>> Table.of([[0, 0], [1, 2]]).values.shape
     (2, 2)
@@ -40,15 +43,24 @@ class Table:
 
     @classmethod
     def of(cls, rows: ArrayLike | Table) -> Table:
-        """A table from anything that makes a rectangle of finite numbers; ValueError with the row if it does not."""
+        """A table from anything that makes a rectangle of finite numbers; ValueError with the row
+        if it does not.
+        """
         try:
-            values = rows.values if isinstance(rows, Table) else np.array(real_numbers(rows, "the table of rows"))
+            values = (
+                rows.values
+                if isinstance(rows, Table)
+                else np.array(real_numbers(rows, "the table of rows"))
+            )
         except InputError:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
         rule = f"is not all finite numbers of at most {LARGEST:g}"
-        RowError.refuse(~(np.abs(values) <= LARGEST).all(axis=1), lambda row: f"{shown(values[row].tolist())} {rule}")
+        RowError.refuse(
+            ~(np.abs(values) <= LARGEST).all(axis=1),
+            lambda row: f"{shown(values[row].tolist())} {rule}",
+        )
         values.flags.writeable = False
         return cls(values)
 
@@ -70,13 +82,20 @@ class Table:
         return cls(np.empty((0, 0)))
 
     @classmethod
-    def __get_pydantic_core_schema__(cls, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        cls, _source: Any, _handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(
-            cls.of, serialization=core_schema.plain_serializer_function_ser_schema(lambda table: table.values.tolist())
+            cls.of,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda table: table.values.tolist()
+            ),
         )
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, _schema: CoreSchema, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        cls, _schema: CoreSchema, _handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
 
 
@@ -84,14 +103,24 @@ ReadAs = tuple[tuple[str, str], ...]
 # Keys that say how a file is read.
 READING = ("columns", "units", "thickness", "scale", "zero", "sign")
 # What each of them is, for descriptions.
-COLUMNS = "headings or numbers (from 1 on) of the columns in the file, where they are not found by their usual names"
-UNITS = "units of the columns in the file, where its headings do not state them; turned into those of the scene"
-SCALE, ZERO = "factors of the columns, such as a calibration", "numbers of the file that mean zero: taken off first, in its units"
+COLUMNS = (
+    "headings or numbers (from 1 on) of the columns in the file, where they are not found by their"
+    " usual names"
+)
+UNITS = (
+    "units of the columns in the file, where its headings do not state them; turned into those of"
+    " the scene"
+)
+SCALE, ZERO = (
+    "factors of the columns, such as a calibration",
+    "numbers of the file that mean zero: taken off first, in its units",
+)
 READ_AS = "how the file was read, found and assumed; written by the reader"
 
 
 class FromFile(Frozen):
-    """Keys of which one, `table`, is rows of numbers that may stand in a text `file` instead, relative to the scene file.
+    """Keys of which one, `table`, is rows of numbers that may stand in a text `file` instead,
+    relative to the scene file.
 
     A number of the scene is sign x scale x unit x (number of the file - zero) / thickness.
     """
@@ -99,7 +128,9 @@ class FromFile(Frozen):
     table: ClassVar[str]
     quantities: ClassVar[dict[str, Kind]]
     further: ClassVar[dict[str, Kind]] = {}
-    """Keys that are lists, an entry for each row, which may be columns of the file too, where `columns` names them."""
+    """Keys that are lists, an entry for each row, which may be columns of the file too, where
+    `columns` names them.
+    """
 
     kind: str
     file: str | None
@@ -110,8 +141,14 @@ class FromFile(Frozen):
         if self.table in self.model_fields_set:
             return self
         if self.file is None:
-            raise PydanticCustomError("key_missing", "the key {key} is missing", {"key": self.table})
-        columns, units, path = getattr(self, "columns", None), (info.context or {}).get("units"), _folder(info) / self.file
+            raise PydanticCustomError(
+                "key_missing", "the key {key} is missing", {"key": self.table}
+            )
+        columns, units, path = (
+            getattr(self, "columns", None),
+            (info.context or {}).get("units"),
+            _folder(info) / self.file,
+        )
         units, named = units if isinstance(units, str) else _UNITS, self._named(columns)
         quantities = self.quantities | {name: self.further[name] for name in named}
         table = text_table(path, tuple(quantities), stated=_given(columns))
@@ -125,7 +162,9 @@ class FromFile(Frozen):
         if table.skipped:
             said.append(("lines above the headings", f"{table.skipped} skipped"))
         thickness, converted = getattr(self, "thickness", None), False
-        factors, zeros, signs, words = (_given(getattr(self, key)) for key in ("scale", "zero", "sign", "units"))
+        factors, zeros, signs, words = (
+            _given(getattr(self, key)) for key in ("scale", "zero", "sign", "units")
+        )
         for k, (name, kind) in enumerate(quantities.items()):
             heading = table.headings[k]
             unit = words.get(name) or table.units[k] or short_unit_in(heading, kind)
@@ -139,20 +178,27 @@ class FromFile(Frozen):
                 except ValueError as reason:
                     if name in words:
                         raise InputError(f"units.{name}: {reason}") from reason
-                    # The unit of time changes no result, moments are not converted, and a stated scale turns volts into loads.
+                    # The unit of time changes no result, moments are not converted, and a stated
+                    # scale turns volts into loads.
                     if kind not in ("time", "moment") and name not in factors:
                         raise InputError(
-                            f"{path}: the heading {heading!r} of {name} has {unit!r} where a unit stands: {reason}; state the "
-                            f"unit of the numbers, such as units = {{{name} = {_LIKELY[kind]!r}}}, or their factor by scale"
+                            f"{path}: the heading {heading!r} of {name} has {unit!r} where a unit"
+                            f" stands: {reason}; state the unit of the numbers, such as units ="
+                            f" {{{name} = {_LIKELY[kind]!r}}}, or their factor by scale"
                         ) from reason
                     how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
                 else:
                     converted = converted or kind != "time"
-                    how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
+                    how.append(
+                        f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else "")
+                    )
             elif kind != "time":
                 how.append("no unit stated: taken to be in that of the scene")
             if kind == "load" and per_length is (thickness is not None):
-                rule = "a force, and loads are per unit thickness: state the key thickness, the length of the contact out of the "
+                rule = (
+                    "a force, and loads are per unit thickness: state the key thickness, the length"
+                    " of the contact out of the "
+                )
                 rule += "plane, by which it is divided"
                 if per_length:
                     rule = "per length already: leave out the key thickness"
@@ -166,14 +212,20 @@ class FromFile(Frozen):
                 how.append(f"over the thickness {over:.9g}")
             if signs.get(name, 1) < 0:
                 how.append("sign turned")
-            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
+            # what is not finite is refused with its row
+            with np.errstate(over="ignore", invalid="ignore"):
                 table.values[:, k] -= zeros.get(name, 0.0)
-                table.values[:, k] *= factor * (factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0))
+                table.values[:, k] *= factor * (
+                    factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0)
+                )
             said.append((name, ", ".join(how)))
         if converted:
             said.append((SCENE_UNITS, units))
         if both := [name for name in named if getattr(self, name) is not None]:
-            raise InputError(f"{self.file}: {both[0]} is a column of the file and stated beside it: leave one out")
+            raise InputError(
+                f"{self.file}: {both[0]} is a column of the file and stated beside it: leave"
+                " one out"
+            )
         values, count = Table.of(table.values).values, len(self.quantities)
         found = {self.table: Table.of(values[:, :count]), "read_as": tuple(said)}
         found |= {name: tuple(values[:, count + k].tolist()) for k, name in enumerate(named)}
@@ -188,13 +240,19 @@ class FromFile(Frozen):
         return [name for name in _given(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """As for every table; rows of one file are not those of another, nor is a file the source of other rows."""
+        """As for every table; rows of one file are not those of another, nor is a file the source
+        of other rows.
+        """
         data = super().merged(changes)
         read = self._named(getattr(self, "columns", None))
         if self.table in changes and "file" not in changes:
             for key in ("file", "read_as", *READING, *(set(read) - changes.keys())):
                 data.pop(key, None)
-        elif self.table not in changes and data.get("file") is not None and not changes.keys().isdisjoint(("file", *READING)):
+        elif (
+            self.table not in changes
+            and data.get("file") is not None
+            and not changes.keys().isdisjoint(("file", *READING))
+        ):
             for key in (self.table, "read_as", *(set(read) - changes.keys())):
                 data.pop(key, None)
         return data
@@ -211,12 +269,16 @@ class FromFile(Frozen):
             path, place = _folder(info) / (self.file or ""), f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
                 columns = _given(getattr(self, "columns", None))
-                place = f"{path}, line {text_table(path, tuple(self.quantities), stated=columns).lines[fault.row]}"
+                place = (
+                    f"{path}, line"
+                    f" {text_table(path, tuple(self.quantities), stated=columns).lines[fault.row]}"
+                )
             raise ValueError(f"{place}: {fault.rule}") from fault
         unused = [key for key in READING if getattr(self, key, None) is not None]
         if self.file is None and unused:
             raise ValueError(
-                f"{unused[0]} says how a file is read, and `{self.table}` stand in the units of the scene: leave it out"
+                f"{unused[0]} says how a file is read, and `{self.table}` stand in the units of the"
+                " scene: leave it out"
             )
         return self
 
@@ -239,7 +301,7 @@ def _given(table: Frozen | None) -> dict[str, Any]:
     return {} if table is None else {name: value for name, value in table if value is not None}
 
 
-# ------------------------------------------------------------------------------------------- fewer rows for a long record
+# --------------------------------------------------------------------- fewer rows for a long record
 Rows = NDArray[np.int64]
 Reduction = Literal["turning_points", "tolerance"]
 # Of the largest load: what rounding may make of a distance.
@@ -247,15 +309,19 @@ _ROUNDING = 1e-12
 
 
 @lru_cache(maxsize=4)  # a record of two million rows takes seconds, and is asked for by each engine
-def reduced(rows: Table, average: int, how: Reduction | None, normal: float, tangential: float) -> Array:
-    """The rows (m, 3) of time, P and Q that stand for a record; of those that are kept the first and the last are two.
+def reduced(
+    rows: Table, average: int, how: Reduction | None, normal: float, tangential: float
+) -> Array:
+    """The rows (m, 3) of time, P and Q that stand for a record; of those that are kept the first
+    and the last are two.
 
     Parameters
     ----------
     average : how many neighbouring rows are replaced by their mean first; 1 for none
-    how : "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P and `tangential` of Q.
-        "tolerance": straight lines, each as long as it can be, that pass the other rows, in their order, at distances of at most
-        `normal` in P and `tangential` in Q. None: all
+    how : "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P and
+        `tangential` of Q. "tolerance": straight lines, each as long as it can be, that pass the
+        other rows, in their order, at distances of at most `normal` in P and `tangential` in Q.
+        None: all
 
     >>> record = Table.of([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
     >>> reduced(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
@@ -267,7 +333,10 @@ def reduced(rows: Table, average: int, how: Reduction | None, normal: float, tan
     if how is None:
         found = values
     elif how == "turning_points":
-        turns = (turning_points(values[:, column], size) for column, size in ((1, normal), (2, tangential)))
+        turns = (
+            turning_points(values[:, column], size)
+            for column, size in ((1, normal), (2, tangential))
+        )
         found = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
     else:
         found = values[within(values[:, 1:], np.array([normal, tangential]))]
@@ -280,17 +349,26 @@ def means(values: Array, count: int) -> Array:
     if count == 1:
         return values
     starts = np.arange(0, len(values), count)
-    return np.asarray(np.add.reduceat(values, starts, axis=0) / np.diff(starts, append=len(values))[:, None])
+    return np.asarray(
+        np.add.reduceat(values, starts, axis=0) / np.diff(starts, append=len(values))[:, None]
+    )
 
 
 def turning_points(values: Array, threshold: float) -> Rows:
-    """Rows (m,) at which `values` (n,) turn, but for swings of at most `threshold`: an extreme counts once they left it by more."""
+    """Rows (m,) at which `values` (n,) turn, but for swings of at most `threshold`: an extreme
+    counts once they left it by more.
+    """
     step = np.diff(values)
     moved = np.flatnonzero(step)
-    turned = moved[:-1][step[moved[:-1]] * step[moved[1:]] < 0] + 1  # the first row of a plateau that turns
+    # the first row of a plateau that turns
+    turned = moved[:-1][step[moved[:-1]] * step[moved[1:]] < 0] + 1
     found: list[int] = []
     way, low, high = 0, 0, 0  # way of the swing that is followed, and its extreme rows so far
-    for row, value in zip((*turned.tolist(), len(values) - 1), (*values[turned].tolist(), float(values[-1])), strict=True):
+    for row, value in zip(
+        (*turned.tolist(), len(values) - 1),
+        (*values[turned].tolist(), float(values[-1])),
+        strict=True,
+    ):
         high = row if value > values[high] else high
         low = row if value < values[low] else low
         if way >= 0 and values[high] - value > threshold:
@@ -303,10 +381,12 @@ def turning_points(values: Array, threshold: float) -> Rows:
 
 
 def within(path: Array, tolerance: Array) -> Rows:
-    """Rows (m,) whose straight lines pass all points (n, 2) of `path` in their order, each within `tolerance` (2,).
+    """Rows (m,) whose straight lines pass all points (n, 2) of `path` in their order, each within
+    `tolerance` (2,).
 
-    From each kept row as far as doubled and halved steps find a line that does: the intervals of the line near each point must
-    allow an order. A line is near the straight piece between two points where it is near both, since the distance is convex.
+    From each kept row as far as doubled and halved steps find a line that does: the intervals of
+    the line near each point must allow an order. A line is near the straight piece between two
+    points where it is near both, since the distance is convex.
     """
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 

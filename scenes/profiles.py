@@ -1,4 +1,5 @@
-"""Initial gap h(x) between the faces: falling nowhere away from x = 0, and symmetric, but for tables with two unequal sides.
+"""Initial gap h(x) between the faces: falling nowhere away from x = 0, and symmetric, but for
+tables with two unequal sides.
 
 The one verb that both engines share.
 """
@@ -12,7 +13,14 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self,
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    PrivateAttr,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
 
 from scenes.chebyshev import Pieces, Unresolved, fit, values_of
 from scenes.errors import InputError, RowError
@@ -24,22 +32,26 @@ from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, Read
 Array = NDArray[np.float64]
 
 _ALIKE = 1e-12
-# Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less, and those of a parabola differ
-# by one part in as many as there are rows.
+# Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,
+# and those of a parabola differ by one part in as many as there are rows.
 _IN_LINE = 1e-9
-# Of an interval between two rows: nearer than this to an end there is no further knot. What it costs the curve is that share of a
-# slope; a shorter piece has no digits left in its curvature.
+# Of an interval between two rows: nearer than this to an end there is no further knot. What it
+# costs the curve is that share of a slope; a shorter piece has no digits left in its curvature.
 _SHORTEST = 1e-6
 # Of x: rows nearer to each other than this have no slope between them that rounding leaves.
 _CLOSEST = 1e-9
-# Rows of one side. The normal load is a sum over all of them: 2,000 take 0.2 s, and the fields of a cycle some seconds.
+# Rows of one side. The normal load is a sum over all of them: 2,000 take 0.2 s, and the fields of a
+# cycle some seconds.
 _MOST = 2_000
-# A rise counts as a whole number of steps to this; steps are coarse where half of all rises are less than so many.
+# A rise counts as a whole number of steps to this; steps are coarse where half of all rises are
+# less than so many.
 _WHOLE, _COARSE = 1e-3, 1000
 
 
 class Spline(NamedTuple):
-    """h'' constant between knots: `x` (n + 1,) from 0 up, `height`, `slope` there (n + 1,), `curvature` (n,) between them."""
+    """h'' constant between knots: `x` (n + 1,) from 0 up, `height`, `slope` there (n + 1,),
+    `curvature` (n,) between them.
+    """
 
     x: Array
     height: Array
@@ -52,12 +64,16 @@ class Gap(Frozen):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep
+        there.
+        """
         return ()
 
     @property
     def arc(self) -> tuple[float, float] | None:
-        """Centre (x >= 0) and radius of the arc that the gap is from the centre outwards; None for other shapes."""
+        """Centre (x >= 0) and radius of the arc that the gap is from the centre outwards; None for
+        other shapes.
+        """
         return None
 
     @property
@@ -70,7 +86,9 @@ class Gap(Frozen):
 
     @property
     def datum_length(self) -> float:
-        """Distance from the load at which a half-plane's surface counts as unmoved: the origin of displacements."""
+        """Distance from the load at which a half-plane's surface counts as unmoved: the origin of
+        displacements.
+        """
         return float(getattr(self, self.datum))
 
     @abc.abstractmethod
@@ -112,34 +130,55 @@ FitKind = Literal["even_polynomial", "smoothing_spline", "flat_rounded", "hertz"
 
 
 class ProfileFit(Frozen):
-    """How a smooth, convex and symmetric curve is laid through measured rows; the scene then holds that curve in their place."""
+    """How a smooth, convex and symmetric curve is laid through measured rows; the scene then holds
+    that curve in their place.
+    """
 
     kind: FitKind = Field(
-        description="what is fitted: `hertz`, `flat_rounded`, `even_polynomial` (powers 2 to 8) or `smoothing_spline` (no formula)"
+        description=(
+            "what is fitted: `hertz`, `flat_rounded`, `even_polynomial` (powers 2 to 8) or"
+            " `smoothing_spline` (no formula)"
+        )
     )
     noise: PositiveNumber | None = Field(
-        None, description="standard deviation of h, length units (library: mm); left out, that of the residuals"
+        None,
+        description=(
+            "standard deviation of h, length units (library: mm); left out, that of the residuals"
+        ),
     )
     centre: float | None = Field(
         None,
-        description="x of the middle of the contact, length units (library: mm); fitted if left out, but 0 for rows of one side",
+        description=(
+            "x of the middle of the contact, length units (library: mm); fitted if left out, but 0"
+            " for rows of one side"
+        ),
     )
     extent: Positive | None = Field(
-        None, description="rows farther from the middle are left out, length units (library: mm); all count if left out"
+        None,
+        description=(
+            "rows farther from the middle are left out, length units (library: mm); all count if"
+            " left out"
+        ),
     )
     tilt: float | None = Field(
         None,
-        description="slope of the trace, taken out of the rows (library: rad); fitted if left out, but 0 for rows of one side, "
-        "and for a `hertz` whose middle is fitted",
+        description=(
+            "slope of the trace, taken out of the rows (library: rad); fitted if left out, but 0"
+            " for rows of one side, and for a `hertz` whose middle is fitted"
+        ),
     )
 
 
 class Fitted(Frozen):
-    """Where fitted numbers came from: written by the fit, so that a saved scene gives the same answer without the file."""
+    """Where fitted numbers came from: written by the fit, so that a saved scene gives the same
+    answer without the file.
+    """
 
     kind: FitKind = Field(description="what was fitted")
     source: str = Field(description="file with the rows, or `points`")
-    rows: Table = Field(description="the rows that were fitted, [x, h] each, length units (library: mm)")
+    rows: Table = Field(
+        description="the rows that were fitted, [x, h] each, length units (library: mm)"
+    )
     noise: PositiveNumber = Field(description="standard deviation of h, length units (library: mm)")
     noise_stated: bool = Field(description="whether that was stated, or is that of the residuals")
     centre: float = Field(description="x of the middle, length units (library: mm)")
@@ -147,9 +186,15 @@ class Fitted(Frozen):
     tilt: float = Field(0.0, description="slope of the trace, taken out (library: rad)")
     tilt_fitted: bool = Field(False, description="whether that was fitted")
     offset: float = Field(description="fitted h there, length units (library: mm)")
-    residual: float = Field(ge=0, description="root mean square of rows minus curve, length units (library: mm)")
+    residual: float = Field(
+        ge=0, description="root mean square of rows minus curve, length units (library: mm)"
+    )
     freedom: int = Field(gt=0, description="rows less fitted numbers")
-    extent: Positive = Field(description="distance from the middle that the rows reach on every side that has any (library: mm)")
+    extent: Positive = Field(
+        description=(
+            "distance from the middle that the rows reach on every side that has any (library: mm)"
+        )
+    )
     weight: float = Field(0.0, ge=0, description="of the smoothing against the rows")
     left_out: int = Field(0, ge=0, description="rows beyond the extent")
     read_as: ReadAs | None = Field(None, description=READ_AS)
@@ -170,7 +215,9 @@ class MayBeFitted(Gap):
 
     written = ("fitted",)
 
-    fitted: Fitted | None = Field(None, description="where fitted numbers came from; written by `fit` of a tabulated profile")
+    fitted: Fitted | None = Field(
+        None, description="where fitted numbers came from; written by `fit` of a tabulated profile"
+    )
 
 
 class Hertz(MayBeFitted):
@@ -182,7 +229,9 @@ class Hertz(MayBeFitted):
 
     datum = "radius"
     kind: Literal["hertz"] = "hertz"
-    radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
+    radius: Positive = Field(
+        description="relative radius of curvature R, length units (library: mm)"
+    )
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -202,7 +251,9 @@ class FlatRounded(MayBeFitted, TwoCurvatures):
     datum = "radius"
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
-    flat_half_length: Positive = Field(description="half-length b of the flat face, length units (library: mm)")
+    flat_half_length: Positive = Field(
+        description="half-length b of the flat face, length units (library: mm)"
+    )
 
     @property
     def arc(self) -> tuple[float, float]:
@@ -214,7 +265,8 @@ class FlatRounded(MayBeFitted, TwoCurvatures):
 
 
 class PowerLaw(Gap):
-    """Power of the distance: h = rise (|x| / length)^exponent, exponent >= 1 (1 is a sharp wedge, 2 the parabola of Hertz).
+    """Power of the distance: h = rise (|x| / length)^exponent, exponent >= 1 (1 is a sharp wedge, 2
+    the parabola of Hertz).
 
     >>> PowerLaw(exponent=3.0, length=2.0, rise=0.5).height([-1.0, 2.0]).tolist()
     [0.0625, 0.5]
@@ -223,11 +275,16 @@ class PowerLaw(Gap):
     datum = "length"
     kind: Literal["power_law"] = "power_law"
     exponent: float = Field(ge=1, description="exponent n, any real number")
-    length: Positive = Field(description="distance at which the gap is `rise`, length units (library: mm)")
+    length: Positive = Field(
+        description="distance at which the gap is `rise`, length units (library: mm)"
+    )
     rise: Positive = Field(description="gap at `length` (library: mm)")
 
     def in_words(self, length: str) -> str:
-        return f"a profile that grows like |x|^{self.exponent:.6g}, {self.rise:.6g} {length} at {self.length:.6g} {length}"
+        return (
+            f"a profile that grows like |x|^{self.exponent:.6g}, {self.rise:.6g} {length} at"
+            f" {self.length:.6g} {length}"
+        )
 
     def height(self, x: ArrayLike) -> Array:
         return self.rise * np.power(np.abs(np.asarray(x, dtype=float)) / self.length, self.exponent)
@@ -236,14 +293,22 @@ class PowerLaw(Gap):
 class Compound(TwoCurvatures):
     """Compound curvature: h' = x/R1 up to x = b, then b/R1 + (x - b)/R2.
 
-    >>> Compound(inner_radius=1.0, outer_radius=2.0, inner_half_length=1.0).height([1.0, 3.0]).tolist()
+    >>> Compound(inner_radius=1.0, outer_radius=2.0, inner_half_length=1.0).height(
+    ...     [1.0, 3.0]
+    ... ).tolist()
     [0.5, 3.5]
     """
 
     kind: Literal["compound"] = "compound"
-    inner_radius: Positive = Field(description="relative radius R1 of the middle, length units (library: mm)")
-    outer_radius: Positive = Field(description="relative radius R2 of the rest, length units (library: mm)")
-    inner_half_length: Positive = Field(description="half-length b of the middle, length units (library: mm)")
+    inner_radius: Positive = Field(
+        description="relative radius R1 of the middle, length units (library: mm)"
+    )
+    outer_radius: Positive = Field(
+        description="relative radius R2 of the rest, length units (library: mm)"
+    )
+    inner_half_length: Positive = Field(
+        description="half-length b of the middle, length units (library: mm)"
+    )
 
     @property
     def datum_length(self) -> float:
@@ -251,8 +316,9 @@ class Compound(TwoCurvatures):
 
     def in_words(self, length: str) -> str:
         return (
-            f"a profile of relative radius {self.inner_radius:.6g} {length} up to {self.inner_half_length:.6g} {length} from "
-            f"the middle and {self.outer_radius:.6g} {length} beyond"
+            f"a profile of relative radius {self.inner_radius:.6g} {length} up to"
+            f" {self.inner_half_length:.6g} {length} from the middle and {self.outer_radius:.6g}"
+            f" {length} beyond"
         )
 
     @property
@@ -269,13 +335,17 @@ class Wedge(TwoCurvatures):
 
     datum = "tip_radius"
     kind: Literal["wedge"] = "wedge"
-    tip_radius: Positive = Field(description="relative radius R of the tip, length units (library: mm)")
-    tip_half_length: Positive = Field(description="half-length b of the tip, length units (library: mm)")
+    tip_radius: Positive = Field(
+        description="relative radius R of the tip, length units (library: mm)"
+    )
+    tip_half_length: Positive = Field(
+        description="half-length b of the tip, length units (library: mm)"
+    )
 
     def in_words(self, length: str) -> str:
         return (
-            f"a wedge whose tip of half-length {self.tip_half_length:.6g} {length} has the relative radius "
-            f"{self.tip_radius:.6g} {length}"
+            f"a wedge whose tip of half-length {self.tip_half_length:.6g} {length} has the relative"
+            f" radius {self.tip_radius:.6g} {length}"
         )
 
     @property
@@ -284,7 +354,8 @@ class Wedge(TwoCurvatures):
 
 
 def first_fall(coefficients: Array) -> float | None:
-    """A place s > 0 in the first stretch where sum c_k s^k is negative, not all c_k (n,) being 0; None where it never is.
+    """A place s > 0 in the first stretch where sum c_k s^k is negative, not all c_k (n,) being 0;
+    None where it never is.
 
     >>> first_fall(np.array([2.0, -3.0, 1.0])), first_fall(np.array([1.0, 0.0]))  # (1 - s)(2 - s)
     (1.5, None)
@@ -294,7 +365,10 @@ def first_fall(coefficients: Array) -> float | None:
     ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
     marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
     between = (marks[:-1] + marks[1:]) / 2
-    falls = between[polynomial.polyval(between, coefficients) < -1e-12 * polynomial.polyval(between, np.abs(coefficients))]
+    falls = between[
+        polynomial.polyval(between, coefficients)
+        < -1e-12 * polynomial.polyval(between, np.abs(coefficients))
+    ]
     return float(falls[0]) if len(falls) else None
 
 
@@ -309,7 +383,8 @@ class EvenPolynomial(MayBeFitted):
     kind: Literal["polynomial"] = "polynomial"
     length: Positive = Field(description="length by which x is divided, length units (library: mm)")
     rises: tuple[float, ...] = Field(
-        min_length=1, description="contributions of the powers 2, 4, 6, ... to the gap at `length` (library: mm)"
+        min_length=1,
+        description="contributions of the powers 2, 4, 6, ... to the gap at `length` (library: mm)",
     )
 
     @model_validator(mode="after")
@@ -317,14 +392,22 @@ class EvenPolynomial(MayBeFitted):
         # h' / (2 x) as a polynomial in (x/length)^2.
         slope = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
         if not np.any(slope):
-            raise ValueError("all powers are 0: a flat profile has no edge; one of them must be positive")
+            raise ValueError(
+                "all powers are 0: a flat profile has no edge; one of them must be positive"
+            )
         square = first_fall(slope)
         if square is not None:
-            raise ValueError(f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for all x > 0")
+            raise ValueError(
+                f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for"
+                " all x > 0"
+            )
         return self
 
     def in_words(self, length: str) -> str:
-        return f"an even polynomial of {len(self.rises)} terms, {sum(self.rises):.6g} {length} high at {self.length:.6g} {length}"
+        return (
+            f"an even polynomial of {len(self.rises)} terms, {sum(self.rises):.6g} {length} high at"
+            f" {self.length:.6g} {length}"
+        )
 
     def height(self, x: ArrayLike) -> Array:
         square = np.square(np.asarray(x, dtype=float) / self.length)
@@ -336,10 +419,12 @@ _OCTAVES = 53
 
 
 class CallableProfile(Gap):
-    """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
+    """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent;
+    beyond, it goes on straight.
 
-    The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given, it is that
-    of `height_slopes`. A corner of the slope is found, a jump refused.
+    The slope is taken over as piecewise Chebyshev series, resolved to rounding down to
+    extent/10^16; where h is given, it is that of `height_slopes`. A corner of the slope is found, a
+    jump refused.
 
     >>> profile = CallableProfile(slope_function=lambda x: x**3, extent=2.0)
     >>> round(float(profile.height(1.0)), 14), round(float(profile.slope(0.5)), 14)
@@ -348,10 +433,16 @@ class CallableProfile(Gap):
 
     datum = "extent"
     kind: Literal["callable"] = "callable"
-    height_function: PythonFunction | None = Field(None, description="gap h of x, both length units (library: mm)")
+    height_function: PythonFunction | None = Field(
+        None, description="gap h of x, both length units (library: mm)"
+    )
     slope_function: PythonFunction | None = Field(None, description="slope h' of x")
-    extent: Positive = Field(description="largest |x| at which the function is evaluated, length units (library: mm)")
-    breaks: tuple[Positive, ...] = Field((), description="places x at which the slope has a corner, if known (library: mm)")
+    extent: Positive = Field(
+        description="largest |x| at which the function is evaluated, length units (library: mm)"
+    )
+    breaks: tuple[Positive, ...] = Field(
+        (), description="places x at which the slope has a corner, if known (library: mm)"
+    )
 
     _slope: Pieces = PrivateAttr()
     _height: Pieces = PrivateAttr()  # above that at the first edge
@@ -361,16 +452,26 @@ class CallableProfile(Gap):
     def _resolve(self) -> Self:
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
-        over, sign = values_of(self.height_function or self.slope_function), -1.0 if self.height_function is None else 1.0
+        over, sign = (
+            values_of(self.height_function or self.slope_function),
+            (-1.0 if self.height_function is None else 1.0),
+        )
         x = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
             right, left = over(x), over(-x)
         except (ArithmeticError, TypeError, ValueError) as reason:
-            raise ValueError(f"the function can't be evaluated at x = +-{x[0]:.6g}: {reason}") from reason
+            raise ValueError(
+                f"the function can't be evaluated at x = +-{x[0]:.6g}: {reason}"
+            ) from reason
         apart = np.abs(right - sign * left) > 1e-9 * np.abs(right).max()
         if np.any(apart):
-            raise ValueError(f"the profile is not symmetric: its sides differ at x = {x[apart][0]:.6g}")
-        edges = np.union1d(self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0), [at for at in self.breaks if at < self.extent])
+            raise ValueError(
+                f"the profile is not symmetric: its sides differ at x = {x[apart][0]:.6g}"
+            )
+        edges = np.union1d(
+            self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0),
+            [at for at in self.breaks if at < self.extent],
+        )
         try:
             slope_of: Callable[[Array], ArrayLike] = over
             self._rounding = Rounding(0.0, 0.0)
@@ -381,22 +482,36 @@ class CallableProfile(Gap):
             self._slope = fit(slope_of, edges)
         except Unresolved as fault:
             raise ValueError(
-                f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no derivative can be had there"
+                f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
+                " derivative can be had there"
             ) from fault
-        inside = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(0.02, 0.98, 25)
+        inside = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(
+            0.02, 0.98, 25
+        )
         slope = self._slope(inside)
         falls = slope < -1e-11 * np.max(np.abs(slope))
         if np.any(falls):
-            raise ValueError(f"the profile falls at x = {inside[falls][0]:.6g}: it must rise for all x > 0")
+            raise ValueError(
+                f"the profile falls at x = {inside[falls][0]:.6g}: it must rise for all x > 0"
+            )
         if not np.any(slope > 0):
             raise ValueError("the profile is flat from end to end: it must rise somewhere")
-        ends = np.array([chebyshev.chebval(side, self._slope.coefficients) for side in (-1.0, 1.0)])  # of each piece
-        jump = np.abs(ends[0, 1:] - ends[1, :-1]) > 1e-7 * (np.abs(ends[0, 1:]) + np.abs(ends[1, :-1])) + 1e-14 * np.max(slope)
+        # of each piece
+        ends = np.array([chebyshev.chebval(side, self._slope.coefficients) for side in (-1.0, 1.0)])
+        jump = np.abs(ends[0, 1:] - ends[1, :-1]) > 1e-7 * (
+            np.abs(ends[0, 1:]) + np.abs(ends[1, :-1])
+        ) + 1e-14 * np.max(slope)
         if np.any(jump):
             where = self._slope.edges[1:-1][jump][0]
-            raise ValueError(f"the profile has no derivative at x = {where:.6g}: its slope jumps there")
+            raise ValueError(
+                f"the profile has no derivative at x = {where:.6g}: its slope jumps there"
+            )
         # The term of highest degree, which is rounding, is dropped.
-        primitive = chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1] * np.diff(self._slope.edges) / 2
+        primitive = (
+            chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1]
+            * np.diff(self._slope.edges)
+            / 2
+        )
         primitive[0] += np.append(0.0, np.cumsum(chebyshev.chebval(1.0, primitive))[:-1])
         self._height = Pieces(self._slope.edges, primitive)
         return self
@@ -423,17 +538,24 @@ class CallableProfile(Gap):
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
-        return self._slope(np.clip(at, first, self.extent)) * np.minimum(at / first, 1.0) ** self.exponent
+        return (
+            self._slope(np.clip(at, first, self.extent))
+            * np.minimum(at / first, 1.0) ** self.exponent
+        )
 
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
         above = self._slope.derivative(np.clip(at, first, self.extent)) * at
-        return np.where(at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above))
+        return np.where(
+            at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above)
+        )
 
     @property
     def rounding_of_height(self) -> Rounding:
-        """What the rounding of a height function leaves uncertain in P(a) and dP/da; nothing where the slope is given."""
+        """What the rounding of a height function leaves uncertain in P(a) and dP/da; nothing where
+        the slope is given.
+        """
         return self._rounding
 
     @property
@@ -453,9 +575,11 @@ class CallableProfile(Gap):
 
 
 class Tabulated(FromFile):
-    """Gap given by rows of x and h, joined by Schumaker's quadratic spline: it rises where the rows rise, bends up where they do.
+    """Gap given by rows of x and h, joined by Schumaker's quadratic spline: it rises where the rows
+    rise, bends up where they do.
 
-    Rows of x >= 0 alone, or of both sides, which are then averaged. Beyond the last row the profile goes on straight.
+    Rows of x >= 0 alone, or of both sides, which are then averaged. Beyond the last row the profile
+    goes on straight.
 
     >>> rows = [[x / 4, x * x / 32] for x in range(5)]
     >>> [round(float(h), 12) for h in Tabulated(points=rows).height([0.1, 1.0])]  # x^2/2
@@ -465,24 +589,40 @@ class Tabulated(FromFile):
     table, quantities, written = "points", {"x": "length", "h": "length"}, ("fitted",)
     arc: ClassVar[None] = None
     kinks: ClassVar[tuple[float, ...]] = ()
-    """Distances from the middle at which the curvature jumps [length]: none stated; it does a little at every row."""
+    """Distances from the middle at which the curvature jumps [length]: none stated; it does a
+    little at every row.
+    """
 
     kind: Literal["tabulated"] = "tabulated"
-    file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
+    file: str | None = Field(
+        None, description="text table with the columns x, h; path relative to the scene file"
+    )
     points: Table = Field(
         default_factory=Table.of_a_file,
-        description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)",
+        description=(
+            "the rows themselves, [x, h] each, in place of a file, length units (library: mm)"
+        ),
     )
-    symmetric: bool = Field(True, description="false keeps two unequal sides as they are; each must rise from x = 0")
-    asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
+    symmetric: bool = Field(
+        True, description="false keeps two unequal sides as they are; each must rise from x = 0"
+    )
+    asymmetry: float = Field(
+        1e-3, ge=0, description="admitted difference of the two sides over the largest gap"
+    )
     columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
     units: OfProfile[str] | None = Field(None, description=UNITS)
     scale: OfProfile[Positive] | None = Field(None, description=SCALE)
     zero: OfProfile[float] | None = Field(None, description=ZERO)
-    sign: OfProfile[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as a height counted the other way")
+    sign: OfProfile[Literal[1, -1]] | None = Field(
+        None, description="-1 turns a column, such as a height counted the other way"
+    )
     read_as: ReadAs | None = Field(None, description=READ_AS)
-    fit: ProfileFit | None = Field(None, description="a curve through noisy rows, to be taken in their place")
-    fitted: Fitted | None = Field(None, description="where fitted numbers came from; written by `fit`")
+    fit: ProfileFit | None = Field(
+        None, description="a curve through noisy rows, to be taken in their place"
+    )
+    fitted: Fitted | None = Field(
+        None, description="where fitted numbers came from; written by `fit`"
+    )
 
     _keys: dict[str, Any] = PrivateAttr(default_factory=dict)
 
@@ -494,7 +634,9 @@ class Tabulated(FromFile):
             self._keys = fitted_keys(x, h, FitRequest(**dict(self.fit)))
 
     def _sides(self) -> tuple[tuple[Array, Array], ...]:
-        """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round, and of the right."""
+        """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round,
+        and of the right.
+        """
         rows = self.points.values
         if self.symmetric:
             return (one_sided(rows, self.asymmetry),)
@@ -502,7 +644,10 @@ class Tabulated(FromFile):
         try:
             left = one_sided(turned, self.asymmetry)
         except RowError as fault:
-            raise RowError(max(len(turned) - 1 - fault.row, 0), f"left side, x counted to the left: {fault.rule}") from fault
+            raise RowError(
+                max(len(turned) - 1 - fault.row, 0),
+                f"left side, x counted to the left: {fault.rule}",
+            ) from fault
         try:
             return left, one_sided(rows[rows[:, 0] >= 0], self.asymmetry)
         except RowError as fault:
@@ -510,28 +655,41 @@ class Tabulated(FromFile):
 
     @property
     def datum_length(self) -> float:
-        """Distance from the load at which a half-plane's surface counts as unmoved: the largest x of the table."""
+        """Distance from the load at which a half-plane's surface counts as unmoved: the largest x
+        of the table.
+        """
         return float(np.max(self.points.values[:, 0]))
 
     def in_words(self, length: str) -> str:
         """The profile as part of a sentence; `length` is the unit."""
-        return f"a profile of {len(self.points)} tabulated rows up to {self.datum_length:.6g} {length}"
+        return (
+            f"a profile of {len(self.points)} tabulated rows up to {self.datum_length:.6g} {length}"
+        )
 
     def curve(self) -> dict[str, Any]:
-        """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of this one."""
+        """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of
+        this one.
+        """
         more = {"source": self.file or self.table, "rows": self.points, "read_as": self.read_as}
         return self._keys | {"fitted": self._keys["fitted"] | more}
 
     def spline(self) -> Spline:
-        """The curve for x >= 0; InputError for rows that are to be fitted, which are another profile in a scene."""
+        """The curve for x >= 0; InputError for rows that are to be fitted, which are another
+        profile in a scene.
+        """
         if not self.symmetric:
-            raise InputError("profile: its two sides are unequal, and each has a spline of its own: take `sides`")
+            raise InputError(
+                "profile: its two sides are unequal, and each has a spline of its own: take `sides`"
+            )
         return self.sides()[-1]
 
     def sides(self) -> tuple[Spline, Spline]:
         """The curve to the left of x = 0, x counted to the left, and to the right."""
         if self.fit is not None:
-            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
+            raise InputError(
+                "profile: rows with the key `fit` are to be part of a scene; without one take"
+                " scenes.fit_profile"
+            )
         found = [rising_spline(*side) for side in self._sides()]
         return found[0], found[-1]
 
@@ -541,10 +699,16 @@ class Tabulated(FromFile):
 
     def place(self, row: int) -> str:
         """Where the user finds a row, counted from 0."""
-        return f"profile.file = {self.file!r}, row {row + 1}" if self.file else f"profile.points, row {row + 1}"
+        return (
+            f"profile.file = {self.file!r}, row {row + 1}"
+            if self.file
+            else f"profile.points, row {row + 1}"
+        )
 
     def step_of_heights(self) -> float | None:
-        """The step in which h is written [length], where rises of neighbouring rows are few of these; None where it is finer."""
+        """The step in which h is written [length], where rises of neighbouring rows are few of
+        these; None where it is finer.
+        """
         rise = np.abs(np.diff(self._sides()[-1][1]))
         step = float(np.min(rise[rise > 0]))
         whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
@@ -555,8 +719,11 @@ class Tabulated(FromFile):
         at = np.asarray(x, dtype=float)
 
         def height(side: Spline) -> Array:
-            number = np.clip(np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1)
-            step, bend = np.abs(at) - side.x[number], np.append(side.curvature, 0.0)[number]  # straight beyond the last knot
+            number = np.clip(
+                np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1
+            )
+            # straight beyond the last knot
+            step, bend = np.abs(at) - side.x[number], np.append(side.curvature, 0.0)[number]
             return np.asarray(side.height[number] + step * (side.slope[number] + bend * step / 2))
 
         left, right = map(height, self.sides())
@@ -577,7 +744,10 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     RowError.refuse(
         np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
-        lambda row: f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
+        lambda row: (
+            f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one"
+            " of the two out"
+        ),
         1,
     )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
@@ -588,27 +758,46 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
         left = -x[centre::-1]
         if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
             row = 0 if len(left) > len(right) else len(x) - 1
-            raise RowError(row, f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone")
+            raise RowError(
+                row,
+                f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone",
+            )
         said = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
         RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: said, centre)
         rise = (rise + h[centre::-1]) / 2
-    said = f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
+    said = (
+        f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out"
+        " all but every n-th"
+    )
     RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: said, centre)
-    RowError.refuse(np.diff(rise) < 0, lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0", centre + 1)
+    RowError.refuse(
+        np.diff(rise) < 0,
+        lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0",
+        centre + 1,
+    )
     if rise[-1] == rise[0]:
-        raise RowError(len(points) - 1, "the profile is flat from end to end: it must rise somewhere")
+        raise RowError(
+            len(points) - 1, "the profile is flat from end to end: it must rise somewhere"
+        )
     return right, rise - rise[0]
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed.
+    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows,
+    one more knot where needed.
 
-    The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows lie on a line the spline follows
-    it: any other slope at its ends would bend it back.
+    The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows
+    lie on a line the spline follows it: any other slope at its ends would bend it back.
     """
     step = np.diff(x)
     secant, slope = np.diff(h) / step, np.zeros(len(x))
-    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
+    alike = np.concatenate(
+        [
+            [False],
+            np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]),
+            [False],
+        ]
+    )
     along = np.where(alike[:-1] | alike[1:], secant, np.inf)
     line = np.minimum(along[:-1], along[1:])
     parabola = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
@@ -617,7 +806,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
     slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
     begin, end = slope[:-1] - secant, slope[1:] - secant
     bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
-    # Where the curvature changes within an interval: where both parts bend the same way, else, with an inflection, in its middle.
+    # Where the curvature changes within an interval: where both parts bend the same way, else, with
+    # an inflection, in its middle.
     turns = begin * end < 0
     share = np.where(turns, end / np.where(turns, end - begin, 1.0), 0.5)[bent]
     share = np.clip(share, _SHORTEST, 1 - _SHORTEST)
@@ -625,18 +815,32 @@ def rising_spline(x: Array, h: Array) -> Spline:
     at = np.insert(x, bent + 1, x[bent] + share * (x[bent + 1] - x[bent]))
     tangent = np.maximum(np.insert(slope, bent + 1, between), 0.0)  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
-    return Spline(at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at))
+    return Spline(
+        at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at)
+    )
 
 
 Curve = Annotated[
-    Hertz | FlatRounded | PowerLaw | Compound | Wedge | EvenPolynomial | Tabulated | CallableProfile, Field(discriminator="kind")
+    Hertz
+    | FlatRounded
+    | PowerLaw
+    | Compound
+    | Wedge
+    | EvenPolynomial
+    | Tabulated
+    | CallableProfile,
+    Field(discriminator="kind"),
 ]
 _ANY: TypeAdapter[Curve] = TypeAdapter(Curve)
 
 
 def _curve_of_rows(profile: Curve) -> Curve:
     """The curve through rows that come with the key `fit`; any other profile as it is."""
-    return _ANY.validate_python(profile.curve()) if profile.kind == "tabulated" and profile.fit is not None else profile
+    return (
+        _ANY.validate_python(profile.curve())
+        if profile.kind == "tabulated" and profile.fit is not None
+        else profile
+    )
 
 
 Profile = Annotated[Curve, AfterValidator(_curve_of_rows)]
@@ -651,7 +855,8 @@ def fit_profile(
     extent: float | None = None,
     tilt: float | None = None,
 ) -> Hertz | FlatRounded | EvenPolynomial | Tabulated:
-    """The profile fitted to measured rows (n, 2) of x and h: convex, symmetric about a middle that need not be at x = 0.
+    """The profile fitted to measured rows (n, 2) of x and h: convex, symmetric about a middle that
+    need not be at x = 0.
 
     Parameters
     ----------
@@ -659,7 +864,8 @@ def fit_profile(
 
     Returns
     -------
-    The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a `Tabulated` of the curve's own rows.
+    The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a `Tabulated`
+    of the curve's own rows.
 
     Raises
     ------

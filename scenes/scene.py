@@ -1,4 +1,6 @@
-"""A scene: what is true (bodies, materials, friction, loads, tolerances), never how it is computed; from files and the library."""
+"""A scene: what is true (bodies, materials, friction, loads, tolerances), never how it is computed;
+from files and the library.
+"""
 
 from __future__ import annotations
 
@@ -66,23 +68,35 @@ class Expected(Frozen):
     """
 
     quantity: Quantity = Field(
-        description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of "
-        "Q dU - m_q d(eps), eps the bulk strain), largest_half_width, least_half_width of the contact, "
-        "largest_pressure, permanent_stick_half_width, "
-        "stick_share (the latter over largest_half_width), stick_centre (middle of the permanent stick zone), contact_left and "
-        "contact_right (outermost edges of the contact), moment (of the pressure about x = 0 at the largest load), "
-        "lower_face_displacement (along y, of the lower face's middle at the largest load: finite elements of a real body)"
+        description=(
+            "of the last cycle (the whole path where nothing repeats): dissipation, loop_work"
+            " (closed integral of Q dU - m_q d(eps), eps the bulk strain), largest_half_width,"
+            " least_half_width of the contact, largest_pressure, permanent_stick_half_width,"
+            " stick_share (the latter over largest_half_width), stick_centre (middle of the"
+            " permanent stick zone), contact_left and contact_right (outermost edges of the"
+            " contact), moment (of the pressure about x = 0 at the largest load),"
+            " lower_face_displacement (along y, of the lower face's middle at the largest load:"
+            " finite elements of a real body)"
+        )
     )
     value: float = Field(description="in the scene's units; energies and loads per unit thickness")
     tolerance: Positive = Field(
-        description="largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f = 1 if frictionless, "
-        "P the largest load), the largest half-width or the largest pressure"
+        description=(
+            "largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f ="
+            " 1 if frictionless, P the largest load), the largest half-width or the largest"
+            " pressure"
+        )
     )
-    engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="the engine that must meet it")
+    engine: Literal["half-plane theory", "finite elements"] = Field(
+        "half-plane theory", description="the engine that must meet it"
+    )
     source: str = Field(min_length=1, description="where the number comes from")
 
 
-Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
+Load = Annotated[
+    EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad,
+    Field(discriminator="kind"),
+]
 
 
 # Keys that say what a scene is and what is demanded of an answer: they move no figure of it.
@@ -104,7 +118,9 @@ class Friction(Frozen):
         if isinstance(data, Mapping | Friction):
             return data
         if isinstance(data, bool) or not isinstance(data, Real):
-            raise ValueError(f"{shown(data)} is neither a number nor a table with the key coefficient")
+            raise ValueError(
+                f"{shown(data)} is neither a number nor a table with the key coefficient"
+            )
         return {"coefficient": data}
 
     @field_validator("coefficient")
@@ -113,7 +129,8 @@ class Friction(Frozen):
         return a_scale(coefficient) if coefficient else coefficient
 
 
-# |E| admitted of the project's own engines, where half-plane theory is exact for the bodies: reasoned in tests/tolerances.py.
+# |E| admitted of the project's own engines, where half-plane theory is exact for the bodies:
+# reasoned in tests/tolerances.py.
 OWN_TOLERANCES = {
     "dissipation": 1.5e-3,
     "peak_pressure": 2e-4,
@@ -125,21 +142,34 @@ OWN_TOLERANCES = {
 
 
 class Tolerances(Frozen):
-    """Largest admitted discrepancy of each metric, stated beforehand, in the dimensionless forms of the comparison.
+    """Largest admitted discrepancy of each metric, stated beforehand, in the dimensionless forms of
+    the comparison.
 
-    What is left out is judged by the tolerance of the project's own engines where half-plane theory is exact for the bodies, and
-    of real bodies not at all: their discrepancy is the answer.
+    What is left out is judged by the tolerance of the project's own engines where half-plane theory
+    is exact for the bodies, and of real bodies not at all: their discrepancy is the answer.
     """
 
     dissipation: Positive | None = Field(None, description="relative, of the last cycle")
-    peak_pressure: Positive | None = Field(None, description="relative, worst instant of the last cycle")
-    pressure: Positive | None = Field(None, description="relative L2 over ||p||, worst instant of the last cycle")
-    shear: Positive | None = Field(None, description="relative L2 over f ||p||, worst instant of the last cycle")
-    contact_edge: Positive | None = Field(None, description="over the reference half-width, worst instant of the last cycle")
-    stick_edge: Positive | None = Field(None, description="over the reference half-width, worst instant of the last cycle")
+    peak_pressure: Positive | None = Field(
+        None, description="relative, worst instant of the last cycle"
+    )
+    pressure: Positive | None = Field(
+        None, description="relative L2 over ||p||, worst instant of the last cycle"
+    )
+    shear: Positive | None = Field(
+        None, description="relative L2 over f ||p||, worst instant of the last cycle"
+    )
+    contact_edge: Positive | None = Field(
+        None, description="over the reference half-width, worst instant of the last cycle"
+    )
+    stick_edge: Positive | None = Field(
+        None, description="over the reference half-width, worst instant of the last cycle"
+    )
 
     def limit(self, key: str) -> float | None:
-        """What is stated for a metric, else `OWN_TOLERANCES`, whatever the bodies; None where neither has it."""
+        """What is stated for a metric, else `OWN_TOLERANCES`, whatever the bodies; None where
+        neither has it.
+        """
         stated = getattr(self, key, None)
         return OWN_TOLERANCES.get(key) if stated is None else float(stated)
 
@@ -147,8 +177,8 @@ class Tolerances(Frozen):
 class Scene(Frozen):
     """One contact problem: the question that both engines answer.
 
-    `name` to `tags` say what it is and where it came from, `tolerances` and `expected` what is demanded of an answer; everything
-    else is physics.
+    `name` to `tags` say what it is and where it came from, `tolerances` and `expected` what is
+    demanded of an answer; everything else is physics.
     """
 
     name: str = Field("", description="short name; the file's stem where it is left out")
@@ -156,20 +186,33 @@ class Scene(Frozen):
     purpose: str = Field("", description="what the scene is for")
     source: str = Field("", description="where its numbers come from")
     tags: tuple[Tag, ...] = Field((), description="words to find it by: `halfplane scenes --tag`")
-    units: str = Field("N, mm, MPa", description="any consistent set, as force, length, stress: words for the axes only")
+    units: str = Field(
+        "N, mm, MPa",
+        description="any consistent set, as force, length, stress: words for the axes only",
+    )
     material: Annotated[Materials, ShortForm(Elastic)]
     profile: Profile
-    friction: Annotated[Friction, ShortForm(Annotated[float, Field(ge=0, description="the coefficient alone")])]
+    friction: Annotated[
+        Friction, ShortForm(Annotated[float, Field(ge=0, description="the coefficient alone")])
+    ]
     load: Load
     bodies: Bodies = Bodies()
     tolerances: Tolerances = Tolerances()
-    expected: tuple[Expected, ...] = Field((), description="known numbers, checked by `halfplane run`")
-    cycles: int = Field(6, ge=1, description="largest number of revolutions; the engines stop once the cycle repeats")
+    expected: tuple[Expected, ...] = Field(
+        (), description="known numbers, checked by `halfplane run`"
+    )
+    cycles: int = Field(
+        6,
+        ge=1,
+        description="largest number of revolutions; the engines stop once the cycle repeats",
+    )
 
     def vary(self, /, **changes: Any) -> Self:
-        """A checked copy with other values, as that of any table of keys; `tolerances={}` states none.
+        """A checked copy with other values, as that of any table of keys; `tolerances={}` states
+        none.
 
-        Tolerances stated for half-planes are left out once a body is none, unless `changes` gives some.
+        Tolerances stated for half-planes are left out once a body is none, unless `changes` gives
+        some.
 
         >>> from scenes import Block, load_scene
         >>> scene = load_scene("hertz-normal")
@@ -181,7 +224,11 @@ class Scene(Frozen):
             changes["tolerances"] = Tolerances()
         found = super().vary(**changes)
         real = self.bodies.half_planes and not found.bodies.half_planes
-        return super(Scene, found).vary(tolerances=Tolerances()) if real and "tolerances" not in changes else found
+        return (
+            super(Scene, found).vary(tolerances=Tolerances())
+            if real and "tolerances" not in changes
+            else found
+        )
 
     @field_validator("units")
     @classmethod
@@ -193,32 +240,42 @@ class Scene(Frozen):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)) != self.units:
+            if (
+                own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)
+            ) != self.units:
                 raise ValueError(
-                    f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
-                    "together in a scene file, or to Scene.vary"
+                    f"units = {self.units!r}, and the columns of {name}.file were turned into"
+                    f" {own!r}: give file and units together in a scene file, or to Scene.vary"
                 )
-        length, radius, arc = self.profile.datum_length, self.bodies.relative_radius(), self.profile.arc
+        length, radius, arc = (
+            self.profile.datum_length,
+            self.bodies.relative_radius(),
+            self.profile.arc,
+        )
         if not 1 / LARGEST <= length <= LARGEST:
             raise ValueError(
-                f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and {LARGEST:g}, "
-                "and its square would be no number: choose other units"
+                f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and"
+                f" {LARGEST:g}, and its square would be no number: choose other units"
             )
-        if radius is not None and not (self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9):
+        if radius is not None and not (
+            self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9
+        ):
             raise ValueError(
-                f"profile is not that of the cylinders: it is kind = 'hertz' with radius = {radius:.12g} "
-                "(1/R is the sum of 1/radius over the cylinders)"
+                "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
+                f" {radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
         for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
             if isinstance(body, Pad) and arc and body.width / 2 >= sum(arc):
                 raise ValueError(
-                    f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at {2 * sum(arc):g}: make it less"
+                    f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at"
+                    f" {2 * sum(arc):g}: make it less"
                 )
         return self
 
     @property
     def unsymmetric(self) -> bool:
-        """Whether bulk stress, tilt or two unequal sides let contact and stick zone lie anywhere, so that no half stands for both.
+        """Whether bulk stress, tilt or two unequal sides let contact and stick zone lie anywhere,
+        so that no half stands for both.
 
         >>> from scenes import load_scene
         >>> load_scene("hertz-paper").unsymmetric, load_scene("nowell-hills").unsymmetric
@@ -239,15 +296,18 @@ class Scene(Frozen):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return str(import_module("reports.page.notebook").scene_html(self))  # words and pictures are those of the reports
+        # words and pictures are those of the reports
+        return str(import_module("reports.page.notebook").scene_html(self))
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of a CSV file stand in it.
+        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of
+        a CSV file stand in it.
 
         Raises
         ------
         InputError
-            For a scene that holds a Python function, for rows that are too many for a .toml file, where it can't be written.
+            For a scene that holds a Python function, for rows that are too many for a .toml file,
+            where it can't be written.
         """
         keys = json.loads(self.model_dump_json(exclude_none=True))
         for table in (keys["profile"], keys["load"]):
@@ -267,7 +327,8 @@ class Scene(Frozen):
             return super().model_dump_json(**options)
         except PydanticSerializationError as reason:
             raise InputError(
-                f"scene {self.name!r} can't be written, hashed or sent elsewhere: it holds a Python function"
+                f"scene {self.name!r} can't be written, hashed or sent elsewhere: it holds a Python"
+                " function"
             ) from reason
 
 
@@ -280,7 +341,13 @@ def scene_names() -> tuple[str, ...]:
     >>> "hertz-paper" in scene_names()
     True
     """
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in _LIBRARY.iterdir() if entry.name.endswith(".toml")))
+    return tuple(
+        sorted(
+            entry.name.removesuffix(".toml")
+            for entry in _LIBRARY.iterdir()
+            if entry.name.endswith(".toml")
+        )
+    )
 
 
 def scene_text(name: str) -> str:
@@ -296,7 +363,11 @@ def scene_companions(name: str) -> dict[str, str]:
     >>> list(scene_companions("time-series"))
     ['time-series.csv']
     """
-    files = [entry for entry in _LIBRARY.iterdir() if entry.name.startswith(f"{name}.") and not entry.name.endswith(".toml")]
+    files = [
+        entry
+        for entry in _LIBRARY.iterdir()
+        if entry.name.startswith(f"{name}.") and not entry.name.endswith(".toml")
+    ]
     return {entry.name: entry.read_text(encoding="utf-8") for entry in files}
 
 
@@ -319,22 +390,36 @@ def load_scene(source: str | Path) -> Scene:
     path, name = Path(source), str(source)
     if name in scene_names():
         data, folder = parsed_toml(scene_text(name)), Path(str(_LIBRARY))
-    elif not path.suffix and not os.path.exists(path):  # False for a name that is longer than a path may be
+    elif not path.suffix and not os.path.exists(
+        path
+    ):  # False for a name that is longer than a path may be
         raise InputError(_unknown_scene(name))
     elif path.suffix not in (".toml", ".json"):
         if path.is_dir():
-            raise InputError(f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json")
-        raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
+            raise InputError(
+                f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json"
+            )
+        raise InputError(
+            f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}"
+        )
     else:
-        data = keys_of(path, "the scene file", "put long tables into a CSV file beside it, named by the key `file`")
+        data = keys_of(
+            path,
+            "the scene file",
+            "put long tables into a CSV file beside it, named by the key `file`",
+        )
         if not data:
-            raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
+            raise InputError(
+                f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start"
+                " from"
+            )
         name, folder = path.stem, path.parent
     return checked(Scene, {"name": name} | data, str(path), of_file=True, folder=folder)
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:
-    """A scene as its own check leaves it, or read from a library name or a path: the door of functions that take either.
+    """A scene as its own check leaves it, or read from a library name or a path: the door of
+    functions that take either.
 
     Raises
     ------
@@ -349,4 +434,6 @@ def scene_of(scene: Scene | str | Path) -> Scene:
 
 def _unknown_scene(name: str) -> str:
     hint = did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
-    return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
+    return (
+        f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
+    )

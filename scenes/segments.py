@@ -1,12 +1,15 @@
-"""Load segments: the smooth pieces of a load history P(t), Q(t), by straight lines, harmonics or Chebyshev series of time.
+"""Load segments: the smooth pieces of a load history P(t), Q(t), by straight lines, harmonics or
+Chebyshev series of time.
 
-Bulk stresses and tilt or moment, where a load has them, are pairs of numbers over the same time: segments that P and Q carry along.
+Bulk stresses and tilt or moment, where a load has them, are pairs of numbers over the same time:
+segments that P and Q carry along.
 
 # notation: c_P P + c_Q Q a linear combination of the two loads, given as the pair (c_P, c_Q)
 
-The ellipse of the paper is a `HarmonicSegment` of one wave, its parabola a `ChebyshevSegment` of degree 2. Every segment gives the
-change of a combination between two times free of cancellation, its rate, its turning points, and the time at which it has changed
-by an amount. Geometry of the path only: what the path does to the contact is computed by the engines.
+The ellipse of the paper is a `HarmonicSegment` of one wave, its parabola a `ChebyshevSegment` of
+degree 2. Every segment gives the change of a combination between two times free of cancellation,
+its rate, its turning points, and the time at which it has changed by an amount. Geometry of the
+path only: what the path does to the contact is computed by the engines.
 """
 
 from __future__ import annotations
@@ -30,21 +33,30 @@ from scenes.errors import NotFoundError
 
 Array = NDArray[np.float64]
 Loads = tuple[Array, Array]
-Point = tuple[Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]]
+Point = tuple[
+    Annotated[float, Field(description="normal load P")],
+    Annotated[float, Field(description="tangential load Q")],
+]
 Waves = tuple[tuple[float, float], ...]
 
 LEAST = 1e-290
-"""Changes of load below it are none: their inverse, and soon the numbers themselves, are not known to rounding any more."""
+"""Changes of load below it are none: their inverse, and soon the numbers themselves, are not known
+to rounding any more.
+"""
 
 _ROUNDING = 1e-14
 _ROUNDING_OF_TIME = 4.5e-16
-# Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts from 0.
+# Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts
+# from 0.
 _ROUNDING_OF_SUM = 1e-15
-# A double root is known to the root of a rounding only. Taking too many does no harm: a segment is cut in two.
+# A double root is known to the root of a rounding only. Taking too many does no harm: a segment is
+# cut in two.
 _DOUBLE = 1e-5
-# Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
+# Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the
+# step between two of these.
 _MOST_STEPS = 4000
-# Steps without gain after which rounding is reached, where they are shorter than this share of the way.
+# Steps without gain after which rounding is reached, where they are shorter than this share of the
+# way.
 _IDLE, _SHORT = 3, 1e-9
 
 
@@ -60,7 +72,9 @@ TANGENTIAL_LOAD = Combination(0.0, 1.0)
 
 
 class Ellipse(NamedTuple):
-    """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase): equations (3) and (4) of the paper with omega = 1."""
+    """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase): equations (3) and (4) of
+    the paper with omega = 1.
+    """
 
     mean: Point
     amplitude: Point
@@ -70,21 +84,27 @@ class Ellipse(NamedTuple):
     def largest_at(self, what: Combination) -> float:
         """A time at which a combination is largest.
 
-        >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(TANGENTIAL_LOAD) == math.pi / 2
+        >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(
+        ...     TANGENTIAL_LOAD
+        ... ) == math.pi / 2
         True
         """
-        phasor = what.normal * self.amplitude[0] + what.tangential * self.amplitude[1] * cmath.exp(-1j * self.phase)
+        phasor = what.normal * self.amplitude[0] + what.tangential * self.amplitude[1] * cmath.exp(
+            -1j * self.phase
+        )
         return self.origin - cmath.phase(phasor)
 
 
 @dataclass(frozen=True)
 class LoadSegment(abc.ABC):
-    """A smooth piece of a load path on start <= t <= end; times may have any shape, and results have the shape of the times.
+    """A smooth piece of a load path on start <= t <= end; times may have any shape, and results
+    have the shape of the times.
 
     Attributes
     ----------
-    bulk : over the same time, with the stresses of the lower and of the upper body in place of P and Q; None for none
-    turning : likewise with tilt and moment, one of which is 0 throughout; None where neither is stated
+    bulk : over the same time, with the stresses of the lower and of the upper body in place of P
+    and Q; None for none turning : likewise with tilt and moment, one of which is 0 throughout; None
+    where neither is stated
     """
 
     start: float
@@ -99,7 +119,9 @@ class LoadSegment(abc.ABC):
 
     @property
     def most_turns(self) -> int:
-        """Upper bound of the number of turning points of P, Q or a sum of both inside the segment."""
+        """Upper bound of the number of turning points of P, Q or a sum of both inside the
+        segment.
+        """
         return 0
 
     @property
@@ -121,9 +143,14 @@ class LoadSegment(abc.ABC):
 
     @abc.abstractmethod
     def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        """Change of a combination between two times, free of cancellation; that of one wave near its extrema too.
+        """Change of a combination between two times, free of cancellation; that of one wave near
+        its extrema too.
 
-        >>> float(ellipse_segment(0.0, 7.0, (3.0, 1.0), (1.0, 1.0), math.pi / 2).change_of(NORMAL_LOAD, math.pi, 0.0))
+        >>> float(
+        ...     ellipse_segment(0.0, 7.0, (3.0, 1.0), (1.0, 1.0), math.pi / 2).change_of(
+        ...         NORMAL_LOAD, math.pi, 0.0
+        ...     )
+        ... )
         -2.0
         """
 
@@ -136,9 +163,11 @@ class LoadSegment(abc.ABC):
         """Times inside the segment at which a combination stops growing or falling, ascending."""
 
     def time_of(self, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
-        """The time between `begin` and `end` at which a combination that does not turn there has changed by `amount` since `begin`.
+        """The time between `begin` and `end` at which a combination that does not turn there has
+        changed by `amount` since `begin`.
 
-        Amounts outside the range give the nearer end. `begin` may be the later one: the time is best known near it.
+        Amounts outside the range give the nearer end. `begin` may be the later one: the time is
+        best known near it.
 
         Raises
         ------
@@ -149,22 +178,49 @@ class LoadSegment(abc.ABC):
         total = float(self.change_of(what, end, begin))
         if abs(total) < LEAST:
             return np.full(wanted.shape, begin)
-        inside = np.clip(self._time_inside(what, wanted, total, begin, end), min(begin, end), max(begin, end))
+        inside = np.clip(
+            self._time_inside(what, wanted, total, begin, end), min(begin, end), max(begin, end)
+        )
         sign = math.copysign(1.0, total)
-        return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside))
+        return np.where(
+            sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside)
+        )
 
-    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
-        """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where rounding stops them from gaining."""
+    def _time_inside(
+        self,
+        what: Combination,  # noqa: ARG002 a straight line whatever the combination is
+        wanted: Array,
+        total: float,
+        begin: float,
+        end: float,
+    ) -> Array:
+        """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
+        rounding stops them from gaining.
+        """
         wanted = np.clip(wanted / total, 0, 1) * total
         rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
         low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
-        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
-        best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
+        # exact for a cosine that turns at both ends
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)
+        best, least, idle, last = (
+            time,
+            np.full(wanted.shape, math.inf),
+            np.zeros(wanted.shape, int),
+            high - low,
+        )
         for _ in range(_MOST_STEPS):
-            fault, slope = rising * (self.change_of(what, time, begin) - wanted), rising * self.rate_of(what, time)
+            fault, slope = (
+                rising * (self.change_of(what, time, begin) - wanted),
+                rising * self.rate_of(what, time),
+            )
             better = np.abs(fault) < least
-            best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
-            # Steps that gain no more are round-off where they are short: a long one is half a bracket, and others follow.
+            best, least, idle = (
+                np.where(better, time, best),
+                np.where(better, np.abs(fault), least),
+                np.where(better, 0, idle + 1),
+            )
+            # Steps that gain no more are round-off where they are short: a long one is half a
+            # bracket, and others follow.
             no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
             if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
                 return best
@@ -174,20 +230,29 @@ class LoadSegment(abc.ABC):
             inside = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
             following = np.where(inside, newton, (low + high) / 2)
             last, time = np.abs(following - time), following
-        raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
+        raise NotFoundError(
+            f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
+            f" {end:.17g}"
+        )
 
     def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 most segments have none
-        """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a parabola; None elsewhere."""
+        """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a
+        parabola; None elsewhere.
+        """
         return None
 
     def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:  # noqa: ARG002 most segments have none
-        """The other time, next to `near`, at which a combination of one wave has the value that it has at `time`; else None."""
+        """The other time, next to `near`, at which a combination of one wave has the value that it
+        has at `time`; else None.
+        """
         return None
 
     def shifted(self, delay: float) -> Self:
         """The same segment, `delay` later."""
         bulk, turning = (part and part.shifted(delay) for part in (self.bulk, self.turning))
-        return replace(self, start=self.start + delay, end=self.end + delay, bulk=bulk, turning=turning)
+        return replace(
+            self, start=self.start + delay, end=self.end + delay, bulk=bulk, turning=turning
+        )
 
 
 @dataclass(frozen=True)
@@ -205,17 +270,25 @@ class StraightSegment(LoadSegment):
         # From the nearer end, so that both ends are met to the last digit.
         t = np.asarray(time, dtype=float)[()]
         near_start = t - self.start <= self.end - t
-        one_of = np.where if np.ndim(t) else lambda near, first, last: first if near else last  # five times as fast for one time
+        # five times as fast for one time
+        one_of = np.where if np.ndim(t) else lambda near, first, last: first if near else last
         part = (t - one_of(near_start, self.start, self.end)) / (self.end - self.start)
-        p, q = (one_of(near_start, a, b) + (b - a) * part for a, b in zip(self.first, self.last, strict=True))
+        p, q = (
+            one_of(near_start, a, b) + (b - a) * part
+            for a, b in zip(self.first, self.last, strict=True)
+        )
         return p, q
 
     def rate_of(self, what: Combination, time: ArrayLike) -> Array:
         return self.change_of(what, np.ones(np.shape(time)), 0.0)
 
     def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        part = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (self.end - self.start)
-        return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * ((self.last[1] - self.first[1]) * part)
+        part = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (
+            self.end - self.start
+        )
+        return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * (
+            (self.last[1] - self.first[1]) * part
+        )
 
     def beside(self, what: Combination) -> StraightSegment:
         first, last = ((0.0, what[0] * p + what[1] * q) for p, q in (self.first, self.last))
@@ -224,7 +297,9 @@ class StraightSegment(LoadSegment):
     def turning_points(self, what: Combination) -> list[float]:  # noqa: ARG002 whatever the combination is
         return []
 
-    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:  # noqa: ARG002
+    def _time_inside(
+        self, what: Combination, wanted: Array, total: float, begin: float, end: float
+    ) -> Array:
         return begin + (end - begin) * (wanted / total)
 
     def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 the same all along
@@ -234,9 +309,11 @@ class StraightSegment(LoadSegment):
 
 @dataclass(frozen=True)
 class HarmonicSegment(LoadSegment):
-    """P = P0 + sum of P_k cos(k t - phi_k), Q likewise; `normal`, `tangential` hold (amplitude, phase in radians) of k = 1, 2, ...
+    """P = P0 + sum of P_k cos(k t - phi_k), Q likewise; `normal`, `tangential` hold (amplitude,
+    phase in radians) of k = 1, 2, ...
 
-    Sums over k are polynomials in z = exp(i t). One wave, an ellipse, has closed forms with the phasor of the combination.
+    Sums over k are polynomials in z = exp(i t). One wave, an ellipse, has closed forms with the
+    phasor of the combination.
     """
 
     mean: Point
@@ -245,11 +322,23 @@ class HarmonicSegment(LoadSegment):
 
     @cached_property
     def _coefficients(self) -> NDArray[np.complex128]:
-        """(2, m + 1) c_k such that P - P0 and Q - Q0 are Re[sum c_k z^k]; m is the highest k with an amplitude."""
-        order = max((k for waves in (self.normal, self.tangential) for k, (size, _) in enumerate(waves, 1) if size), default=1)
+        """(2, m + 1) c_k such that P - P0 and Q - Q0 are Re[sum c_k z^k]; m is the highest k with
+        an amplitude.
+        """
+        order = max(
+            (
+                k
+                for waves in (self.normal, self.tangential)
+                for k, (size, _) in enumerate(waves, 1)
+                if size
+            ),
+            default=1,
+        )
         found = np.zeros((2, order + 1), dtype=complex)
         for row, waves in zip(found, (self.normal, self.tangential), strict=True):
-            row[1 : len(waves) + 1] = [size * cmath.exp(-1j * phase) for size, phase in waves[:order]]
+            row[1 : len(waves) + 1] = [
+                size * cmath.exp(-1j * phase) for size, phase in waves[:order]
+            ]
         return found
 
     @cached_property
@@ -262,11 +351,14 @@ class HarmonicSegment(LoadSegment):
     @cached_property
     def _first(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """(amplitude, phase) of the first wave of P and of Q."""
-        return self.normal[0] if self.normal else (0.0, 0.0), self.tangential[0] if self.tangential else (0.0, 0.0)
+        return self.normal[0] if self.normal else (0.0, 0.0), (
+            self.tangential[0] if self.tangential else (0.0, 0.0)
+        )
 
     def wave(self, what: Combination) -> tuple[float, float]:
         """(size, lead) of one wave: the combination is a constant + size cos(t + lead)."""
-        # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own phase
+        # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own
+        # phase
         (p, origin), (q, lag) = self._first
         if what[0] == 0 or what[1] == 0:
             return (what[0] * p, -origin) if what[1] == 0 else (what[1] * q, -lag)
@@ -280,9 +372,15 @@ class HarmonicSegment(LoadSegment):
     def loads(self, time: ArrayLike) -> Loads:
         t = np.asarray(time, dtype=float)
         if self.ellipse:
-            p, q = (mean + size * np.cos(t - lag) for mean, (size, lag) in zip(self.mean, self._first, strict=True))
+            p, q = (
+                mean + size * np.cos(t - lag)
+                for mean, (size, lag) in zip(self.mean, self._first, strict=True)
+            )
         else:
-            p, q = (mean + _wave_sum(row, t) for mean, row in zip(self.mean, self._coefficients, strict=True))
+            p, q = (
+                mean + _wave_sum(row, t)
+                for mean, row in zip(self.mean, self._coefficients, strict=True)
+            )
         return p, q
 
     def rate_of(self, what: Combination, time: ArrayLike) -> Array:
@@ -302,7 +400,8 @@ class HarmonicSegment(LoadSegment):
         if self.ellipse:
             size, lead = self.wave(what)
             return -2 * size * np.sin(middle + lead) * np.sin(half)
-        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
+        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
+        # t_0)/2).
         centre, side = np.exp(1j * np.atleast_1d(middle)), np.exp(1j * np.atleast_1d(half))
         z, z_0 = centre * side, centre * side.conjugate()
         *others, value = (np.array(what) @ self._coefficients).tolist()
@@ -312,37 +411,57 @@ class HarmonicSegment(LoadSegment):
         return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
 
     def beside(self, what: Combination) -> HarmonicSegment:
-        waves = tuple((abs(one), -cmath.phase(one)) for one in (np.array(what) @ self._coefficients)[1:].tolist())
-        return HarmonicSegment(self.start, self.end, (0.0, what[0] * self.mean[0] + what[1] * self.mean[1]), (), waves)
+        waves = tuple(
+            (abs(one), -cmath.phase(one))
+            for one in (np.array(what) @ self._coefficients)[1:].tolist()
+        )
+        return HarmonicSegment(
+            self.start, self.end, (0.0, what[0] * self.mean[0] + what[1] * self.mean[1]), (), waves
+        )
 
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
 
-        One wave: where its argument is a multiple of pi, with none a rounding inside a turn that starts at one. Several:
-        roots of the rate, a polynomial in z, as eigenvalues, and steps of Newton's method.
+        One wave: where its argument is a multiple of pi, with none a rounding inside a turn that
+        starts at one. Several: roots of the rate, a polynomial in z, as eigenvalues, and steps of
+        Newton's method.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
-        >>> [round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)]  # sin t (1 + 4 cos t) = 0
+        >>> [
+        ...     round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)
+        ... ]  # sin t (1 + 4 cos t) = 0
         [0.5804, 1.0, 1.4196]
         """
         size = np.abs(what) @ np.abs(self._coefficients)
         if self.ellipse:
             height, lead = self.wave(what)
             first, last = ((time + lead) / math.pi for time in (self.start, self.end))
-            number = range(math.ceil(first), math.floor(last) + 1) if abs(height) > _ROUNDING * size[1] else ()
-            return [time for time in (k * math.pi - lead for k in number) if self.start < time < self.end]
+            number = (
+                range(math.ceil(first), math.floor(last) + 1)
+                if abs(height) > _ROUNDING * size[1]
+                else ()
+            )
+            return [
+                time
+                for time in (k * math.pi - lead for k in number)
+                if self.start < time < self.end
+            ]
         rates, whole = self._rate(what), float(np.arange(len(size)) @ size)
         rates[np.abs(rates) <= _ROUNDING * whole] = 0
         if whole < LEAST or not np.any(rates):
             return []
         order = int(np.flatnonzero(rates)[-1])
-        roots = polynomial.polyroots(np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]]))
+        roots = polynomial.polyroots(
+            np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]])
+        )
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
         first = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
         turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
         return _sharpened(self, what, ((angles + first)[:, None] + 2 * math.pi * turns).ravel())
 
-    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
+    def _time_inside(
+        self, what: Combination, wanted: Array, total: float, begin: float, end: float
+    ) -> Array:
         if not self.ellipse:
             return super()._time_inside(what, wanted, total, begin, end)
         # The arc cosine, then one Newton step with the change, which does not cancel.
@@ -353,7 +472,9 @@ class HarmonicSegment(LoadSegment):
         time = half_turn * math.pi - lead + np.arccos(np.clip(sign * cosine, -1, 1))
         slope = self.rate_of(what, time)
         steep = np.abs(slope) > 1e-6 * abs(size)
-        return time + np.where(steep, (wanted - self.change_of(what, time, begin)) / np.where(steep, slope, 1.0), 0.0)
+        return time + np.where(
+            steep, (wanted - self.change_of(what, time, begin)) / np.where(steep, slope, 1.0), 0.0
+        )
 
     def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
@@ -366,7 +487,10 @@ class HarmonicSegment(LoadSegment):
         if abs(late) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
             return super().shifted(delay)
         normal, tangential = (
-            tuple((size, phase + math.remainder(k * late, 2 * math.pi)) for k, (size, phase) in enumerate(waves, 1))
+            tuple(
+                (size, phase + math.remainder(k * late, 2 * math.pi))
+                for k, (size, phase) in enumerate(waves, 1)
+            )
             for waves in (self.normal, self.tangential)
         )
         return replace(super().shifted(delay), normal=normal, tangential=tangential)
@@ -391,25 +515,38 @@ class ChebyshevSegment(LoadSegment):
     def _series(self) -> Array:
         """(2, m) coefficients of both loads."""
         found = np.zeros((2, max(len(self.normal), len(self.tangential), 2)))
-        found[0, : len(self.normal)], found[1, : len(self.tangential)] = self.normal, self.tangential
+        found[0, : len(self.normal)], found[1, : len(self.tangential)] = (
+            self.normal,
+            self.tangential,
+        )
         return found
 
     @cached_property
     def _from_zero(self) -> tuple[bool, bool]:
         """Whether P, and Q, start from 0."""
-        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUNDING_OF_SUM * np.sum(np.abs(self._series), axis=1)
+        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUNDING_OF_SUM * np.sum(
+            np.abs(self._series), axis=1
+        )
         return bool(p), bool(q)
 
     def loads(self, time: ArrayLike) -> Loads:
         # A load that starts from 0 is its change since then, which keeps its digits near there.
         p, q = (
-            self.change_of(what, time, self.start) if from_zero else np.asarray(chebyshev.chebval(self._unit(time), series))
-            for what, series, from_zero in zip((NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True)
+            (
+                self.change_of(what, time, self.start)
+                if from_zero
+                else np.asarray(chebyshev.chebval(self._unit(time), series))
+            )
+            for what, series, from_zero in zip(
+                (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True
+            )
         )
         return p, q
 
     def rate_of(self, what: Combination, time: ArrayLike) -> Array:
-        return np.asarray(chebyshev.chebval(self._unit(time), self._slope(what)) * (2 / (self.end - self.start)))
+        return np.asarray(
+            chebyshev.chebval(self._unit(time), self._slope(what)) * (2 / (self.end - self.start))
+        )
 
     def _slope(self, what: Combination) -> Array:
         """Series of the derivative by u."""
@@ -421,12 +558,17 @@ class ChebyshevSegment(LoadSegment):
         return difference(np.array(what) @ self._series, self._unit(t), self._unit(t0)) * step
 
     def beside(self, what: Combination) -> ChebyshevSegment:
-        return ChebyshevSegment(self.start, self.end, (0.0,), tuple((np.array(what) @ self._series).tolist()))
+        return ChebyshevSegment(
+            self.start, self.end, (0.0,), tuple((np.array(what) @ self._series).tolist())
+        )
 
     def turning_points(self, what: Combination) -> list[float]:
-        """Times inside the segment at which a combination stops growing or falling, ascending: roots of the rate.
+        """Times inside the segment at which a combination stops growing or falling, ascending:
+        roots of the rate.
 
-        >>> segment = ChebyshevSegment(0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0))  # P = 2 + 2 (t/2 - 1)^2
+        >>> segment = ChebyshevSegment(
+        ...     0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0)
+        ... )  # P = 2 + 2 (t/2 - 1)^2
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
@@ -437,8 +579,12 @@ class ChebyshevSegment(LoadSegment):
             return []
         slope = slope[: known[-1] + 1]
         roots = chebyshev.chebroots(slope)
-        unit = np.clip(roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1)
-        return _sharpened(self, what, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit)
+        unit = np.clip(
+            roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
+        )
+        return _sharpened(
+            self, what, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit
+        )
 
     @property
     def is_straight(self) -> bool:
@@ -454,17 +600,24 @@ class ChebyshevSegment(LoadSegment):
 
 @dataclass(frozen=True)
 class LoadPath:
-    """The initial loading from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
+    """The initial loading from (0, 0), then a cycle that repeats for ever (or nothing more, where
+    `cycle` is empty).
+    """
 
     initial_loading: tuple[LoadSegment, ...]
     cycle: tuple[LoadSegment, ...]
     moment_given: bool = False
-    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the tilt."""
+    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the
+    tilt.
+    """
 
     @property
     def has_bulk_or_tilt(self) -> bool:
         """Whether segments carry bulk stresses, tilt or moment along with P and Q."""
-        return any(leg.bulk is not None or leg.turning is not None for leg in (*self.initial_loading, *self.cycle))
+        return any(
+            leg.bulk is not None or leg.turning is not None
+            for leg in (*self.initial_loading, *self.cycle)
+        )
 
     @property
     def start(self) -> float:
@@ -492,8 +645,12 @@ class LoadPath:
         return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
 
     def companion(self, name: str) -> LoadPath | None:
-        """What all segments carry as `bulk` or `turning`, as a path of its own; None where one of them carries nothing."""
-        loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (self.initial_loading, self.cycle))
+        """What all segments carry as `bulk` or `turning`, as a path of its own; None where one of
+        them carries nothing.
+        """
+        loading, cycle = (
+            [getattr(leg, name) for leg in legs] for legs in (self.initial_loading, self.cycle)
+        )
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
@@ -501,10 +658,14 @@ class LoadPath:
         inside = np.atleast_1d(np.asarray(time, dtype=float))
         if self.period is not None:
             late = inside > self.cycle_start + self.period
-            inside = np.where(late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside)
+            inside = np.where(
+                late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside
+            )
         legs = (*self.initial_loading, *self.cycle)
         if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
-            raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
+            raise ValueError(
+                f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}"
+            )
         ends = np.array([leg.end for leg in legs])
         number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
         found = np.empty((2, *inside.shape))
@@ -527,8 +688,14 @@ def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
 
 
 def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[float]:
-    """Turning points of a combination in the segment, ascending, after two of Newton's steps, as long as they are small."""
-    found, apart, longest = guess, 1e-6 * (segment.end - segment.start), _DOUBLE * (segment.end - segment.start) / 2
+    """Turning points of a combination in the segment, ascending, after two of Newton's steps, as
+    long as they are small.
+    """
+    found, apart, longest = (
+        guess,
+        1e-6 * (segment.end - segment.start),
+        _DOUBLE * (segment.end - segment.start) / 2,
+    )
     for _ in range(2):
         rate, beside = segment.rate_of(what, np.stack([found, found + apart]))
         step = rate * apart / np.where(beside != rate, beside - rate, np.inf)
@@ -539,31 +706,44 @@ def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[fl
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:
     """The lines between `rows` of (time, P, Q).
 
-    >>> [segment.last for segment in straight_segments([(0.0, 0.0, 0.0), (1.0, 2.0, 0.5), (3.0, 2.0, 0.0)])]
+    >>> [
+    ...     segment.last
+    ...     for segment in straight_segments([(0.0, 0.0, 0.0), (1.0, 2.0, 0.5), (3.0, 2.0, 0.0)])
+    ... ]
     [(2.0, 0.5), (2.0, 0.0)]
     """
-    return tuple(StraightSegment(start, end, (p, q), (p_end, q_end)) for (start, p, q), (end, p_end, q_end) in pairwise(rows))
+    return tuple(
+        StraightSegment(start, end, (p, q), (p_end, q_end))
+        for (start, p, q), (end, p_end, q_end) in pairwise(rows)
+    )
 
 
-def ellipse_segment(start: float, end: float, mean: Point, amplitude: Point, phase: float) -> HarmonicSegment:
+def ellipse_segment(
+    start: float, end: float, mean: Point, amplitude: Point, phase: float
+) -> HarmonicSegment:
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase)."""
     return HarmonicSegment(start, end, mean, ((amplitude[0], 0.0),), ((amplitude[1], phase),))
 
 
 def parabola_segment(start: float, end: float, last: Point, end_slope: float) -> ChebyshevSegment:
-    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at the end.
+    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at
+    the end.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
     ([0.5, 0.375], (0.0, -0.5))
     """
     p, q = last
-    line, square = 2 * q - end_slope * p, end_slope * p - q  # Q = line w + square w^2, w = (1 + u)/2
-    return ChebyshevSegment(start, end, (p / 2, p / 2), (line / 2 + 3 * square / 8, (line + square) / 2, square / 8))
+    # Q = line w + square w^2, w = (1 + u)/2
+    line, square = 2 * q - end_slope * p, end_slope * p - q
+    return ChebyshevSegment(
+        start, end, (p / 2, p / 2), (line / 2 + 3 * square / 8, (line + square) / 2, square / 8)
+    )
 
 
 def sampled(segment: LoadSegment, least: int) -> Array:
-    """Times along a segment, ascending: the two ends of a straight one, else `least` or eight from turn to turn if that is more.
+    """Times along a segment, ascending: the two ends of a straight one, else `least` or eight from
+    turn to turn if that is more.
 
     >>> (
     ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),

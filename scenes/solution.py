@@ -24,7 +24,9 @@ Array = NDArray[np.float64]
 
 
 class SurfaceState(IntEnum):
-    """What a pair of surface points does at an instant; forward is the upper body sliding along +x over the lower."""
+    """What a pair of surface points does at an instant; forward is the upper body sliding along +x
+    over the lower.
+    """
 
     OPEN = 0
     STICK = 1
@@ -32,8 +34,8 @@ class SurfaceState(IntEnum):
     SLIP_REVERSE = 3
 
 
-# For arrays, plain integers: numpy first searches a member of an enumeration for methods of its own, which takes four times
-# the comparison, and a Ctrl-C that falls into the search is lost.
+# For arrays, plain integers: numpy first searches a member of an enumeration for methods of its
+# own, which takes four times the comparison, and a Ctrl-C that falls into the search is lost.
 OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE = (int(state) for state in SurfaceState)
 
 
@@ -56,17 +58,19 @@ class Record:
     Attributes
     ----------
     converged : whether every step met its tolerance
-    termination : "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not converged" or "interrupted"
-    message : the same, as a sentence
+    termination : "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not
+    converged" or "interrupted" message : the same, as a sentence
     iterations : (n_steps,) contact iterations of each step
-    certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
-    energy : name -> (n_steps,), energies of each step alone (increments, not running totals) per unit thickness, in the scene's
-        units
+    certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is
+        perfect)
+    energy : name -> (n_steps,), energies of each step alone (increments, not running totals) per
+        unit thickness, in the scene's units
     notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
-    errors : field -> estimate, from above, of the largest error that quadratures and series left in it, over the largest value
-        of the field (of f p for the shear), 1 % of a away from edges, where tractions are roots; "... at the edge" for the points
-        asked for, however near; of `dissipation` and `loop_work` over themselves. Fields in closed form, and engines that estimate
-        none, have no entry
+    errors : field -> estimate, from above, of the largest error that quadratures and series left in
+        it, over the largest value of the field (of f p for the shear), 1 % of a away from edges,
+        where tractions are roots; "... at the edge" for the points asked for, however near; of
+        `dissipation` and `loop_work` over themselves. Fields in closed form, and engines that
+        estimate none, have no entry
     """
 
     converged: bool
@@ -79,12 +83,17 @@ class Record:
     errors: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        return f"Record({self.termination!r}, {int(self.iterations.sum())} iterations, {len(self.notes)} notes)"
+        return (
+            f"Record({self.termination!r}, {int(self.iterations.sum())} iterations,"
+            f" {len(self.notes)} notes)"
+        )
 
 
 @dataclass(frozen=True)
 class Work:
-    """What was done and what was not: `counts` by name, `skipped` by name with (count, reason), `seconds` by stage."""
+    """What was done and what was not: `counts` by name, `skipped` by name with (count, reason),
+    `seconds` by stage.
+    """
 
     counts: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
@@ -93,38 +102,42 @@ class Work:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """One load history through one engine. Arrays are read-only; loads and dissipations are per unit thickness.
+    """One load history through one engine. Arrays are read-only; loads and dissipations are per
+    unit thickness.
 
     Attributes
     ----------
     time, normal_load, tangential_load : (n_steps,)
     x : (n_points,), contact points of the lower body, ascending [length]
-    pressure, shear : (n_steps, n_points) [stress]; pressure >= 0; shear along +x on the lower body, positive with Q
-    slip : (n_steps, n_points) [length], upper over lower; goes on as relative displacement while a point is open
-    state : (n_steps, n_points), SurfaceState as int8
-    contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick edges are the
-        contact edges, in full slip NaN
+    pressure, shear : (n_steps, n_points) [stress]; pressure >= 0; shear along +x on the lower body,
+    positive with Q slip : (n_steps, n_points) [length], upper over lower; goes on as relative
+    displacement while a point is open state : (n_steps, n_points), SurfaceState as int8
+    contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick
+        edges are the contact edges, in full slip NaN
     contact_half_width, stick_half_width : (n_steps,) [length]
-    tangential_displacement, normal_approach : (n_steps,) [length], upper relative to lower (along +x; towards each
-        other), counted from half-planes whose surface does not move at `profile.datum_length` from the load:
+    tangential_displacement, normal_approach : (n_steps,) [length], upper relative to lower (along
+        +x; towards each other), counted from half-planes whose surface does not move at
+        `profile.datum_length` from the load:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
-    dissipation_uncertainty : of `dissipation`, by mesh and steps of finite elements [energy / thickness]; NaN where it is unknown,
-        as of other engines
-    loop_work : closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the `shear_moment` and eps the bulk strain (0
-        without bulk stress, where Q dU alone is left): between half-planes of like materials the second and independent way to the
-        dissipation (of other bodies that of P dV, V the approach, comes to it);
+    dissipation_uncertainty : of `dissipation`, by mesh and steps of finite elements [energy /
+        thickness]; NaN where it is unknown, as of other engines
+    loop_work : closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the
+        `shear_moment` and eps the bulk strain (0 without bulk stress, where Q dU alone is left):
+        between half-planes of like materials the second and independent way to the dissipation (of
+        other bodies that of P dV, V the approach, comes to it);
         NaN where the last cycle does not end in the state it started from
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
-    permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
-    steady_from : index of the first cycle that ends in the state it started from; None if none did
-    bulk_stress_lower, bulk_stress_upper : (n_steps,) bulk stress along x in each body, tension positive [stress]; these and the
+    permanent_stick_half_width : largest half-width that sticks through the whole last cycle
+    [length]; NaN if none steady_from : index of the first cycle that ends in the state it started
+    from; None if none did bulk_stress_lower, bulk_stress_upper : (n_steps,) bulk stress along x in
+    each body, tension positive [stress]; these and the
         next four are None where the scene has neither bulk stress nor tilt and a symmetric profile
-    tilt, moment : (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx [force]
-    shear_moment : (n_steps,) m_q = int x q dx [force]
-    permanent_stick_edges : (2,) left and right end of what sticks through the whole last cycle [length]; NaN if nothing does
-    record, work, scene, settings, versions : how it came about
+    tilt, moment : (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx
+    [force] shear_moment : (n_steps,) m_q = int x q dx [force]
+    permanent_stick_edges : (2,) left and right end of what sticks through the whole last cycle
+    [length]; NaN if nothing does record, work, scene, settings, versions : how it came about
     engine : "semi_analytic", "halfplane_fe", or somebody else's name
     """
 
@@ -132,21 +145,35 @@ class ContactSolution:
     scene: Scene
     time: Array = field(metadata=_stored("time of the load path", "time"))
     normal_load: Array = field(metadata=_stored("normal load P per unit thickness", "time", "load"))
-    tangential_load: Array = field(metadata=_stored("tangential load Q per unit thickness", "time", "load"))
-    x: Array = field(metadata=_stored("position along the surface of the lower body", "x", "length"))
+    tangential_load: Array = field(
+        metadata=_stored("tangential load Q per unit thickness", "time", "load")
+    )
+    x: Array = field(
+        metadata=_stored("position along the surface of the lower body", "x", "length")
+    )
     pressure: Array = field(metadata=_stored("contact pressure p", "time x", "stress"))
     shear: Array = field(metadata=_stored("shear traction q on the lower body", "time x", "stress"))
-    slip: Array = field(metadata=_stored("slip of the upper body over the lower", "time x", "length"))
-    state: NDArray[np.int8] = field(metadata=_stored("0 open, 1 stick, 2 forward slip, 3 reverse slip", "time x"))
+    slip: Array = field(
+        metadata=_stored("slip of the upper body over the lower", "time x", "length")
+    )
+    state: NDArray[np.int8] = field(
+        metadata=_stored("0 open, 1 stick, 2 forward slip, 3 reverse slip", "time x")
+    )
     contact_edges: Array = field(metadata=_stored("edges of the contact", "time side", "length"))
     stick_edges: Array = field(metadata=_stored("edges of the stick zone", "time side", "length"))
     contact_half_width: Array = field(metadata=_stored("contact half-width a", "time", "length"))
     stick_half_width: Array = field(metadata=_stored("stick half-width c", "time", "length"))
-    tangential_displacement: Array = field(metadata=_stored("relative tangential displacement U", "time", "length"))
+    tangential_displacement: Array = field(
+        metadata=_stored("relative tangential displacement U", "time", "length")
+    )
     normal_approach: Array = field(metadata=_stored("normal approach", "time", "length"))
-    dissipation_density: Array = field(metadata=_stored("friction work per unit area of the last cycle", "x", "load"))
+    dissipation_density: Array = field(
+        metadata=_stored("friction work per unit area of the last cycle", "x", "load")
+    )
     dissipation: float
-    cycle_dissipation: Array = field(metadata=_stored("friction work of each cycle per unit thickness", "cycle", "energy"))
+    cycle_dissipation: Array = field(
+        metadata=_stored("friction work of each cycle per unit thickness", "cycle", "energy")
+    )
     permanent_stick_half_width: float
     steady_from: int | None
     record: Record
@@ -155,37 +182,54 @@ class ContactSolution:
     versions: Mapping[str, str] = field(default_factory=dict)
     loop_work: float = float("nan")
     dissipation_uncertainty: float = float("nan")
-    bulk_stress_lower: Array | None = field(default=None, metadata=_stored("bulk stress of the lower body", "time", "stress"))
-    bulk_stress_upper: Array | None = field(default=None, metadata=_stored("bulk stress of the upper body", "time", "stress"))
+    bulk_stress_lower: Array | None = field(
+        default=None, metadata=_stored("bulk stress of the lower body", "time", "stress")
+    )
+    bulk_stress_upper: Array | None = field(
+        default=None, metadata=_stored("bulk stress of the upper body", "time", "stress")
+    )
     tilt: Array | None = field(default=None, metadata=_stored("tilt of the upper body", "time"))
     moment: Array | None = field(
-        default=None, metadata=_stored("moment of the pressure about x = 0 per unit thickness", "time", "force")
+        default=None,
+        metadata=_stored("moment of the pressure about x = 0 per unit thickness", "time", "force"),
     )
     shear_moment: Array | None = field(
-        default=None, metadata=_stored("integral of x times shear traction per unit thickness", "time", "force")
+        default=None,
+        metadata=_stored("integral of x times shear traction per unit thickness", "time", "force"),
     )
     permanent_stick_edges: Array | None = field(
-        default=None, metadata=_stored("edges of what sticks through the whole cycle", "side", "length")
+        default=None,
+        metadata=_stored("edges of what sticks through the whole cycle", "side", "length"),
     )
 
     @property
     def thinned(self) -> bool:
-        """Whether instants of a long path of straight lines were left out, counted in `work.skipped`; W is of all of them."""
+        """Whether instants of a long path of straight lines were left out, counted in
+        `work.skipped`; W is of all of them.
+        """
         return "instants" in self.work.skipped
 
     @property
     def dissipation_drift(self) -> float:
-        """Change of the dissipation from the cycle before the last to the last, over that of the last.
+        """Change of the dissipation from the cycle before the last to the last, over that of the
+        last.
 
-        0 where the last cycle ends in the state it started from, NaN where there is no cycle before it or no dissipation.
+        0 where the last cycle ends in the state it started from, NaN where there is no cycle before
+        it or no dissipation.
         """
         found = self.cycle_dissipation[-2:]
         if self.steady_from is not None:
             return 0.0
-        return float((found[1] - found[0]) / found[1]) if len(found) == 2 and found[1] > 0 else float("nan")
+        return (
+            float((found[1] - found[0]) / found[1])
+            if len(found) == 2 and found[1] > 0
+            else float("nan")
+        )
 
     def __repr__(self) -> str:
-        """Five lines: whose answer to what, how it ended, its size, its contact, its dissipation."""
+        """Five lines: whose answer to what, how it ended, its size, its contact, its
+        dissipation.
+        """
         force, length, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
         half_width = np.nanmax(self.contact_half_width, initial=0.0)
@@ -197,32 +241,60 @@ class ContactSolution:
                 f"{type(self).__name__} of {name!r} by {self.engine}",
                 f"  ended: {self.record.message}",
                 f"  {len(self.time)} instants, {len(self.x)} surface points",
-                f"  largest half-width {half_width:.6g} {length}, permanent stick half-width "
-                f"{self.permanent_stick_half_width:.6g} {length}",
-                f"  dissipation of the {span} {self.dissipation:.6g}{bounds} {force}·{length}/{length}",
+                (
+                    f"  largest half-width {half_width:.6g} {length}, permanent stick half-width "
+                    f"{self.permanent_stick_half_width:.6g} {length}"
+                ),
+                (
+                    f"  dissipation of the {span} {self.dissipation:.6g}{bounds}"
+                    f" {force}·{length}/{length}"
+                ),
             )
         )
 
     def to_dataset(self) -> xr.Dataset:
-        """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse is `from_dataset`."""
+        """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse
+        is `from_dataset`.
+        """
         import xarray as xr
 
         force, length, stress = self.scene.unit_words
-        units = {"length": length, "stress": stress, "load": f"{force}/{length}", "force": force, "": "1"}
+        units = {
+            "length": length,
+            "stress": stress,
+            "load": f"{force}/{length}",
+            "force": force,
+            "": "1",
+        }
         units["energy"] = f"{force}·{length}/{length}"
-        arrays = {name: getattr(self.record if name == "iterations" else self, name) for name in _ARRAYS}
+        arrays = {
+            name: getattr(self.record if name == "iterations" else self, name) for name in _ARRAYS
+        }
         variables = {
-            name: (one.metadata["over"], arrays[name], {"long_name": one.metadata["words"], "units": units[one.metadata["unit"]]})
+            name: (
+                one.metadata["over"],
+                arrays[name],
+                {"long_name": one.metadata["words"], "units": units[one.metadata["unit"]]},
+            )
             for name, one in _ARRAYS.items()
             if arrays[name] is not None
         }
-        record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
+        record = {
+            name: getattr(self.record, name)
+            for name in ("converged", "termination", "message", "notes")
+        }
         kinds = {"certificate": self.record.certificates, "energy": self.record.energy}
-        each = {f"{kind}_{name}": values for kind, these in kinds.items() for name, values in these.items()}
+        each = {
+            f"{kind}_{name}": values
+            for kind, these in kinds.items()
+            for name, values in these.items()
+        }
         texts = {
             "scene": self.scene.model_dump_json(),
             "record": json.dumps(record | {"errors": dict(self.record.errors)}),
-            "work": json.dumps({name: dict(getattr(self.work, name)) for name in ("counts", "skipped", "seconds")}),
+            "work": json.dumps(
+                {name: dict(getattr(self.work, name)) for name in ("counts", "skipped", "seconds")}
+            ),
             "settings": json.dumps(dict(self.settings)),
             "versions": json.dumps(dict(self.versions)),
         }
@@ -230,7 +302,10 @@ class ContactSolution:
             variables | {name: ("time", values) for name, values in each.items()},
             coords={"side": ["left", "right"]},
             attrs={name: getattr(self, name) for name in ("engine", *_NUMBERS)}
-            | {"format": FORMAT, "steady_from": -1 if self.steady_from is None else self.steady_from}
+            | {
+                "format": FORMAT,
+                "steady_from": -1 if self.steady_from is None else self.steady_from,
+            }
             | texts,
         )
         if self.scene.load.kind == "ellipse":
@@ -245,12 +320,22 @@ class ContactSolution:
         record = json.loads(stored["record"])
 
         def starting_with(prefix: str) -> dict[str, Array]:
-            return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
+            return {
+                str(k).removeprefix(prefix): freeze(v.values)
+                for k, v in data.items()
+                if str(k).startswith(prefix)
+            }
 
-        present = [name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in data)]
-        values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in present}
+        present = [
+            name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in data)
+        ]
+        values: dict[str, Any] = {
+            name: freeze(data[name].values, data[name].dtype) for name in present
+        }
         for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
-            values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
+            values[name] = float(
+                stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name]
+            )
         return cls(
             engine=stored["engine"],
             scene=Scene.model_validate_json(stored["scene"]),
@@ -261,7 +346,11 @@ class ContactSolution:
                 energy=starting_with("energy_"),
                 **(record | {"notes": tuple(record["notes"])}),
             ),
-            work=Work(work["counts"], {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()}, work["seconds"]),
+            work=Work(
+                work["counts"],
+                {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()},
+                work["seconds"],
+            ),
             settings=json.loads(stored["settings"]),
             versions=json.loads(stored["versions"]),
             **values,
@@ -273,26 +362,41 @@ class ContactSolution:
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
-        """Read what `save` wrote; InputError for a file that can't be read, is too large or of another form."""
+        """Read what `save` wrote; InputError for a file that can't be read, is too large or of
+        another form.
+        """
         data = stored_dataset(Path(path), _FORM, FORMAT)
         try:
             return cls.from_dataset(data)
-        except (ArithmeticError, AttributeError, KeyError, RecursionError, TypeError, ValueError) as reason:
-            raise InputError(f"{path}: the solution can't be read: {first_line(reason)}") from reason
+        except (
+            ArithmeticError,
+            AttributeError,
+            KeyError,
+            RecursionError,
+            TypeError,
+            ValueError,
+        ) as reason:
+            raise InputError(
+                f"{path}: the solution can't be read: {first_line(reason)}"
+            ) from reason
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return str(import_module("reports.page.notebook").solution_html(self))  # words and pictures are those of the reports
+        # words and pictures are those of the reports
+        return str(import_module("reports.page.notebook").solution_html(self))
 
     def plot(self, time: float | None = None) -> Any:
-        """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and through the last cycle.
+        """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and
+        through the last cycle.
 
         Without `time` the instant is that of the largest |Q| of the last cycle.
         """
         return import_module("reports.page.notebook").solution_figure(self, time)
 
     def plot_loop(self) -> Any:
-        """A matplotlib Figure of Q over the relative tangential displacement U through the last cycle."""
+        """A matplotlib Figure of Q over the relative tangential displacement U through the last
+        cycle.
+        """
         return import_module("reports.page.notebook").loop_figure(self)
 
     def __dir__(self) -> list[str]:
@@ -312,8 +416,11 @@ class ContactSolution:
         return last_whole_cycle(self.time, path.period, path.cycle_start)[0]
 
 
-def last_whole_cycle(time: Array, period: float, cycle_start: float) -> tuple[NDArray[np.intp], bool]:
-    """(k,) indices of the last cycle of ascending instants, both its ends included; whether it is whole.
+def last_whole_cycle(
+    time: Array, period: float, cycle_start: float
+) -> tuple[NDArray[np.intp], bool]:
+    """(k,) indices of the last cycle of ascending instants, both its ends included; whether it is
+    whole.
 
     It begins where a cycle of the path begins. Instants that hold no such cycle, but go round
     once from elsewhere, give the last period before their end. Where neither is there, the
@@ -361,18 +468,23 @@ def _instant_at(time: Array, wanted: float, rounding: float) -> int | None:
 
 FORMAT = "halfplane solution 2"
 """Of a stored solution. Files of version 0.1 have no such word, and are refused."""
-_ARRAYS = {one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata}
+_ARRAYS = {
+    one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata
+}
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
 _FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")
 
 
 def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
-    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0 where it never is.
+    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0
+    where it never is.
 
     Out of contact the slip is a displacement and nothing slips.
 
-    >>> range_of_slip(np.array([[0.0, 1.0], [2.0, 5.0]]), np.array([[True, True], [True, False]])).tolist()
+    >>> range_of_slip(
+    ...     np.array([[0.0, 1.0], [2.0, 5.0]]), np.array([[True, True], [True, False]])
+    ... ).tolist()
     [2.0, 0.0]
     """
     highest = np.max(slip, axis=0, where=touching, initial=-np.inf)

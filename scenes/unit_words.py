@@ -1,4 +1,6 @@
-"""Words for units: their sizes, whether three of them are one consistent set, what turns a column of a file into it."""
+"""Words for units: their sizes, whether three of them are one consistent set, what turns a column
+of a file into it.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,14 @@ from typing import Literal
 UNITS = {
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254},
-    "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168},
+    "stress": {
+        "Pa": 1.0,
+        "kPa": 1e3,
+        "MPa": 1e6,
+        "GPa": 1e9,
+        "psi": 6894.757293168,
+        "ksi": 6894757.293168,
+    },
 }
 """What a scene may be in: the size of each word in N, m and Pa."""
 _OF_FILES = {
@@ -55,7 +64,8 @@ _SPELLED = {
     "milliradian": "mrad",
     "degree": "deg",
 }
-# Words that are units in brackets and more than that as the last word of a heading: "gap min", "profile h".
+# Words that are units in brackets and more than that as the last word of a heading: "gap min",
+# "profile h".
 _SHORT = ("m", "s", "h", "N", "in", "min", "°")
 _ROUNDING = 1e-6
 
@@ -64,35 +74,62 @@ Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 
 
 def inconsistent(units: str) -> str:
-    """Why `units` can't be right, with what to do; empty for a consistent set, and for words that nobody here knows.
+    """Why `units` can't be right, with what to do; empty for a consistent set, and for words that
+    nobody here knows.
 
-    >>> inconsistent("N, mm, MPa"), inconsistent("kN, mm, GPa"), inconsistent("SI"), inconsistent("lbf, in, psi")
+    >>> (
+    ...     inconsistent("N, mm, MPa"),
+    ...     inconsistent("kN, mm, GPa"),
+    ...     inconsistent("SI"),
+    ...     inconsistent("lbf, in, psi"),
+    ... )
     ('', '', '', '')
     >>> inconsistent("N, mm, GPa")
-    "N/mm^2 is MPa, not GPa: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
+    "N/mm^2 is MPa, not GPa: one set of units is needed, such as 'N, mm, MPa', with every number of
+    the scene in it"
     >>> inconsistent("mm, N, MPa")
     "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
     """
     words = [word for word in re.split(r"[,\s]+", units) if word]
     if len(words) != 3 or not set().union(*UNITS.values()).issuperset(words):
         return ""
-    if units.count(",") != 2 or any(word not in known for word, known in zip(words, UNITS.values(), strict=True)):
-        return "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
+    if units.count(",") != 2 or any(
+        word not in known for word, known in zip(words, UNITS.values(), strict=True)
+    ):
+        return (
+            "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
+        )
     force, length, stress = words
     wanted = UNITS["force"][force] / UNITS["length"][length] ** 2
     right = [word for word, size in UNITS["stress"].items() if abs(size / wanted - 1) < _ROUNDING]
     if stress in right:
         return ""
     fault = f"{force}/{length}^2 is {f'{right[0]}, ' if right else ''}not {stress}"
-    return f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
+    return (
+        f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene"
+        " in it"
+    )
 
 
 def unit_in(heading: str) -> tuple[str, str]:
-    """The name and the unit of a heading; an empty unit where none stands there. What stands in brackets last may be any word.
+    """The name and the unit of a heading; an empty unit where none stands there. What stands in
+    brackets last may be any word.
 
-    >>> unit_in("Normal force [kN]"), unit_in("P / N"), unit_in("x (mm)"), unit_in("time"), unit_in("P in N/mm")
+    >>> (
+    ...     unit_in("Normal force [kN]"),
+    ...     unit_in("P / N"),
+    ...     unit_in("x (mm)"),
+    ...     unit_in("time"),
+    ...     unit_in("P in N/mm"),
+    ... )
     (('Normal force', 'kN'), ('P', 'N'), ('x', 'mm'), ('time', ''), ('P', 'N/mm'))
-    >>> unit_in("X_(microns)"), unit_in("Lateral um"), unit_in("Raw Micrometer"), unit_in("x_mm"), unit_in("gap min")
+    >>> (
+    ...     unit_in("X_(microns)"),
+    ...     unit_in("Lateral um"),
+    ...     unit_in("Raw Micrometer"),
+    ...     unit_in("x_mm"),
+    ...     unit_in("gap min"),
+    ... )
     (('X', 'microns'), ('Lateral', 'um'), ('Raw', 'Micrometer'), ('x', 'mm'), ('gap min', ''))
     >>> unit_in("Force [N] filtered"), unit_in("Q (left)"), unit_in("U [-]")
     (('Force', 'N'), ('Q', 'left'), ('U', ''))
@@ -117,9 +154,14 @@ def _last_word(text: str) -> tuple[str, str]:
 
 
 def short_unit_in(heading: str, kind: Kind) -> str:
-    """The last word of a heading without brackets if it is one of the short units, and of this kind; else empty.
+    """The last word of a heading without brackets if it is one of the short units, and of this
+    kind; else empty.
 
-    >>> short_unit_in("Time s", "time"), short_unit_in("Force N", "load"), short_unit_in("profile h", "length")
+    >>> (
+    ...     short_unit_in("Time s", "time"),
+    ...     short_unit_in("Force N", "load"),
+    ...     short_unit_in("profile h", "length"),
+    ... )
     ('s', 'N', '')
     """
     word = _last_word(heading.strip())[1]
@@ -147,7 +189,9 @@ def is_unit(word: str) -> bool:
 
 
 def _size(unit: str, kind: str) -> tuple[float, bool] | None:
-    """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this kind."""
+    """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this
+    kind.
+    """
     above, slash, below = unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
     above = _symbol(above)
     below = _symbol(below)
@@ -167,7 +211,8 @@ def _symbol(word: str) -> str:
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
-    """What turns a number in `unit` into the scene's unit, and whether it is a force per length; time goes to s, an angle to rad.
+    """What turns a number in `unit` into the scene's unit, and whether it is a force per length;
+    time goes to s, an angle to rad.
 
     Parameters
     ----------
@@ -176,21 +221,39 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     Raises
     ------
     ValueError
-        Half a sentence: for a word that is no unit of this kind, for a scene whose own units are not known words.
+        Half a sentence: for a word that is no unit of this kind, for a scene whose own units are
+        not known words.
 
-    >>> unit_factor("kN", "load", "N, mm, MPa"), unit_factor("kN/m", "load", "N, mm, MPa"), unit_factor("ms", "time", "SI")
+    >>> (
+    ...     unit_factor("kN", "load", "N, mm, MPa"),
+    ...     unit_factor("kN/m", "load", "N, mm, MPa"),
+    ...     unit_factor("ms", "time", "SI"),
+    ... )
     ((1000.0, False), (1.0, True), (0.001, False))
     """
     size = _size(unit, kind)
     if size is None:
         what = "force, or of force per length," if kind == "load" else kind
-        raise ValueError(f"{unit!r} is no unit of {what} that is known; known are {', '.join(_OF_FILES[kind]) or 'none'}")
+        raise ValueError(
+            f"{unit!r} is no unit of {what} that is known; known are"
+            f" {', '.join(_OF_FILES[kind]) or 'none'}"
+        )
     value, per_length = size
     words = [*re.split(r"[,\s]+", units), "", "", ""]
-    force, length, stress = (known.get(word, 0.0) for word, known in zip(words, UNITS.values(), strict=False))
+    force, length, stress = (
+        known.get(word, 0.0) for word, known in zip(words, UNITS.values(), strict=False)
+    )
     if kind in ("time", "angle"):
         return value, False
-    own = {"length": length, "load": force / ((length or math.inf) if per_length else 1.0), "stress": stress}[kind]
+    own = {
+        "length": length,
+        "load": force / ((length or math.inf) if per_length else 1.0),
+        "stress": stress,
+    }[kind]
     if not own:
-        raise ValueError(f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known words; use scale")
-    return float(f"{value / own:.12g}"), per_length  # 1e3/1e3 is 1, whatever the quotients' rounding
+        raise ValueError(
+            f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known"
+            " words; use scale"
+        )
+    # 1e3/1e3 is 1, whatever the quotients' rounding
+    return float(f"{value / own:.12g}"), per_length

@@ -1,37 +1,52 @@
-"""The half-plane engine: partial slip of any profile under any history of P and Q, with bulk stress and tilt, exact to rounding.
+"""The half-plane engine: partial slip of any profile under any history of P and Q, with bulk stress
+and tilt, exact to rounding.
 
 Normal contact::
 
     elasticity.py           composite modulus E*, Dundurs' beta
     hertz.py                Hertz law: the parabola in closed form
-    profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel transform of tables
-    punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement and slip kernel of any P(a)
-    tilted_profile.py       the same with tilt and bulk strain, also with unequal sides: families of nested contact intervals
-    opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell and Hills)
+    profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel
+                            transform of tables
+    punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement
+    and slip kernel of any P(a) tilted_profile.py       the same with tilt and bulk strain, also
+    with unequal sides: families of
+                            nested contact intervals
+    opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell
+                            and Hills)
 
 The history of P and Q::
 
-    memory.py               memory curve M(eta): full stick, slip up to the Coulomb limit, reversal (Masing rule), unloading
-    history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
-    loops_in_phase.py       the steady cycle of P, Q, bulk and tilt in phase: W, W(x), stick zone (Andresen, Hills and Moore)
-    grid.py                 any other, on a grid: stick in any number of pieces, with the error of the grid
-    load_series.py          straight paths of any length: knots of the memory curve, slip of each step
+    memory.py               memory curve M(eta): full stick, slip up to the Coulomb limit, reversal
+                            (Masing rule), unloading
+    history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding
+                            and separation
+    loops_in_phase.py       the steady cycle of P, Q, bulk and tilt in phase: W, W(x), stick zone
+                            (Andresen, Hills and Moore)
+    grid.py                 any other, on a grid: stick in any number of pieces, with the error of
+                            the grid
+    load_series.py          straight paths of any length: knots of the memory curve, slip of each
+                            step
     event_times.py          events: the instants A to M
-    bulk_and_tilt.py        bulk stress and tilt: which paths have one memory curve; eccentricity of stick (Nowell and Hills)
+    bulk_and_tilt.py        bulk stress and tilt: which paths have one memory curve; eccentricity of
+                            stick (Nowell and Hills)
 
 From a request to an answer::
 
-    fields.py               shear traction q (Cattaneo-Mindlin), slip s, relative tangential displacement U by superposition
-    friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q over U
+    fields.py               shear traction q (Cattaneo-Mindlin), slip s, relative tangential
+                            displacement U by superposition
+    friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q
+                            over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: all of it together
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
-    largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of themselves
+    largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
+                            themselves
     damping.py              hysteresis: secant stiffness, damping ratio, tangential compliance
 
 Arrays of ellipses in one call::
 
-    batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles, the maxima of W(x)
+    batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles,
+                            the maxima of W(x)
     steady_ellipse.py       W and W(x) of a steady ellipse, its permanent stick zone
     measured_friction.py    `friction_from`: every coefficient of friction that gives a measured W
 """

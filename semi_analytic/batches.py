@@ -1,13 +1,16 @@
-"""Dissipation and its peak for arrays of ellipses: the two calls that sweeps and the paper's figures 7 and 10 need.
+"""Dissipation and its peak for arrays of ellipses: the two calls that sweeps and the paper's
+figures 7 and 10 need.
 
-Arguments are broadcast and taken block by block, so that memory beyond arguments and results is that of one block. Bad members get
-a reason. The others are sorted by profile: those that differ by units only share one contact, that of the same profile in units of
-its own; a profile of b, R1 and R2, say, is that of 1, 1 and R2/R1 in the units b and E* b^2/R1.
+Arguments are broadcast and taken block by block, so that memory beyond arguments and results is
+that of one block. Bad members get a reason. The others are sorted by profile: those that differ by
+units only share one contact, that of the same profile in units of its own; a profile of b, R1 and
+R2, say, is that of 1, 1 and R2/R1 in the units b and E* b^2/R1.
 
-The maxima of W(x), in the letters and angles of `steady_ellipse`: where slip goes on at the least load, W has a kink at a(P_min).
-With d the distance from it, W goes as d ln|d|: the slope is minus infinity on both sides. A first maximum, the shoulder, may
-therefore lie just inside a(P_min) and a second one further out. At the corners of a profile W may have a kink too. At the edges of
-contact at E and G it has two derivatives (it goes as d^(5/2)), at those of I and J more.
+The maxima of W(x), in the letters and angles of `steady_ellipse`: where slip goes on at the least
+load, W has a kink at a(P_min). With d the distance from it, W goes as d ln|d|: the slope is minus
+infinity on both sides. A first maximum, the shoulder, may therefore lie just inside a(P_min) and a
+second one further out. At the corners of a profile W may have a kink too. At the edges of contact
+at E and G it has two derivatives (it goes as d^(5/2)), at those of I and J more.
 """
 
 from __future__ import annotations
@@ -59,36 +62,44 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _MEMBERS = 256
-# Samples between two kinks or events, closer together at both, and what is left of them where a profile has many corners; samples
-# beside the kinks, as shares of the smaller part of the slip zone.
+# Samples between two kinks or events, closer together at both, and what is left of them where a
+# profile has many corners; samples beside the kinks, as shares of the smaller part of the slip
+# zone.
 _INSIDE = (1 - np.cos(math.pi * np.arange(1, 6) / 6)) / 2
 _FEW, _FEW_INSIDE = 8, slice(2, 3)
 _BESIDE_KINK = 0.03 * np.power(0.1, np.arange(4))
-# Samples that differ by less than this share of the largest, at more than this share of the slip zone, get others in between.
+# Samples that differ by less than this share of the largest, at more than this share of the slip
+# zone, get others in between.
 _LEVEL, _CLOSER = 0.01, np.array([0.25, 0.5, 0.75])
 # Share of the slip zone within which two samples are one.
 _ALIKE = 1e-10
-# A maximum is found when W may rise by this share of it only; by every second node of the rule at first.
+# A maximum is found when W may rise by this share of it only; by every second node of the rule at
+# first.
 _NEARLY, _KNOWN = 1e-5, 1e-10
 # Each round takes a bracket to a fourth where W is smooth, every other one to half at worst.
 _ROUNDS = 40
 _EVENLY = np.array([0.21, 0.47, 0.73])
 _THREE = np.array([[-1], [0], [1]])
-# A second maximum counts where W falls between the two by this share of the larger; samples are good to 1e-6.
+# A second maximum counts where W falls between the two by this share of the larger; samples are
+# good to 1e-6.
 _DISTINCT = 1e-3
 
 
 def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     """The two largest maxima of W(x) of each member, (6, m).
 
-    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|, and that of the largest as a
-    fraction, 0 at the permanent stick edge, 1 at the largest contact. The largest is 0 and the rest NaN where nothing slips; the
-    second one is NaN where there is one maximum only.
+    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
+    and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
+    The largest is 0 and the rest NaN where nothing slips; the second one is NaN where there is one
+    maximum only.
 
-    In each piece between kinks and events W is sampled; the maximum is looked for about every sample above its neighbours.
+    In each piece between kinks and events W is sampled; the maximum is looked for about every
+    sample above its neighbours.
     """
     if len(e.mean) > _MEMBERS:
-        parts = [e.take(slice(first, first + _MEMBERS)) for first in range(0, len(e.mean), _MEMBERS)]
+        parts = [
+            e.take(slice(first, first + _MEMBERS)) for first in range(0, len(e.mean), _MEMBERS)
+        ]
         return np.concatenate([maxima_of(part, contact) for part in parts], axis=1)
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
@@ -101,27 +112,36 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     member, x = np.nonzero(new)[0], points[new]
     sample = density(member, x, 2)
     spoilt = np.bincount(member, np.isnan(sample), count) > 0
-    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to each other stay apart.
+    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
+    # each other stay apart.
     begin = np.flatnonzero(np.diff(member, prepend=-1))
     sample[begin] = sample[np.append(begin[1:], len(x)) - 1] = 0.0
-    # Samples are put closer where W is nearly level, lest one of two maxima next to each other is missed.
+    # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
+    # missed.
     scale = (_LEVEL * np.maximum.reduceat(sample, begin))[member[:-1]]
     level = (np.abs(np.diff(sample)) < scale) & (sample[:-1] > scale) & (sample[1:] > scale)
     wide = np.flatnonzero(level & (np.diff(x) > _LEVEL * (outer - inner)[member[:-1]]))
     more = (x[wide] + np.diff(x)[wide] * _CLOSER[:, None]).ravel()
     member = np.concatenate([member, np.tile(member[wide], len(_CLOSER))])
-    x, sample = np.concatenate([x, more]), np.concatenate([sample, density(member[len(x) :], more, 2)])
+    x, sample = (
+        np.concatenate([x, more]),
+        np.concatenate([sample, density(member[len(x) :], more, 2)]),
+    )
     order = np.lexsort((x, member))
     member, x, sample = member[order], x[order], sample[order]
     number = np.flatnonzero((sample[1:-1] > sample[:-2]) & (sample[1:-1] >= sample[2:])) + 1
     owner = member[number]
-    near = _closer(partial(density, every=2), owner, x[number + _THREE], sample[number + _THREE], _NEARLY)[0]
-    near, works = _closer(density, owner, near, np.stack([density(owner, row) for row in near]), _KNOWN)
+    near = _closer(
+        partial(density, every=2), owner, x[number + _THREE], sample[number + _THREE], _NEARLY
+    )[0]
+    near, works = _closer(
+        density, owner, near, np.stack([density(owner, row) for row in near]), _KNOWN
+    )
     top, at, rise = _parabola(near, works)
     order, best = np.argsort(top, kind="stable"), np.full(count, -1)
     best[owner[order]] = order
-    # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is at most the product of p,
-    # 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
+    # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
+    # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
     deepest, safe = e.deepest, np.where(e.deepest > 0, e.deepest, np.inf)
     relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / safe
     least = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
@@ -131,7 +151,9 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     largest = best[some]
     value[some], place[some] = top[largest], at[largest]
     rules = np.stack([density(some, place[some], every) for every in (1, 2, 4)])
-    error[some] = rise[largest] + top[largest] * (quadrature_error(rules, rules[0]) + relative[some])
+    error[some] = rise[largest] + top[largest] * (
+        quadrature_error(rules, rules[0]) + relative[some]
+    )
     # Other maxima count where W falls in between, and not by its last digits only.
     ends = np.sort(np.stack([number, number[best[owner]]]), axis=0)
     dip = np.minimum.reduceat(sample, ends.T.ravel())[::2] if len(number) else sample
@@ -143,25 +165,39 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def _samples(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Points from the permanent stick edge to the largest contact, ascending, some of them equal: (m, n)."""
+    """Points from the permanent stick edge to the largest contact, ascending, some of them equal:
+    (m, n).
+    """
     least, most = e.mean - e.amplitude, e.mean + e.amplitude
-    events = [e.load(cosine) for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))]
+    events = [
+        e.load(cosine)
+        for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
+    ]
     corners = np.clip(contact.break_loads[:, None], e.permanent, most)
     loads = np.clip(np.stack([e.permanent, least, *events, *corners, most]), e.permanent, most)
     ends = contact.half_width(np.sort(loads, axis=0))
     few = len(corners) <= _FEW
-    between = ends[:-1] + np.diff(ends, axis=0) * (_INSIDE if few else _INSIDE[_FEW_INSIDE])[:, None, None]
+    between = (
+        ends[:-1]
+        + np.diff(ends, axis=0) * (_INSIDE if few else _INSIDE[_FEW_INSIDE])[:, None, None]
+    )
     kinks = contact.half_width(np.concatenate([loads[1:2], corners]) if few else loads[1:2])
     beside = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
-    points = [ends, *(part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside))]
+    points = [
+        ends,
+        *(part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside)),
+    ]
     return np.sort(np.concatenate(points), axis=0).T
 
 
-def _closer(density: Callable[[Indices, Array], Array], member: Indices, x: Array, w: Array, known: float) -> tuple[Array, Array]:
-    """Three points each about maxima of W, and W there, (3, n), from wider ones: so close that W rises by a share `known` at most.
+def _closer(
+    density: Callable[[Indices, Array], Array], member: Indices, x: Array, w: Array, known: float
+) -> tuple[Array, Array]:
+    """Three points each about maxima of W, and W there, (3, n), from wider ones: so close that W
+    rises by a share `known` at most.
 
-    Round by round a parabola through the three says where the next ones go. Where that does not take the bracket to half, they
-    divide it evenly.
+    Round by round a parabola through the three says where the next ones go. Where that does not
+    take the bracket to half, they divide it evenly.
     """
     x, w = x.copy(), w.copy()
     left, poor = np.arange(len(member)), np.zeros(len(member), dtype=bool)
@@ -171,34 +207,50 @@ def _closer(density: Callable[[Indices, Array], Array], member: Indices, x: Arra
             break
         low, middle, high = x[:, left]
         length = high - low
-        vertex = np.clip(_parabola(x[:, left], w[:, left])[1], low + 0.02 * length, high - 0.02 * length)
+        vertex = np.clip(
+            _parabola(x[:, left], w[:, left])[1], low + 0.02 * length, high - 0.02 * length
+        )
         step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
         near = np.abs(vertex - middle) < 0.1 * step
         centre = np.where(near, middle, vertex)
-        before, after = np.maximum(centre - step, (low + centre) / 2), np.minimum(centre + step, (centre + high) / 2)
-        # A vertex that is all but the middle point needs no work of its own: the third point goes beyond.
+        before, after = (
+            np.maximum(centre - step, (low + centre) / 2),
+            np.minimum(centre + step, (centre + high) / 2),
+        )
+        # A vertex that is all but the middle point needs no work of its own: the third point goes
+        # beyond.
         third = np.where(near, (after + high) / 2, vertex)
-        added = np.where(poor[left], low + length * _EVENLY[:, None], np.stack([before, third, after]))
+        added = np.where(
+            poor[left], low + length * _EVENLY[:, None], np.stack([before, third, after])
+        )
         places = np.concatenate([x[:, left], added])
         works = np.concatenate([w[:, left], [density(member[left], row) for row in added]])
         order = np.argsort(places, axis=0, kind="stable")
         places, works = np.take_along_axis(places, order, 0), np.take_along_axis(works, order, 0)
         three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
-        x[:, left], w[:, left] = np.take_along_axis(places, three, 0), np.take_along_axis(works, three, 0)
+        x[:, left], w[:, left] = (
+            np.take_along_axis(places, three, 0),
+            np.take_along_axis(works, three, 0),
+        )
         poor[left] = x[2, left] - x[0, left] > length / 2
     return x, w
 
 
 def _parabola(x: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Of three points, (3, n): value and place of the vertex of the parabola through them, the middle one where it bends up; how
-    far a concave W may rise above w[1] between them, which is up to the chord of the other two, drawn on.
+    """Of three points, (3, n): value and place of the vertex of the parabola through them, the
+    middle one where it bends up; how far a concave W may rise above w[1] between them, which is up
+    to the chord of the other two, drawn on.
     """
     before, after = length = np.diff(x, axis=0)
     first, second = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
     whole = np.where(before + after > 0, before + after, np.inf)
     bend, slope = (second - first) / whole, (first * after + second * before) / whole
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
-    return w[1] + slope * shift / 2, x[1] + shift, np.maximum(np.abs(first) * after, np.abs(second) * before)
+    return (
+        w[1] + slope * shift / 2,
+        x[1] + shift,
+        np.maximum(np.abs(first) * after, np.abs(second) * before),
+    )
 
 
 _LOADS = (
@@ -210,7 +262,8 @@ _LOADS = (
     "friction_coefficient",
 )
 _BLOCK = 16384
-# Shares of P0 that P - P_c must reach for the quick way to Lam, which there loses 6e-11 of W by formulas, 1e-12 by the table.
+# Shares of P0 that P - P_c must reach for the quick way to Lam, which there loses 6e-11 of W by
+# formulas, 1e-12 by the table.
 _DEEP, _DEEP_ON_TABLE = 0.02, 0.04
 _LEAST = 1 / LARGEST
 _HALF = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
@@ -229,20 +282,23 @@ class Reason(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class DissipationBatch:
-    """Friction work of one steady cycle of each member, arrays of the broadcast shape [energy per unit thickness].
+    """Friction work of one steady cycle of each member, arrays of the broadcast shape [energy per
+    unit thickness].
 
     Attributes
     ----------
     value : forward and reverse slip together; NaN where `reason` is not 0
     forward, reverse : the two parts
     permanent_stick_load : P_T [force per thickness]
-    reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is masked, NaN or not admitted (P0 > 0,
-        the rest of the loads >= 0, parameters by the rules of the profile; all of them, and P0 over E* and the height unit of the
-        profile, which is b^2/R of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the profile ends before
-        the contact does, 5 the quadrature did not converge
-    value_error : error of `value` from above [energy per unit thickness]: by quadrature and by round-off; NaN where `reason` is
-        not 0
-    notes : what holds for all members and must not be missed: the coupling of unlike materials, which is neglected
+    reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is
+        masked, NaN or not admitted (P0 > 0, the rest of the loads >= 0, parameters by the rules of
+        the profile; all of them, and P0 over E* and the height unit of the profile, which is b^2/R
+        of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the profile ends
+        before the contact does, 5 the quadrature did not converge
+    value_error : error of `value` from above [energy per unit thickness]: by quadrature and by
+        round-off; NaN where `reason` is not 0
+    notes : what holds for all members and must not be missed: the coupling of unlike materials,
+        which is neglected
     """
 
     value: Array
@@ -256,17 +312,19 @@ class DissipationBatch:
 
 @dataclass(frozen=True, eq=False)
 class PeakBatch:
-    """Largest pointwise friction work of one steady cycle of each member, arrays of the broadcast shape.
+    """Largest pointwise friction work of one steady cycle of each member, arrays of the broadcast
+    shape.
 
     Attributes
     ----------
-    value : max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0 where nothing slips
-    place : |x| of the peak [length]; NaN where nothing slips
+    value : max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0
+    where nothing slips place : |x| of the peak [length]; NaN where nothing slips
     fraction : the same between the permanent stick edge (0) and the largest contact (1)
     reason, notes : as in `DissipationBatch`
-    second_value, second_place : the second largest maximum of W(x), where W falls by more than 1e-3 of the peak between the two;
-        NaN where there is one maximum only
-    value_error : error of `value` from above [energy per area]: by quadrature, by round-off and by the search
+    second_value, second_place : the second largest maximum of W(x), where W falls by more than 1e-3
+        of the peak between the two; NaN where there is one maximum only
+    value_error : error of `value` from above [energy per area]: by quadrature, by round-off and by
+        the search
     """
 
     value: Array
@@ -290,31 +348,35 @@ def dissipation(
     phase: ArrayLike = math.pi / 2,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> DissipationBatch:
-    """Steady dissipation of ellipses P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), every argument an array that broadcasts.
+    """Steady dissipation of ellipses P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), every argument
+    an array that broadcasts.
 
     Parameters
     ----------
-    profile : any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius": ..., "flat_half_length": ...};
-        the rises of a polynomial are a list of numbers or arrays. Tables and functions have no keys that could be arrays
+    profile : any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius":
+        ..., "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays.
+        Tables and functions have no keys that could be arrays
     material : of the two bodies, or one for both
     friction_coefficient : f
-    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude : P0, P1, Q0, Q1 [force per unit thickness]
-    phase : lag of Q behind P [radians], any sense
+    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude : P0, P1, Q0, Q1
+    [force per unit thickness] phase : lag of Q behind P [radians], any sense
 
     Returns
     -------
-    DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
-    A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding
-    only. No member depends on the others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member,
-    flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table of ln a(P) for all loads
-    within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where
-    the parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
+    DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their
+    values. Each is exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips
+    of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
+    others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member,
+    flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table
+    of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms
+    and more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different
+    polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
     InputError
-        For a mapping of a kind whose parameters cannot vary, for shapes that do not broadcast, and for values that are no real
-        numbers: complex ones, truth values, texts.
+        For a mapping of a kind whose parameters cannot vary, for shapes that do not broadcast, and
+        for values that are no real numbers: complex ones, truth values, texts.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -330,7 +392,14 @@ def dissipation(
     >>> [round(value, 12) for value in batch.value.tolist()], batch.reason.tolist()
     ([0.260168505754, nan], [0, 1])
     """
-    loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
+    loads = (
+        mean_normal_load,
+        normal_amplitude,
+        mean_tangential_load,
+        tangential_amplitude,
+        phase,
+        friction_coefficient,
+    )
 
     def works(block: Block) -> Array:
         loops = block.ellipses
@@ -340,7 +409,9 @@ def dissipation(
             results[2] = lam_error(loops, results[0] + results[1], _DEEP, 1.0)
             results /= block.parameters[0] if block.kind == "power_law" else 2
         elif block.kind == "flat_rounded":
-            results[:] = _works_on_table(loops, block.modulus * _UNITS[block.kind](*block.parameters)[1])
+            results[:] = _works_on_table(
+                loops, block.modulus * _UNITS[block.kind](*block.parameters)[1]
+            )
         else:
             for members, contact, group, unit, _ in block.groups():
                 results[:, members] = dissipation_and_error(group, contact) * unit * unit
@@ -351,7 +422,9 @@ def dissipation(
         return np.stack([value, one_way, other_way, error, loops.permanent])
 
     material = _of_both(material)
-    (value, forward, reverse, error, stick), reason = _columns(profile, material, loads, works, count=5, scaled=4)
+    (value, forward, reverse, error, stick), reason = _columns(
+        profile, material, loads, works, count=5, scaled=4
+    )
     notes = tuple(neglected_coupling(material))
     return DissipationBatch(value, forward, reverse, stick, reason, error, notes=notes)
 
@@ -367,12 +440,15 @@ def peak_dissipation(
     phase: ArrayLike = math.pi / 2,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in `dissipation`.
+    """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in
+    `dissipation`.
 
-    W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least load, and one further out. Each
-    piece between the kinks of W(x) is searched, which are at a(P_min) and at the corners of the profile. The value is good to some
-    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and
-    rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31 rows.
+    W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
+    load, and one further out. Each piece between the kinks of W(x) is searched, which are at
+    a(P_min) and at the corners of the profile. The value is good to some 1e-10 of itself, or to
+    `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws,
+    flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31
+    rows.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -387,7 +463,14 @@ def peak_dissipation(
     >>> round(float(batch.fraction), 3)  # the paper: "just over 60 %"
     0.595
     """
-    loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
+    loads = (
+        mean_normal_load,
+        normal_amplitude,
+        mean_tangential_load,
+        tangential_amplitude,
+        phase,
+        friction_coefficient,
+    )
 
     def maxima(block: Block) -> Array:
         found = np.empty((6, len(block.mirrored)))
@@ -398,13 +481,16 @@ def peak_dissipation(
         return found
 
     material = _of_both(material)
-    (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, count=6, scaled=3)
+    (value, second, error, place, second_place, fraction), reason = _columns(
+        profile, material, loads, maxima, count=6, scaled=3
+    )
     notes = tuple(neglected_coupling(material))
     return PeakBatch(value, place, fraction, reason, second, second_place, error, notes=notes)
 
 
 def _works_on_table(e: Ellipses, unit: Array) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) and the error of their sum, (3, m), on flat and rounded faces.
+    """Forward and reverse part of W pi E*/(2 f^2) and the error of their sum, (3, m), on flat and
+    rounded faces.
 
     Parameters
     ----------
@@ -415,8 +501,14 @@ def _works_on_table(e: Ellipses, unit: Array) -> Array:
     for members, first, last in by_largest_load(e):
         table = _table(first, last)
         loops = e.take(members)
-        forward, reverse = works_by_lam(loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD)
-        works[:, members] = forward, reverse, lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest)
+        forward, reverse = works_by_lam(
+            loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
+        )
+        works[:, members] = (
+            forward,
+            reverse,
+            lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest),
+        )
     return works * unit * unit
 
 
@@ -425,7 +517,7 @@ def _table(first: int, last: int) -> LamTable:
     return LamTable(_contact("flat_rounded", ()), first, last)
 
 
-# ------------------------------------------------------------------------------------------- members and their reasons
+# ------------------------------------------------------------------------ members and their reasons
 @dataclass(frozen=True, eq=False)
 class Block:
     """The good members of one block.
@@ -447,14 +539,24 @@ class Block:
     ellipses: Ellipses
     mirrored: NDArray[np.bool_]
 
-    def groups(self) -> Iterator[tuple[Indices, SymmetricContact, Ellipses, Array | float, Array | float]]:
-        """Members whose profiles differ by units only: their contact and loops in these; the units of load and of length."""
+    def groups(
+        self,
+    ) -> Iterator[tuple[Indices, SymmetricContact, Ellipses, Array | float, Array | float]]:
+        """Members whose profiles differ by units only: their contact and loops in these; the units
+        of load and of length.
+        """
         if self.whole is not None:
             yield np.arange(len(self.mirrored)), self.whole, self.ellipses, 1.0, 1.0
             return
         for members, shape, length, height in _alike(self.kind, self.parameters):
             unit = self.modulus * height
-            yield members, _contact(self.kind, shape), self.ellipses.take(members).over(unit), unit, length
+            yield (
+                members,
+                _contact(self.kind, shape),
+                self.ellipses.take(members).over(unit),
+                unit,
+                length,
+            )
 
 
 def _of_both(material: Materials | Elastic) -> Materials:
@@ -469,7 +571,8 @@ def _columns(
     count: int,
     scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """`count` results of each member, NaN where there are none, and its reason, in the broadcast shape and read-only.
+    """`count` results of each member, NaN where there are none, and its reason, in the broadcast
+    shape and read-only.
 
     Parameters
     ----------
@@ -479,8 +582,8 @@ def _columns(
     Raises
     ------
     InputError
-        For a profile or material that does not pass its own check, for keys that are no profile's, for what is no number, and for
-        shapes that do not broadcast.
+        For a profile or material that does not pass its own check, for keys that are no profile's,
+        for what is no number, and for shapes that do not broadcast.
     """
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
@@ -509,7 +612,8 @@ def _columns(
         if np.any(invalid):
             parts = [np.where(invalid, 1.0, part) for part in parts]
         mean, amplitude, force, tangential, phase, friction = parts[: len(loads)]
-        # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive coefficient gives that.
+        # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive
+        # coefficient gives that.
         some_friction = np.where(friction > 0, friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
@@ -521,7 +625,11 @@ def _columns(
         good = np.flatnonzero(code == Reason.NONE)
         if len(good):
             if len(good) < len(code):
-                loops, mirrored, some_friction = loops.take(good), mirrored[good], some_friction[good]
+                loops, mirrored, some_friction = (
+                    loops.take(good),
+                    mirrored[good],
+                    some_friction[good],
+                )
                 parts = [part[good] for part in parts]
             results = results_of(Block(kind, parts[len(loads) :], whole, modulus, loops, mirrored))
             results[:scaled] *= 2 / (math.pi * modulus) * some_friction**2
@@ -542,15 +650,25 @@ def _part(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
     return np.broadcast_to(array, shape).flat[first:last]
 
 
-def _invalid(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array) -> NDArray[np.bool_]:
-    """Members (m,) with values that are NaN or too large to be squared, or negative where they must not be."""
+def _invalid(
+    mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array
+) -> NDArray[np.bool_]:
+    """Members (m,) with values that are NaN or too large to be squared, or negative where they must
+    not be.
+    """
     numbers = (mean, amplitude, force, tangential, phase, friction)
     admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in numbers])
-    return np.asarray(~admitted | (mean < 1 / LARGEST) | (amplitude < 0) | (tangential < 0) | (friction < 0))
+    return np.asarray(
+        ~admitted | (mean < 1 / LARGEST) | (amplitude < 0) | (tangential < 0) | (friction < 0)
+    )
 
 
-def _beyond_units(kind: str, parameters: list[Array], modulus: float, mean: Array) -> NDArray[np.bool_]:
-    """Members (m,) whose P0 in units of E* and the profile's own height is no number that can be squared."""
+def _beyond_units(
+    kind: str, parameters: list[Array], modulus: float, mean: Array
+) -> NDArray[np.bool_]:
+    """Members (m,) whose P0 in units of E* and the profile's own height is no number that can be
+    squared.
+    """
     with np.errstate(all="ignore"):
         height = _UNITS[kind](*parameters)[1]
         load = mean / modulus / height
@@ -558,16 +676,20 @@ def _beyond_units(kind: str, parameters: list[Array], modulus: float, mean: Arra
 
 
 def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
-    """Reason of each valid member (m,): separation, gross sliding; |Q| = f P is admitted, to rounding. `force`: Q0 as turned."""
+    """Reason of each valid member (m,): separation, gross sliding; |Q| = f P is admitted, to
+    rounding. `force`: Q0 as turned.
+    """
     limit = friction * e.mean
     slack = 4e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
     slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
     slides |= (friction == 0) & (tangential > 0)
-    return np.where(e.amplitude > e.mean, Reason.SEPARATION, np.where(slides, Reason.SLIDING, Reason.NONE)).astype(np.int8)
+    return np.where(
+        e.amplitude > e.mean, Reason.SEPARATION, np.where(slides, Reason.SLIDING, Reason.NONE)
+    ).astype(np.int8)
 
 
-# ------------------------------------------------------------------------------------------- profiles whose parameters vary
+# ------------------------------------------------------------------- profiles whose parameters vary
 _KEYS = {
     "hertz": ("radius",),
     "flat_rounded": ("radius", "flat_half_length"),
@@ -604,7 +726,8 @@ _PROFILES: dict[str, Callable[..., Profile]] = {
 
 
 def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str, ArrayLike]]:
-    """The kind of a profile or mapping, and its numbers or arrays, those of `rises` one by one; none of a table or a function.
+    """The kind of a profile or mapping, and its numbers or arrays, those of `rises` one by one;
+    none of a table or a function.
 
     Raises
     ------
@@ -612,26 +735,48 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         For a kind whose parameters cannot vary, for a key too many or too few.
     """
     if not isinstance(profile, Mapping):
-        numbers = {name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"}
+        numbers = {
+            name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"
+        }
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
-        return profile.kind, numbers | {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
-    # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for that.
-    kind, given = profile.get("kind"), {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
+        return profile.kind, numbers | {
+            f"rise {number}": rise for number, rise in enumerate(rises, 1)
+        }
+    # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for
+    # that.
+    kind, given = (
+        profile.get("kind"),
+        {name: value for name, value in profile.items() if name not in ("kind", "fitted")},
+    )
     if kind not in _KEYS:
         raise InputError(
-            f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r}; give the profile itself"
+            f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r};"
+            " give the profile itself"
         )
     if set(given) != set(_KEYS[kind]):
-        raise InputError(f"profile: {kind} comes with all its keys, {', '.join(_KEYS[kind])}, not {', '.join(given) or 'none'}")
+        raise InputError(
+            f"profile: {kind} comes with all its keys, {', '.join(_KEYS[kind])}, not"
+            f" {', '.join(given) or 'none'}"
+        )
     given = {name: given[name] for name in _KEYS[kind]}
     rises = given.pop("rises", (0.0,))
     if not isinstance(rises, list | tuple) or not len(rises):
-        raise InputError("profile: rises is a list of numbers or arrays, one for each of the powers 2, 4, 6, ...")
-    return kind, given | ({f"rise {number}": value for number, value in enumerate(rises, 1)} if kind == "polynomial" else {})
+        raise InputError(
+            "profile: rises is a list of numbers or arrays, one for each of the powers 2, 4, 6, ..."
+        )
+    return kind, given | (
+        {f"rise {number}": value for number, value in enumerate(rises, 1)}
+        if kind == "polynomial"
+        else {}
+    )
 
 
-def _alike(kind: str, parameters: list[Array]) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
-    """Members (k,) whose profiles are the same in units of their own: that shape, and units of length and height, (k,) each."""
+def _alike(
+    kind: str, parameters: list[Array]
+) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
+    """Members (k,) whose profiles are the same in units of their own: that shape, and units of
+    length and height, (k,) each.
+    """
     with np.errstate(all="ignore"):
         length, height, *shape = _UNITS[kind](*parameters)
     if all(np.all(values == values[0]) for values in shape):
@@ -652,14 +797,22 @@ def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     """Members (m,) whose parameters their kind of profile does not admit."""
-    least = {"power_law": (1.0, _LEAST, _LEAST), "polynomial": (_LEAST, *[-LARGEST] * (len(parameters) - 1))}
+    least = {
+        "power_law": (1.0, _LEAST, _LEAST),
+        "polynomial": (_LEAST, *[-LARGEST] * (len(parameters) - 1)),
+    }
     bounds = least.get(kind, (_LEAST,) * len(parameters))
-    inside = [(values >= bound) & (values <= LARGEST) for values, bound in zip(parameters, bounds, strict=True)]
+    inside = [
+        (values >= bound) & (values <= LARGEST)
+        for values, bound in zip(parameters, bounds, strict=True)
+    ]
     wrong = ~np.logical_and.reduce(inside)
     if kind in ("polynomial", "compound"):
         # By the rules of the profile, and by those of one contact.
         some = np.flatnonzero(~wrong)
-        for members, shape, *_ in _alike(kind, [values[some] for values in parameters]) if len(some) else ():
+        for members, shape, *_ in (
+            _alike(kind, [values[some] for values in parameters]) if len(some) else ()
+        ):
             try:
                 _contact(kind, shape)
             except InputError:

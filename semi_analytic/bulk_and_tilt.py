@@ -1,6 +1,8 @@
-"""From a scene with bulk stress and tilt to the family of its contact intervals: which load paths have one memory curve.
+"""From a scene with bulk stress and tilt to the family of its contact intervals: which load paths
+have one memory curve.
 
-# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `tilted_profile`
+# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2),
+kappa as in `tilted_profile`
 """
 
 from __future__ import annotations
@@ -34,14 +36,16 @@ from semi_analytic.tilted_profile import ConvexProfile, NestedIntervals, TiltedP
 
 Array = NDArray[np.float64]
 
-# Share of the largest value, or of what would make a whole edge slip, within which two affine functions are one.
+# Share of the largest value, or of what would make a whole edge slip, within which two affine
+# functions are one.
 _ROUNDING = 1e-11
 # Instants of a curved leg that are compared, besides two for each turn that it may take.
 _SAMPLES = 40
 
 NO_ONE_CURVE = (
-    "load: events are turns of the one memory curve, and these loads have none: that takes bulk strain that is kappa Q and tilt "
-    "that is kappa P, with the same kappa and each with a constant, and contact intervals that stay nested; `solve` answers them"
+    "load: events are turns of the one memory curve, and these loads have none: that takes bulk"
+    " strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a"
+    " constant, and contact intervals that stay nested; `solve` answers them"
 )
 """Why events are refused of a scene that `one_curve` does not take."""
 
@@ -53,10 +57,11 @@ class OneCurve:
     Attributes
     ----------
     contact : the nested intervals of its family
-    path : P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms the memory curve is
-    bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
-    moment_given : whether `turning` states the moment
-    neglected : the loads that are below rounding and were left out, each with its size over the load that makes its edge slip
+    path : P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
+    the memory curve is bulk, turning : stresses of both bodies, tilt and moment as paths over the
+    same time; None for none moment_given : whether `turning` states the moment
+    neglected : the loads that are below rounding and were left out, each with its size over the
+        load that makes its edge slip
     """
 
     contact: TiltedProfile
@@ -67,11 +72,15 @@ class OneCurve:
     neglected: Mapping[str, float] = field(default_factory=dict)
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the normal loads (n,)."""
+        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the
+        normal loads (n,).
+        """
         # Somebody else's instant may be before the start by rounding.
         inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
-        tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
+        tilt, moment = (
+            self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
+        )
         if self.moment_given:
             tilt = contact.tilt_under(load, moment)
         m, c = contact.under(load, tilt)
@@ -86,24 +95,35 @@ class OneCurve:
 
 
 def strain_of(materials: Materials) -> tuple[float, float]:
-    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
+    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' =
+    E/(1 - nu^2) (plane strain).
 
     >>> from scenes import Elastic
-    >>> strain_of(Materials(lower=Elastic(young_modulus=0.91, poisson_ratio=0.3), upper=Elastic(young_modulus=2, poisson_ratio=0)))
+    >>> strain_of(
+    ...     Materials(
+    ...         lower=Elastic(young_modulus=0.91, poisson_ratio=0.3),
+    ...         upper=Elastic(young_modulus=2, poisson_ratio=0),
+    ...     )
+    ... )
     (1.0, -0.5)
     """
-    lower, upper = ((1 - body.poisson_ratio**2) / body.young_modulus for body in (materials.lower, materials.upper))
+    lower, upper = (
+        (1 - body.poisson_ratio**2) / body.young_modulus
+        for body in (materials.lower, materials.upper)
+    )
     return lower, -upper
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
-    """The scene's path, or `path`, where its memory is one curve: alpha = alpha_0 + kappa P, eps = eps_0 + kappa Q, nested.
+    """The scene's path, or `path`, where its memory is one curve: alpha = alpha_0 + kappa P, eps =
+    eps_0 + kappa Q, nested.
 
-    At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick zones recede at both ends: see
-    `opposite_slip`.
+    At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick
+    zones recede at both ends: see `opposite_slip`.
 
-    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
-    and nothing is remembered. None where there is another memory, or intervals are not nested.
+    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do
+    what it will: nothing is sheared, and nothing is remembered. None where there is another memory,
+    or intervals are not nested.
 
     Raises
     ------
@@ -159,7 +179,9 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
             return None
         reach = float(np.max(np.abs(q)))
         share = 0.0 if alone else 1.0
-        contact = OppositeSlip(contact.intervals, datum, friction=friction, reach=reach, share=share)
+        contact = OppositeSlip(
+            contact.intervals, datum, friction=friction, reach=reach, share=share
+        )
         try:
             if not contact.is_nested(most):
                 return None
@@ -180,12 +202,14 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
 @dataclass(frozen=True)
 class LoadSizes:
-    """What bulk strain, tilt and Q are measured by along a path, a the half-width at its largest load P.
+    """What bulk strain, tilt and Q are measured by along a path, a the half-width at its largest
+    load P.
 
     Attributes
     ----------
-    strain, tilt : A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact slip, or lift
-    strain_rounding, tilt_rounding, shear_rounding : below it a change of bulk strain, tilt and Q changes no digit
+    strain, tilt : A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact
+    slip, or lift strain_rounding, tilt_rounding, shear_rounding : below it a change of bulk strain,
+    tilt and Q changes no digit
     """
 
     strain: float
@@ -197,10 +221,14 @@ class LoadSizes:
     @property
     def rounding(self) -> Array:
         """Of P, Q, eps and alpha, (4,)."""
-        return np.array([self.shear_rounding, self.shear_rounding, self.strain_rounding, self.tilt_rounding])
+        return np.array(
+            [self.shear_rounding, self.shear_rounding, self.strain_rounding, self.tilt_rounding]
+        )
 
     @classmethod
-    def of(cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float) -> LoadSizes:
+    def of(
+        cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
+    ) -> LoadSizes:
         """Of P, Q, eps and alpha (4, n)."""
         p, q, eps, alpha = samples
         turned = np.isfinite(alpha)
@@ -213,36 +241,50 @@ class LoadSizes:
             strain=strain,
             tilt=tilt,
             strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), strain),
-            tilt_rounding=_ROUNDING * max(float(np.max(np.abs(alpha), where=turned, initial=0.0)), tilt),
+            tilt_rounding=_ROUNDING
+            * max(float(np.max(np.abs(alpha), where=turned, initial=0.0)), tilt),
             shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * most),
         )
 
 
 def cycle_samples(scene: Scene) -> Array:
-    """P, Q, eps and alpha at instants of the cycle in order, all turning points among them, (4, n)."""
+    """P, Q, eps and alpha at instants of the cycle in order, all turning points among them, (4,
+    n).
+    """
     path = scene.load.path()
     upright = None
     if path.moment_given:
         shape = convex_profile(scene.profile)
         product = 2 / composite_modulus(scene.material)
-        upright = TiltedProfile(NestedIntervals(shape, product, 0.0, 0.0, math.inf), scene.profile.datum_length)
-    return np.concatenate([_sampled(leg, upright, strain_of(scene.material)) for leg in path.cycle], axis=1)
+        upright = TiltedProfile(
+            NestedIntervals(shape, product, 0.0, 0.0, math.inf), scene.profile.datum_length
+        )
+    return np.concatenate(
+        [_sampled(leg, upright, strain_of(scene.material)) for leg in path.cycle], axis=1
+    )
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
-    """The scene's cycle where the memory of the cycle alone is one curve, behind a loading that presses first and shears then.
+    """The scene's cycle where the memory of the cycle alone is one curve, behind a loading that
+    presses first and shears then.
 
-    What changes in a steady cycle of like bodies does not depend on how it was reached, and so neither W nor W(x) does (Andersson,
-    Barber and Ponter, 2014); the traction that stays locked in the permanent stick zone does.
+    What changes in a steady cycle of like bodies does not depend on how it was reached, and so
+    neither W nor W(x) does (Andersson, Barber and Ponter, 2014); the traction that stays locked in
+    the permanent stick zone does.
     """
     path, strain = scene.load.path(), strain_of(scene.material)
     if not path.cycle:
         return None
-    _, shears, strains, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1)
+    _, shears, strains, _ = np.concatenate(
+        [_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1
+    )
     begin, end = path.start, path.cycle_start
     middle, rest = (begin + end) / 2, path.cycle[0]
     p, q = map(float, rest.loads(end))
-    pressed, sheared = StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0)), StraightSegment(middle, end, (p, 0.0), (p, q))
+    pressed, sheared = (
+        StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0)),
+        StraightSegment(middle, end, (p, 0.0), (p, q)),
+    )
     if rest.bulk is not None:
         lower, upper = map(float, rest.bulk.loads(end))
         before = lower - _slope_of(shears, strains) * q / strain[0], upper
@@ -250,13 +292,21 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         sheared = replace(sheared, bulk=StraightSegment(middle, end, before, (lower, upper)))
     if rest.turning is not None:
         tilt, moment = map(float, rest.turning.loads(end))
-        pressed = replace(pressed, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment)))
-        sheared = replace(sheared, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment)))
+        pressed = replace(
+            pressed, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment))
+        )
+        sheared = replace(
+            sheared, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment))
+        )
     return one_curve(scene, LoadPath((pressed, sheared), path.cycle, path.moment_given))
 
 
-def _driven(leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float) -> LoadSegment | None:
-    """A leg of P and (eps - begin)/slope in place of Q; None where bulk stress is neither a line nor a sum of waves."""
+def _driven(
+    leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float
+) -> LoadSegment | None:
+    """A leg of P and (eps - begin)/slope in place of Q; None where bulk stress is neither a line
+    nor a sum of waves.
+    """
 
     def load(stresses: Sequence[float]) -> float:
         return (float(np.dot(strain, stresses)) - begin) / slope
@@ -264,23 +314,32 @@ def _driven(leg: LoadSegment, strain: tuple[float, float], begin: float, slope: 
     first, bulk = float(leg.loads(leg.start)[0]), leg.bulk
     if bulk is None or bulk.is_straight:
         ends = [(0.0, 0.0) if bulk is None else bulk.loads(time) for time in (leg.start, leg.end)]
-        return StraightSegment(leg.start, leg.end, *((first, load([float(one) for one in end])) for end in ends))
+        return StraightSegment(
+            leg.start, leg.end, *((first, load([float(one) for one in end])) for end in ends)
+        )
     if not isinstance(bulk, HarmonicSegment):
         return None
     waves = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
     for row, own in zip(waves, (bulk.normal, bulk.tangential), strict=True):
         row[: len(own)] = [size * cmath.exp(-1j * phase) for size, phase in own]
     sums = (np.array(strain) @ waves / slope).tolist()
-    return HarmonicSegment(leg.start, leg.end, (first, load(bulk.mean)), (), tuple((abs(one), -cmath.phase(one)) for one in sums))
+    return HarmonicSegment(
+        leg.start,
+        leg.end,
+        (first, load(bulk.mean)),
+        (),
+        tuple((abs(one), -cmath.phase(one)) for one in sums),
+    )
 
 
 class Eccentricity(NamedTuple):
     """How far bulk strain moves the stick zone, and whether it is moderate.
 
-    `value` is e = eps R/(f a) of a parabola, eps half the range of the bulk strain in the cycle and a the half-width at the largest
-    P: at constant P and in phase the centre of stick moves by e a; NaN of other profiles and without friction. `strain` is
-    eps, `limit` = (A/(pi a)) Q with half the range of Q: up to it bulk is `moderate`, in phase and at constant P both ends then
-    slip one way.
+    `value` is e = eps R/(f a) of a parabola, eps half the range of the bulk strain in the cycle and
+    a the half-width at the largest P: at constant P and in phase the centre of stick moves by e a;
+    NaN of other profiles and without friction. `strain` is eps, `limit` = (A/(pi a)) Q with half
+    the range of Q: up to it bulk is `moderate`, in phase and at constant P both ends then slip one
+    way.
     """
 
     value: float
@@ -294,10 +353,12 @@ class Eccentricity(NamedTuple):
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
-    """Eccentricity of stick by bulk stress over the cycle, over the whole path where it has none; None without bulk stress.
+    """Eccentricity of stick by bulk stress over the cycle, over the whole path where it has none;
+    None without bulk stress.
 
-    Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk out
-    of phase the ends may slip opposite ways although bulk is moderate.
+    Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and
+    no bound: with P, Q or bulk out of phase the ends may slip opposite ways although bulk is
+    moderate.
 
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")
@@ -309,14 +370,20 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
         return None
     strains = strain_of(scene.material)
-    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1)
+    p, q, eps, _ = np.concatenate(
+        [_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1
+    )
     modulus, most = composite_modulus(scene.material), float(np.max(p))
     if profile.symmetric:
         half = float(contact_of(profile, scene.material).half_width(most))
     else:
         half = float(convex_profile(profile).contact(2 / modulus * most, 0.0)[1])
     strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
-    value = strain * profile.radius / (friction * half) if isinstance(profile, Hertz) and friction > 0 else math.nan
+    value = (
+        strain * profile.radius / (friction * half)
+        if isinstance(profile, Hertz) and friction > 0
+        else math.nan
+    )
     return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
 
 
@@ -339,7 +406,8 @@ def followed_path(scene: Scene) -> LoadPath:
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """P, Q, eps and alpha of a load path; of several times at once only within one leg, which is that of their mean.
+    """P, Q, eps and alpha of a load path; of several times at once only within one leg, which is
+    that of their mean.
 
     Attributes
     ----------
@@ -382,13 +450,17 @@ class PathLoads:
         return stresses
 
     def turns(self, leg: LoadSegment) -> list[float]:
-        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for all that turn together."""
+        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for
+        all that turn together.
+        """
         force = Combination(0.0, 1.0)
         turning_points = leg.turning_points(NORMAL_LOAD) + leg.turning_points(force)
         if leg.bulk is not None:
             turning_points += leg.bulk.turning_points(Combination(*self.strain))
         if leg.turning is not None:
-            turning_points += leg.turning.turning_points(NORMAL_LOAD) + leg.turning.turning_points(force)
+            turning_points += leg.turning.turning_points(NORMAL_LOAD) + leg.turning.turning_points(
+                force
+            )
         turns = [leg.end]
         for time in turning_points:
             if min(abs(time - known) for known in turns) > 1e-6 * (leg.end - leg.start):
@@ -403,13 +475,18 @@ def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
 
 
 def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[float, float]) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha
+    where a moment has no load.
 
     `upright` is the contact where the moment is stated.
     """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
-    share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
+    share = (
+        np.linspace(0, 1, 3)
+        if all(part.is_straight for part in parts)
+        else np.linspace(0, 1, _SAMPLES + 2 * turns)
+    )
     # The turning points too: the extreme loads and strains are among them.
     turning = leg.turning_points(NORMAL_LOAD) + leg.turning_points(Combination(0.0, 1.0))
     turning += leg.bulk.turning_points(Combination(*strain)) if leg.bulk is not None else []
@@ -423,8 +500,14 @@ def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[floa
 
 
 def _slope_of(load: Array, what: Array, rounding: float = 0.0) -> float:
-    """Least-squares slope; 0 where the load is constant, or what depends on it is, to its `rounding`."""
-    if not len(load) or np.ptp(what) <= rounding or np.ptp(load) <= _ROUNDING * np.max(np.abs(load)):
+    """Least-squares slope; 0 where the load is constant, or what depends on it is, to its
+    `rounding`.
+    """
+    if (
+        not len(load)
+        or np.ptp(what) <= rounding
+        or np.ptp(load) <= _ROUNDING * np.max(np.abs(load))
+    ):
         return 0.0
     away = load - np.mean(load)
     square = float(away @ away)

@@ -1,4 +1,6 @@
-"""What half-plane theory takes from the two materials: the composite modulus and Dundurs' second constant."""
+"""What half-plane theory takes from the two materials: the composite modulus and Dundurs' second
+constant.
+"""
 
 from __future__ import annotations
 
@@ -26,15 +28,24 @@ def shear_modulus(material: Elastic) -> float:
 
 
 def coupling_constant(materials: Materials) -> float:
-    """Dundurs' beta in plane strain: 0 where normal and shear tractions do not feel each other, in magnitude at most 1/2.
+    """Dundurs' beta in plane strain: 0 where normal and shear tractions do not feel each other, in
+    magnitude at most 1/2.
 
-    beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2], body 1 being the upper one.
+    beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2], body 1 being the
+    upper one.
 
-    >>> soft, stiff = Elastic(young_modulus=2.0, poisson_ratio=0.0), Elastic(young_modulus=2e9, poisson_ratio=0.0)
+    >>> soft, stiff = (
+    ...     Elastic(young_modulus=2.0, poisson_ratio=0.0),
+    ...     Elastic(young_modulus=2e9, poisson_ratio=0.0),
+    ... )
     >>> round(coupling_constant(Materials(upper=soft, lower=stiff)), 6)
     0.5
     """
     upper, lower = materials.upper, materials.lower
-    difference = (1 - 2 * upper.poisson_ratio) / shear_modulus(upper) - (1 - 2 * lower.poisson_ratio) / shear_modulus(lower)
-    total = (1 - upper.poisson_ratio) / shear_modulus(upper) + (1 - lower.poisson_ratio) / shear_modulus(lower)
+    difference = (1 - 2 * upper.poisson_ratio) / shear_modulus(upper) - (
+        1 - 2 * lower.poisson_ratio
+    ) / shear_modulus(lower)
+    total = (1 - upper.poisson_ratio) / shear_modulus(upper) + (
+        1 - lower.poisson_ratio
+    ) / shear_modulus(lower)
     return difference / (2 * total)

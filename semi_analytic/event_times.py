@@ -1,15 +1,18 @@
-"""The instants of a history that have a name: where slip starts, stops and turns, where the loads are extreme.
+"""The instants of a history that have a name: where slip starts, stops and turns, where the loads
+are extreme.
 
-The paper's letters (figure 2) belong to an ellipse that is gone round anticlockwise, Q lagging behind P by 0 < phase < 180 degrees:
+The paper's letters (figure 2) belong to an ellipse that is gone round anticlockwise, Q lagging
+behind P by 0 < phase < 180 degrees:
 
     A  the first cycle starts (Q least)      E  forward slip ends: u = Q - f P largest    I  full stick ends: u least
     B  full stick ends: u least              F  P least                                   J  the front passes what G left
     C  P largest                             G  reverse slip ends: v = Q + f P least      K  P largest
     D  Q largest                             H  Q least                                   L  Q largest, M  as E
 
-A to D are of the first cycle, E to M of the steady state; E to H follow on the first forward slip, I to M on the second. J
-comes before or after K: in the paper's own example after it. Clockwise loops are the mirror image, Q for -Q. S and T, Y and Z are
-loads on the memory curve, not instants: `front_load` gives them.
+A to D are of the first cycle, E to M of the steady state; E to H follow on the first forward slip,
+I to M on the second. J comes before or after K: in the paper's own example after it. Clockwise
+loops are the mirror image, Q for -Q. S and T, Y and Z are loads on the memory curve, not instants:
+`front_load` gives them.
 """
 
 from __future__ import annotations
@@ -41,7 +44,8 @@ class Event:
     name : what happens
     time : the instant, in the time of the scene's path
     normal_load, tangential_load : P and Q [force per thickness]
-    front_load : P_c [force per thickness], the load at the edge of slip (P itself in full stick); where slip ends, the last
+    front_load : P_c [force per thickness], the load at the edge of slip (P itself in full stick);
+        where slip ends, the last
     """
 
     letter: str
@@ -53,10 +57,11 @@ class Event:
 
 
 def events(scene: Scene) -> tuple[Event, ...]:
-    """Every event of the initial loading and of the cycles up to the first steady one, in the order of time.
+    """Every event of the initial loading and of the cycles up to the first steady one, in the order
+    of time.
 
-    Events are the ends of the spans in which the memory keeps its structure, and the extreme loads. An ellipse with an area gets
-    the paper's letters, mirrored for a clockwise one.
+    Events are the ends of the spans in which the memory keeps its structure, and the extreme loads.
+    An ellipse with an area gets the paper's letters, mirrored for a clockwise one.
 
     Raises
     ------
@@ -76,13 +81,20 @@ def events(scene: Scene) -> tuple[Event, ...]:
     for one in sorted(_named(history), key=lambda event: event.time):
         known = merged[-1] if merged else None
         if known is not None and abs(known.time - one.time) <= _SAME * max(abs(one.time), 1.0):
-            names = [name for name in (known.name, one.name) if not name.endswith(_ON)] or [known.name]
+            names = [name for name in (known.name, one.name) if not name.endswith(_ON)] or [
+                known.name
+            ]
             front = min(known.front_load, one.front_load)
             merged[-1] = replace(known, name="; ".join(dict.fromkeys(names)), front_load=front)
         else:
             merged.append(one)
     return tuple(
-        replace(one, letter="".join(letter for letter, time in times.items() if abs(time - one.time) <= 1e-7))
+        replace(
+            one,
+            letter="".join(
+                letter for letter, time in times.items() if abs(time - one.time) <= 1e-7
+            ),
+        )
         for one in merged
         if not one.name.endswith(_ON)
     )
@@ -128,7 +140,9 @@ def _named(history: History) -> Iterator[Event]:
             yield from _extremes(span)
             before = span
     last = history.spans[-1]
-    yield _at(last, last.end.time, "the path ends" if history.period is None else "the last cycle ends")
+    yield _at(
+        last, last.end.time, "the path ends" if history.period is None else "the last cycle ends"
+    )
 
 
 def _same_piece(one: Curve, other: Curve) -> bool:
@@ -141,24 +155,32 @@ def _same_piece(one: Curve, other: Curve) -> bool:
 
 
 def _extremes(span: Span) -> Iterator[Event]:
-    """Extreme loads at the beginning of a span or inside it, also at the ends of an ellipse, which is smooth beyond."""
+    """Extreme loads at the beginning of a span or inside it, also at the ends of an ellipse, which
+    is smooth beyond.
+    """
     leg, width = span.leg, 1e-3 * (span.leg.end - span.leg.start)
     wider = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1) if is_plain_ellipse(leg) else leg
     for what, word in ((NORMAL_LOAD, "P"), (Combination(0.0, 1.0), "Q")):
         for time in wider.turning_points(what):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                bend = float(leg.change_of(what, time + width, time)) + float(leg.change_of(what, time - width, time))
+                bend = float(leg.change_of(what, time + width, time)) + float(
+                    leg.change_of(what, time - width, time)
+                )
                 yield _at(span, time, f"{word} {'largest' if bend < 0 else 'least'}")
 
 
 def _at(span: Span, time: float, name: str) -> Event:
     inside = min(max(time, span.begin.time), span.end.time)
     normal, tangential = (float(load) for load in span.leg.loads(inside))
-    return Event("", name, inside + span.delay, normal, tangential, normal - float(span.slipped(inside)))
+    return Event(
+        "", name, inside + span.delay, normal, tangential, normal - float(span.slipped(inside))
+    )
 
 
 def _letter_times(history: History) -> dict[str, float]:
-    """When the paper's letters are, for an ellipse with an area; C and D fall together, as K and L do, only on a line."""
+    """When the paper's letters are, for an ellipse with an area; C and D fall together, as K and L
+    do, only on a line.
+    """
     if history.loop is None or history.steady_from is None:
         return {}
     leg, friction, ellipse = history.loop, history.spans[0].friction, history.loop.ellipse
@@ -167,10 +189,19 @@ def _letter_times(history: History) -> dict[str, float]:
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
     sense, turn = (1 if area > 0 else -1), 2 * math.pi
-    what = {"u": level(sense, friction), "-v": level(-sense, friction), "P": NORMAL_LOAD, "Q": Combination(0.0, float(sense))}
+    what = {
+        "u": level(sense, friction),
+        "-v": level(-sense, friction),
+        "P": NORMAL_LOAD,
+        "Q": Combination(0.0, float(sense)),
+    }
     times = {"A": leg.start}
     # What is largest (+) or least (-) at each letter; v is least where -v is largest.
-    order = zip("BCDEFGHIKLM", ("u-", "P+", "Q+", "u+", "P-", "-v+", "Q-", "u-", "P+", "Q+", "u+"), strict=True)
+    order = zip(
+        "BCDEFGHIKLM",
+        ("u-", "P+", "Q+", "u+", "P-", "-v+", "Q-", "u-", "P+", "Q+", "u+"),
+        strict=True,
+    )
     for letter, key in order:
         first = ellipse.largest_at(what[key[:-1]]) + (math.pi if key[-1] == "-" else 0.0)
         times[letter] = first + turn * math.ceil((max(times.values()) - first) / turn - 1e-12)

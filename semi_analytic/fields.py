@@ -1,16 +1,17 @@
-"""Ciavarella-Jaeger superposition: shear traction q, slip s and relative tangential displacement U from memory curves.
+"""Ciavarella-Jaeger superposition: shear traction q, slip s and relative tangential displacement U
+from memory curves.
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 
-q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces
-of the curve with three kernels, for many instants and points at once. What instants have in common, the pieces under the
-uppermost, is summed once.
+q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d
+eta: one sum over the pieces of the curve with three kernels, for many instants and points at once.
+What instants have in common, the pieces under the uppermost, is summed once.
 
 Arcs: what a curved piece of the memory, travelled in full stick, leaves in q, s and U.
 
-# notation: P_x load at which a = |x|; K kernel, of P alone or of P and x; P_t load at the turning point of P next to an end of the
-#           arc;
-#           z^2 = |P - P_t|, e^2 = +-(P_x - P_t), negative where P_x is beyond the turning point
+# notation: P_x load at which a = |x|; K kernel, of P alone or of P and x; P_t load at the turning
+#           point of P next to an end of the arc; z^2 = |P - P_t|, e^2 = +-(P_x - P_t), negative
+#           where P_x is beyond the turning point
 
     int Q'(t) K(x, P(t)) dt from the begin of the arc to each of many instants, P growing all along
 
@@ -18,12 +19,14 @@ Arcs: what a curved piece of the memory, travelled in full stick, leaves in q, s
     slip    K = arccosh(|x|/a)          while |x| is outside
     shift   K = ln(2 L/a)
 
-The arc is cut into panels, at the corners of the profile too. On a panel that is far from P_x (in loads, measured by its own range)
-the integrand is smooth: one Chebyshev series in time serves all instants, and its last coefficients are its error. Near P_x, whose
-inverse root (shear) or root (slip) meets a mirror image at the turning point of P, the variable ln(z + sqrt(z^2 - e^2)) makes it
-smooth, for e^2 < 0 too, and arcsin(z/e) where it is sqrt(e^2 - z^2): there Gauss' rule goes from instant to instant. So an edge of
-contact anywhere, and an arc that begins next to the least load or ends next to the largest, cost no digits. Where P is close to 0,
-for the length of a step, and beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends takes its place.
+The arc is cut into panels, at the corners of the profile too. On a panel that is far from P_x (in
+loads, measured by its own range) the integrand is smooth: one Chebyshev series in time serves all
+instants, and its last coefficients are its error. Near P_x, whose inverse root (shear) or root
+(slip) meets a mirror image at the turning point of P, the variable ln(z + sqrt(z^2 - e^2)) makes it
+smooth, for e^2 < 0 too, and arcsin(z/e) where it is sqrt(e^2 - z^2): there Gauss' rule goes from
+instant to instant. So an edge of contact anywhere, and an arc that begins next to the least load or
+ends next to the largest, cost no digits. Where P is close to 0, for the length of a step, and
+beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends takes its place.
 """
 
 from __future__ import annotations
@@ -49,25 +52,28 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
 
-# Panels at first, halvings of one at most, and the share of the largest integral at which a series is resolved.
+# Panels at first, halvings of one at most, and the share of the largest integral at which a series
+# is resolved.
 _PANELS, _HALVINGS, _RESOLVED = 12, 9, 1e-14
 # Lengths of a range that the logarithm of no load must be away from it.
 _AWAY = 4.0
 # Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
 _FAR = 2.0
-# Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes tractions keep 2e-14 of the
-# largest, slips and shifts 7e-14 (2e-13 for |x|^20).
+# Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes
+# tractions keep 2e-14 of the largest, slips and shifts 7e-14 (2e-13 for |x|^20).
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 # Nodes that are held at a time.
 _NODES = 2_000_000
-# From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of length 1.
+# From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
+# length 1.
 _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
 # Steps of which the error is looked at.
 _SAMPLE = 40
 
 
 class Turn(NamedTuple):
-    """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a least P, -1 for a largest.
+    """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a
+    least P, -1 for a largest.
 
     `farthest` is the other end of the arc.
     """
@@ -79,13 +85,16 @@ class Turn(NamedTuple):
 
 
 class Arc:
-    """The integrals of one kernel over the arc of a piece, at |x| = `x` (k,), up to any instant of it.
+    """The integrals of one kernel over the arc of a piece, at |x| = `x` (k,), up to any instant of
+    it.
 
-    Pieces that are cut from one arc share it. Of a shift `x` plays no part: one column stands for all.
+    Pieces that are cut from one arc share it. Of a shift `x` plays no part: one column stands for
+    all.
 
     Attributes
     ----------
-    error : largest error of the integrals, estimated: what series left out, and what steps differ from their halves by
+    error : largest error of the integrals, estimated: what series left out, and what steps differ
+        from their halves by
     """
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
@@ -103,8 +112,12 @@ class Arc:
         # Even between the corners: a panel that began just behind one would not be smooth.
         ends = np.unique(np.clip([first, *self._corners, last], first, last))
         counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
-        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
-        marks = np.unique([*np.concatenate(parts), last])  # a panel of a digit or two has no inner ends
+        parts = [
+            np.linspace(a, b, n, endpoint=False)
+            for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)
+        ]
+        # a panel of a digit or two has no inner ends
+        marks = np.unique([*np.concatenate(parts), last])
         half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
         self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
         self._follow(marks)
@@ -115,10 +128,19 @@ class Arc:
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
         >>> from semi_analytic.memory import load_in_stick, instant
-        >>> leg = ellipse_segment(-math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0)  # P from 2 to 4, dQ = dP/4
+        >>> leg = ellipse_segment(
+        ...     -math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0
+        ... )  # P from 2 to 4, dQ = dP/4
         >>> below = Piece(None, 2.0, instant(leg, -math.pi), 0.0)
-        >>> contact = HertzContact(modulus=math.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
-        >>> arc = Arc(contact, "shear", load_in_stick(below, leg, -math.pi, instant(leg, 0.0)), np.zeros(1))
+        >>> contact = HertzContact(
+        ...     modulus=math.pi, radius=1.0, datum_length=1.0
+        ... )  # p(0, P) = sqrt(P)
+        >>> arc = Arc(
+        ...     contact,
+        ...     "shear",
+        ...     load_in_stick(below, leg, -math.pi, instant(leg, 0.0)),
+        ...     np.zeros(1),
+        ... )
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """
@@ -144,7 +166,9 @@ class Arc:
         return self._factor * value[fold.ravel()]
 
     def _follow(self, marks: Array) -> None:
-        """Series on the panels between `marks`, halved until they are resolved, and steps through whole panels near P_x."""
+        """Series on the panels between `marks`, halved until they are resolved, and steps through
+        whole panels near P_x.
+        """
         done: list[tuple[NDArray[Any], ...]] = []
         low, high, size, points = marks[:-1], marks[1:], 0.0, len(self._x)
         for turn in range(_HALVINGS + 1):
@@ -170,10 +194,19 @@ class Arc:
         whole = np.sum(self._primitive, axis=2)
         a, b = low[panel], high[panel]
         # Of some steps their halves too: what they differ by is the error.
-        some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
-        middle, all_of = (a[some] + b[some]) / 2, np.concatenate([np.arange(len(panel)), some, some])
+        some = (
+            np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
+            if len(panel)
+            else np.empty(0, dtype=int)
+        )
+        middle, all_of = (
+            (a[some] + b[some]) / 2,
+            np.concatenate([np.arange(len(panel)), some, some]),
+        )
         ends = np.concatenate([a, a[some], middle]), np.concatenate([b, middle, b[some]])
-        steps, first, second = np.split(self._steps(*ends, point[all_of]), [len(panel), len(panel) + len(some)])
+        steps, first, second = np.split(
+            self._steps(*ends, point[all_of]), [len(panel), len(panel) + len(some)]
+        )
         whole[panel, point] += steps
         self._before = np.cumsum(whole, axis=0) - whole
         apart = np.abs(steps[some] - first - second)
@@ -181,16 +214,22 @@ class Arc:
         self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
 
     def _steps(self, low: Array, high: Array, point: Indices) -> Array:
-        """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the middle of the arc."""
+        """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the
+        middle of the arc.
+        """
         result = np.empty(len(low))
         upper = low >= self._middle
         for turn, part in zip(self._turns, (~upper, upper), strict=True):
             x, edge = self._x[point[part]], self._edge[point[part]]
-            result[part] = _near(self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge)
+            result[part] = _near(
+                self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge
+            )
         return result
 
     def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
-        """Near panels; panel, point and coefficients (n, nodes) of the integrand over the panel for those that are far."""
+        """Near panels; panel, point and coefficients (n, nodes) of the integrand over the panel for
+        those that are far.
+        """
         contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
         time = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
@@ -198,7 +237,10 @@ class Arc:
         spread = _FAR * (most - least)
         empty = least < spread  # P is close to 0
         if slip:
-            near, away = (edge > least) & ((edge < most + spread) | empty), (edge >= most + spread) & ~empty
+            near, away = (
+                (edge > least) & ((edge < most + spread) | empty),
+                (edge >= most + spread) & ~empty,
+            )
         else:
             near, away = (edge < most) & (edge > least - spread), edge <= least - spread
         panel, point = np.nonzero(away)
@@ -208,14 +250,17 @@ class Arc:
         for k in range(0, len(panel), _NODES // (DEGREE + 1)):
             here = slice(k, k + _NODES // (DEGREE + 1))
             p, i = panel[here], point[here]
-            values = _kernel(contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p])
+            values = _kernel(
+                contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p]
+            )
             found[here] = series(density[p] * values)
         return near, panel, point, found
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
 def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
-    """The turning point of P at an end of an arc, or beyond it by less than its length; the end itself where there is none.
+    """The turning point of P at an end of an arc, or beyond it by less than its length; the end
+    itself where there is none.
 
     `other` is the other end. The leg's formulas hold beyond its ends too.
     """
@@ -223,8 +268,14 @@ def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
     width, sign = 1e-3 * length, math.copysign(1.0, length)
     for _ in range(20):
         slope = float(leg.rate_of(NORMAL_LOAD, time))
-        bend = float(leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)) / (2 * width)
-        if bend * sign <= 0 or abs(step := slope / bend) > abs(length) or (end - time + step) * sign < -abs(width):
+        bend = float(
+            leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)
+        ) / (2 * width)
+        if (
+            bend * sign <= 0
+            or abs(step := slope / bend) > abs(length)
+            or (end - time + step) * sign < -abs(width)
+        ):
             return Turn(end, float(leg.loads(end)[0]), sign, other)
         time -= step
         if abs(step) <= 1e-15 * (abs(time) + abs(length)):
@@ -240,11 +291,15 @@ def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
     return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
 
 
-def _kernel(contact: Contact, kernel: Kernel, x: Array, above: Array, load: Array, advance: Array) -> Array:
+def _kernel(
+    contact: Contact, kernel: Kernel, x: Array, above: Array, load: Array, advance: Array
+) -> Array:
     """K from P - P_x, P and the advance of the edge."""
     if kernel == "shear":
         return contact.inverse_root(x, above, advance)
-    return contact.arccosh_ratio(x, -above, advance) if kernel == "slip" else contact.log_ratio(load)
+    return (
+        contact.arccosh_ratio(x, -above, advance) if kernel == "slip" else contact.log_ratio(load)
+    )
 
 
 def _near(
@@ -257,11 +312,16 @@ def _near(
     x: Array,
     edge: Array,
 ) -> Array:
-    """The integrals from low[k] to high[k] at x[k], (m,): P_x is among the loads there or close to them, or P close to 0."""
+    """The integrals from low[k] to high[k] at x[k], (m,): P_x is among the loads there or close to
+    them, or P close to 0.
+    """
     result = np.zeros(len(low))
     if not len(low):
         return result
-    inner, outer = (np.sqrt(np.maximum(turn.sign * leg.change_of(NORMAL_LOAD, ends, turn.time), 0.0)) for ends in (low, high))
+    inner, outer = (
+        np.sqrt(np.maximum(turn.sign * leg.change_of(NORMAL_LOAD, ends, turn.time), 0.0))
+        for ends in (low, high)
+    )
     inner, outer = np.minimum(inner, outer), np.maximum(inner, outer)
     square = turn.sign * (edge - turn.load)
     # An e of 0 would stretch the variable for ever.
@@ -269,7 +329,8 @@ def _near(
     # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
     beyond = (kernel != "slip") == (turn.sign > 0)
     a, b = _limits_beyond(inner, outer, square) if beyond else _limits_within(inner, outer, square)
-    # Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four lengths 6 nodes leave 16^-12.
+    # Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
+    # lengths 6 nodes leave 16^-12.
     least = max(turn.load, 0.0)
     height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
     rough = (np.hypot(a, height) < _AWAY * (b - a)) & (kernel == "slip" and not beyond) | (
@@ -277,7 +338,9 @@ def _near(
     )  # which has one point: cheap
     limit = -1.0
     for longest, count in (*_SPANS, (math.inf, 0)):
-        here = np.flatnonzero((b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest)))
+        here = np.flatnonzero(
+            (b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest))
+        )
         limit = longest
         for k in range(0, len(here), _NODES // (count or 193)):
             m = here[k : k + _NODES // (count or 193)]
@@ -291,7 +354,11 @@ def _near(
             advance = contact.advance(load)
             above = root * root if kernel != "slip" else -root * root
             result[m] = np.sum(
-                weight * root * _force_over_root(leg, turn, z) * _kernel(contact, kernel, x[m, None], above, load, advance), axis=1
+                weight
+                * root
+                * _force_over_root(leg, turn, z)
+                * _kernel(contact, kernel, x[m, None], above, load, advance),
+                axis=1,
             )
     return result
 
@@ -302,7 +369,9 @@ def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array
     size = np.maximum(e, 1e-300)
     low, high = (np.where(square > 0, np.maximum(ends, e), ends) for ends in (low, high))
     # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the latter.
-    legs = (np.where(square > 0, np.sqrt(np.maximum((z - e) * (z + e), 0.0)), z) for z in (low, high))
+    legs = (
+        np.where(square > 0, np.sqrt(np.maximum((z - e) * (z + e), 0.0)), z) for z in (low, high)
+    )
     a, b = (np.arcsinh(leg / size) for leg in legs)
     return a, np.maximum(a, b)
 
@@ -310,7 +379,9 @@ def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array
 def _limits_within(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
     """arcsin(z/e) at both ends; equal where there is nothing within."""
     e = np.sqrt(np.maximum(square, 0.0))
-    a, b = (np.arctan2(z, np.sqrt((e - z) * (e + z))) for z in (np.minimum(low, e), np.minimum(high, e)))
+    a, b = (
+        np.arctan2(z, np.sqrt((e - z) * (e + z))) for z in (np.minimum(low, e), np.minimum(high, e))
+    )
     return a, np.maximum(a, b)
 
 
@@ -323,19 +394,22 @@ def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
     return np.where(square > 0, wide, narrow), np.where(square > 0, narrow, wide)
 
 
-# Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the whole, over its power 3/2.
+# Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the
+# whole, over its power 3/2.
 _SHORT = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
-    """int M'(eta) K(x, eta) d eta over memory curves at |x| = `x` (k,), with what is shared remembered.
+    """int M'(eta) K(x, eta) d eta over memory curves at |x| = `x` (k,), with what is shared
+    remembered.
 
     Attributes
     ----------
     contact : normal contact of the profile
     x : (k,) distances from the centre >= 0
-    kernel : "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K = ln(2 L/a); x plays no part)
+    kernel : "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K =
+        ln(2 L/a); x plays no part)
     """
 
     contact: Contact
@@ -352,9 +426,13 @@ class Integrals:
         >>> from semi_analytic.history import march
         >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
         >>> stuck = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 1.0)]), 0.5, 0.0)[1]
-        >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(12).tolist()  # M' = 1/4: q = p/4
+        >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(
+        ...     12
+        ... ).tolist()  # M' = 1/4: q = p/4
         [0.5]
-        >>> Integrals(contact, np.zeros(1), "shift").whole(stuck).round(12).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
+        >>> Integrals(contact, np.zeros(1), "shift").whole(stuck).round(
+        ...     12
+        ... ).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
         [0.951582705289]
         """
         self._remember([curve])
@@ -369,12 +447,21 @@ class Integrals:
         >>> from semi_analytic.hertz import HertzContact
         >>> from semi_analytic.history import march, take
         >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
-        >>> loading, slip = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 0.0), (2.0, 4.0, 1.5)]), 0.5, 0.0)[0]
+        >>> loading, slip = march(
+        ...     None,
+        ...     straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 0.0), (2.0, 4.0, 1.5)]),
+        ...     0.5,
+        ...     0.0,
+        ... )[0]
         >>> shear = Integrals(contact, np.zeros(1), "shear").over(take([(slip, np.array([2.0]))]))
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
         """
-        front, slopes, bottoms = snapshot.load - snapshot.slipped, np.zeros(len(snapshot.load)), np.zeros(len(snapshot.load))
+        front, slopes, bottoms = (
+            snapshot.load - snapshot.slipped,
+            np.zeros(len(snapshot.load)),
+            np.zeros(len(snapshot.load)),
+        )
         groups = list(snapshot.groups())
         for piece, here in groups:
             slopes[here], bottoms[here] = _slope(piece), piece.bottom
@@ -394,19 +481,25 @@ class Integrals:
             return id(piece) not in self._known and id(piece) not in new
 
         for curve in curves:
-            new.update({id(piece): piece for piece in reversed(list(takewhile(unknown, pieces(curve))))})
+            new.update(
+                {id(piece): piece for piece in reversed(list(takewhile(unknown, pieces(curve))))}
+            )
         if not new:
             return
-        lines = self._line(*np.array([(_slope(piece), piece.bottom, piece.top) for piece in new.values()]).T)
+        lines = self._line(
+            *np.array([(_slope(piece), piece.bottom, piece.top) for piece in new.values()]).T
+        )
         curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
         for piece, line, arc in zip(new.values(), lines, curved, strict=True):
             below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
             self._known[id(piece)] = piece, below + line + np.ravel(arc)
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
-        """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines of no slope or no length.
+        """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines
+        of no slope or no length.
 
-        A short line is integrated by itself: of a difference of two long ones little more than round-off would be left.
+        A short line is integrated by itself: of a difference of two long ones little more than
+        round-off would be left.
         """
         total = np.zeros((len(top), len(self.x)))
         there = np.flatnonzero((slope != 0) & (top != bottom))
@@ -414,7 +507,10 @@ class Integrals:
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
             length = top[there] - bottom[there]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
-            below, above = (np.searchsorted(self.contact.break_loads, ends) for ends in (bottom[there] - length, top[there]))
+            below, above = (
+                np.searchsorted(self.contact.break_loads, ends)
+                for ends in (bottom[there] - length, top[there])
+            )
             short = (length < _SHORT * top[there]) & (below == above)
         for here, between in ((there[~short], self._difference), (there[short], self._by_itself)):
             if len(here):
@@ -427,7 +523,9 @@ class Integrals:
         return np.asarray(moments[fold[len(bottom) :]] - moments[fold[: len(bottom)]])
 
     def _by_itself(self, bottom: Array, top: Array) -> Array:
-        """int arccosh(|x|/a) d eta, eta = end - v^2, v = e sinh(s): sqrt(P_x - eta) becomes smooth, e^2 = P_x - end >= 0."""
+        """int arccosh(|x|/a) d eta, eta = end - v^2, v = e sinh(s): sqrt(P_x - eta) becomes smooth,
+        e^2 = P_x - end >= 0.
+        """
         contact, edge = self.contact, self.contact.load(self.x)
         end = np.minimum(top[:, None], edge)
         width = np.sqrt(np.maximum(end - bottom[:, None], 0.0))
@@ -441,12 +539,15 @@ class Integrals:
             reach = np.arcsinh(width[row, point] / e)[:, None]
             v, root = e[:, None] * np.sinh(reach * node), e[:, None] * np.cosh(reach * node)
             excess = np.square(v) + np.square(beyond[row, point])[:, None]
-            ratio = contact.arccosh_ratio(self.x[point, None], excess, contact.advance(end[row, point, None] - np.square(v)))
+            ratio = contact.arccosh_ratio(
+                self.x[point, None], excess, contact.advance(end[row, point, None] - np.square(v))
+            )
             result[row, point] = np.sum(weight * reach * 2 * v * root * ratio, axis=1)
         return result
 
     def _curved(self, fronts: list[tuple[Piece, Array]]) -> list[Array | float]:
-        """What each piece from its lower end to the loads of its front (n,) has beyond its straight part: shape (n, k), or 0.
+        """What each piece from its lower end to the loads of its front (n,) has beyond its straight
+        part: shape (n, k), or 0.
 
         Pieces that are cut from one arc are integrated together.
         """
@@ -454,16 +555,24 @@ class Integrals:
         alike: dict[tuple[int, float, float], list[int]] = {}
         for number, (piece, front) in enumerate(fronts):
             if piece.arc is not None:
-                alike.setdefault((id(piece.anchor.leg), piece.arc[0], piece.anchor.time), []).append(number)
+                alike.setdefault(
+                    (id(piece.anchor.leg), piece.arc[0], piece.anchor.time), []
+                ).append(number)
             elif piece.bend:
-                found[number] = 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
+                found[number] = (
+                    2
+                    * piece.bend
+                    * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
+                )
         for key, numbers in alike.items():
             piece = fronts[numbers[0]][0]
             if key not in self._arcs:
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
             loads = [fronts[number][1] for number in numbers]
             times = front_time(piece, np.concatenate(loads))
-            values = np.split(self._arcs[key][1].up_to(times), np.cumsum([len(part) for part in loads])[:-1])
+            values = np.split(
+                self._arcs[key][1].up_to(times), np.cumsum([len(part) for part in loads])[:-1]
+            )
             for number, value in zip(numbers, values, strict=True):
                 found[number] = value
         return found

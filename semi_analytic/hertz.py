@@ -17,10 +17,12 @@ _BELOW_ONE = 1 - 2.0**-53
 
 
 def log_excess(ratio: ArrayLike) -> Array:
-    """-ln(1 - r) - r = r^2/2 + r^3/3 + ... for 0 <= r <= 1 to full relative accuracy, however small r is.
+    """-ln(1 - r) - r = r^2/2 + r^3/3 + ... for 0 <= r <= 1 to full relative accuracy, however small
+    r is.
 
-    An r of 1 is known to its last digit only, and taken for one less in that: the logarithm of 0 would spoil an integral over r.
-    With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2 - r), so that nothing cancels.
+    An r of 1 is known to its last digit only, and taken for one less in that: the logarithm of 0
+    would spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2
+    - r), so that nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
     (1.000000000..., 0.19314718056)
@@ -46,9 +48,11 @@ def _log_series(ratio: Array) -> Array:
 
 @dataclass(frozen=True)
 class HertzContact:
-    """Two half-planes pressed together by a parabola. Every method takes arrays that broadcast; loads per unit thickness.
+    """Two half-planes pressed together by a parabola. Every method takes arrays that broadcast;
+    loads per unit thickness.
 
-    # notation: a half-width, P or eta normal load, E* composite modulus, R radius, L datum length, P_x load at which a = |x|
+    # notation: a half-width, P or eta normal load, E* composite modulus, R radius, L datum length,
+    P_x load at which a = |x|
 
     P = pi E* a^2 / (4 R),  p(x, P) = (E*/(2 R)) sqrt(a^2 - x^2)
     """
@@ -72,7 +76,12 @@ class HertzContact:
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length].
 
-        >>> round(float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).half_width(25 * np.pi)), 12)
+        >>> round(
+        ...     float(
+        ...         HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).half_width(25 * np.pi)
+        ...     ),
+        ...     12,
+        ... )
         1.0
         """
         return np.sqrt(self.stretch * np.asarray(load, dtype=float))
@@ -80,7 +89,10 @@ class HertzContact:
     def load(self, half_width: ArrayLike) -> Array:
         """P(a) = pi E* a^2/(4 R) [force per thickness], the Hertz law, the inverse of `half_width`.
 
-        >>> round(float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).load(1.0)) / np.pi, 12)
+        >>> round(
+        ...     float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).load(1.0)) / np.pi,
+        ...     12,
+        ... )
         25.0
         """
         return np.square(np.asarray(half_width, dtype=float)) / self.stretch
@@ -90,9 +102,14 @@ class HertzContact:
         return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.stretch
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact; equation (22) of the paper.
+        """p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact; equation (22) of
+        the paper.
 
-        >>> float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).pressure(0.0, 25 * np.pi).round(12))  # 2 P/(pi a)
+        >>> float(
+        ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)
+        ...     .pressure(0.0, 25 * np.pi)
+        ...     .round(12)
+        ... )  # 2 P/(pi a)
         50.0
         """
         excess = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
@@ -105,7 +122,8 @@ class HertzContact:
         return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Slip outside the stick zone: S(x, eta) = int_0^eta arccosh(|x|/a) d eta' [force per thickness], over loads with x open.
+        """Slip outside the stick zone: S(x, eta) = int_0^eta arccosh(|x|/a) d eta' [force per
+        thickness], over loads with x open.
 
         S = eta arccosh(sqrt(P_x/eta)) + P_x - sqrt(P_x (P_x - eta)) for eta < P_x, and P_x beyond.
 
@@ -121,10 +139,12 @@ class HertzContact:
         return inner * _arc(gap, inner) + edge * inner / (edge + np.sqrt(edge * gap) + _TINY)
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per thickness^2].
+        """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per
+        thickness^2].
 
-        (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts:
-        the second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
+        (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x),
+        s = sqrt(P_x - eta), in parts: the second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x
+        - eta')) d eta'.
         """
         edge = self.load(x)
         inner = np.minimum(np.asarray(load, dtype=float), edge)
@@ -143,7 +163,10 @@ class HertzContact:
         """arccosh(|x|/a(eta)) from P_x - eta >= 0 and a(eta)."""
         del x
         half = np.asarray(advance, dtype=float)
-        return np.arcsinh(np.sqrt(self.stretch * np.asarray(excess, dtype=float)) / np.where(half > 0, half, np.inf))
+        return np.arcsinh(
+            np.sqrt(self.stretch * np.asarray(excess, dtype=float))
+            / np.where(half > 0, half, np.inf)
+        )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0."""
@@ -152,14 +175,19 @@ class HertzContact:
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """0: closed forms keep 1e-13 of their own value, which is less than what counts as an error."""
+        """0: closed forms keep 1e-13 of their own value, which is less than what counts as an
+        error.
+        """
         del name
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: the relative tangential displacement is A/pi times as much.
+        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: the relative tangential displacement
+        is A/pi times as much.
 
-        >>> contact = HertzContact(modulus=100.0, radius=1.0, datum_length=0.5)  # a = 1 = 2 L at P = 25 pi
+        >>> contact = HertzContact(
+        ...     modulus=100.0, radius=1.0, datum_length=0.5
+        ... )  # a = 1 = 2 L at P = 25 pi
         >>> round(float(contact.log_distance(25 * np.pi)) / (25 * np.pi), 12)
         0.5
         """
@@ -167,7 +195,9 @@ class HertzContact:
         return p * (self.log_ratio(p) + 0.5) * (p > 0)
 
     def log_moment(self, load: ArrayLike) -> Array:
-        """int_0^P eta ln(2 L/a(eta)) d eta [force^2 per thickness^2] = (P^2/2) [ln(2 L/a) + 1/4]."""
+        """int_0^P eta ln(2 L/a(eta)) d eta [force^2 per thickness^2] = (P^2/2) [ln(2 L/a) +
+        1/4].
+        """
         p = np.asarray(load, dtype=float)
         return p * p / 2 * (self.log_ratio(p) + 0.25) * (p > 0)
 
@@ -177,7 +207,8 @@ class HertzContact:
         return -0.5 * np.log(np.where(p > 0, p, 1.0) * self.stretch / (2 * self.datum_length) ** 2)
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P - P_c: [P ln(P/P_c) - P + P_c]/2.
+        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P -
+        P_c: [P ln(P/P_c) - P + P_c]/2.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
@@ -191,5 +222,7 @@ _TINY = np.finfo(float).tiny
 
 
 def _arc(gap: Array, load: Array) -> Array:
-    """arccosh(sqrt(P_x/eta)) = arsinh(sqrt((P_x - eta)/eta)); 0 is returned for eta = 0, where it is multiplied by eta."""
+    """arccosh(sqrt(P_x/eta)) = arsinh(sqrt((P_x - eta)/eta)); 0 is returned for eta = 0, where it
+    is multiplied by eta.
+    """
     return np.arcsinh(np.sqrt(gap / np.where(load > 0, load, np.inf)))

@@ -1,9 +1,12 @@
-"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased, and when (Masing rule).
+"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased,
+and when (Masing rule).
 
-A history is a sequence of spans, in each of which the memory curve keeps its structure: an uppermost piece `active` up to a load
-that moves with time (the load itself while P follows the piece, the front P_c in slip), what lies below it untouched, and in slip a
-line of slope +-f from there to (P, Q). Everything that is asked of a history later is evaluated span by span, for many instants at
-once. Any path can be followed so; paths that are straight all along take `load_series`, which costs less.
+A history is a sequence of spans, in each of which the memory curve keeps its structure: an
+uppermost piece `active` up to a load that moves with time (the load itself while P follows the
+piece, the front P_c in slip), what lies below it untouched, and in slip a line of slope +-f from
+there to (P, Q). Everything that is asked of a history later is evaluated span by span, for many
+instants at once. Any path can be followed so; paths that are straight all along take `load_series`,
+which costs less.
 """
 
 from __future__ import annotations
@@ -18,7 +21,14 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import NORMAL_LOAD, Combination, InadmissibleLoadError, InputError, LoadPath, LoadSegment
+from scenes import (
+    NORMAL_LOAD,
+    Combination,
+    InadmissibleLoadError,
+    InputError,
+    LoadPath,
+    LoadSegment,
+)
 from semi_analytic.memory import (
     Curve,
     Instant,
@@ -46,13 +56,15 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-14
 # Share of a stretch of time, or of a level, within which two instants are one.
 _NEAR = 1e-14
-# Share of f P by which a front may miss the end of the piece that it meets, and of a time to which a crossing is found.
+# Share of f P by which a front may miss the end of the piece that it meets, and of a time to which
+# a crossing is found.
 _LAST_DIGITS = 2e-15
 # Instants at which a piece without a formula for its crossings is looked at.
 _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS, _INSTANTS_OF_LOADING = 400, 100
-# Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's own.
+# Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
+# own.
 SLACK = 1e-9
 
 
@@ -65,7 +77,8 @@ class Span:
     begin, end : its ends on the load path, in the time of the leg
     delay : what makes the leg's time the history's time
     direction : +1 forward slip, -1 reverse slip, 0 no slip
-    active : the uppermost piece that is left below the line of slip; None if the front is at P_c = 0
+    active : the uppermost piece that is left below the line of slip; None if the front is at P_c =
+        0
     friction : f
     """
 
@@ -111,18 +124,23 @@ class Span:
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
-    """Raise InadmissibleLoadError at the first instant of gross sliding, |Q| > f P, or separation, P < 0, on `legs`.
+    """Raise InadmissibleLoadError at the first instant of gross sliding, |Q| > f P, or separation,
+    P < 0, on `legs`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
 
     >>> from scenes import StraightSegment
-    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5))], 0.5)  # |Q| = f P is reached at the end, not exceeded
+    >>> check(
+    ...     [StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5))], 0.5
+    ... )  # |Q| = f P is reached at the end, not exceeded
     >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.6))], 0.3)
     Traceback (most recent call last):
-    scenes.errors.InadmissibleLoadError: load: gross sliding from time 0.5 on, at time 1 with P = 1, Q = 0.6, f = 0.3: ...
+    scenes.errors.InadmissibleLoadError: load: gross sliding from time 0.5 on, at time 1 with P = 1,
+    Q = 0.6, f = 0.3: ...
     >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (-1.0, 0.0))], 0.3)
     Traceback (most recent call last):
-    scenes.errors.InadmissibleLoadError: load: separation from time 0.5 on, at time 1 with P = -1, Q = 0: ...
+    scenes.errors.InadmissibleLoadError: load: separation from time 0.5 on, at time 1 with P = -1, Q
+    = 0: ...
     """
     scale = max(abs(float(leg.loads(time)[0])) for leg in legs for time in (leg.start, leg.end))
     for leg in legs:
@@ -177,13 +195,19 @@ def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, floa
     return list(zip(marks, [*marks[1:], leg.end], strict=True))
 
 
-def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:
+def march(
+    curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float
+) -> tuple[tuple[Span, ...], Curve]:
     """Spans of the legs, each of one state of stick or slip, and the memory curve at their end.
 
     >>> from scenes.segments import straight_segments
-    >>> legs = straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, 0.1)])  # rows of t, P, Q
+    >>> legs = straight_segments(
+    ...     [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, 0.1)]
+    ... )  # rows of t, P, Q
     >>> spans, curve = march(None, legs, 0.5, 0.0)
-    >>> [(span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans]  # dQ/f, after a reversal dQ/(2 f)
+    >>> [
+    ...     (span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans
+    ... ]  # dQ/f, after a reversal dQ/(2 f)
     [(0, 0.0), (1, 0.6), (-1, 0.2)]
     """
     spans: list[Span] = []
@@ -195,7 +219,9 @@ def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: flo
     return tuple(spans), curve
 
 
-def _spans_of_part(curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float) -> Iterator[Span]:
+def _spans_of_part(
+    curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
+) -> Iterator[Span]:
     """Spans of a stretch on which neither P, u nor v turns round."""
     middle = (begin + end) / 2
     normal, tangential = (float(part) for part in leg.rates(middle))
@@ -212,16 +238,22 @@ def _spans_of_part(curve: Curve, leg: LoadSegment, begin: float, end: float, fri
         yield Span(first, last, delay, 0, curve, friction)
 
 
-def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:
+def _slip(
+    curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float
+) -> Iterator[Span]:
     """Spans of slip in one direction: the front passes down through the pieces of the curve."""
     leg, what, begin = first.leg, level(direction, friction), first
-    total, last_digits = float(leg.change_of(what, last.time, first.time)), _LAST_DIGITS * friction * last.normal
+    total, last_digits = (
+        float(leg.change_of(what, last.time, first.time)),
+        _LAST_DIGITS * friction * last.normal,
+    )
     # What slips already is at the limit, and the front is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
     while curve is not None:
         if flat(curve, direction, friction):
-            if total <= last_digits:  # nothing but rounding would take the front through it: it stays at its upper end
+            # nothing but rounding would take the front through it: it stays at its upper end
+            if total <= last_digits:
                 curve = Piece(curve, curve.top, first, -direction * friction)
                 break
             curve = curve.below
@@ -229,8 +261,9 @@ def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction:
         start = float(change_from(curve.anchor, leg, what, first.time))
         bottom = float(level_on(curve, direction, friction, curve.bottom))
         remaining = bottom - start
-        # A front that meets the lower end of the piece at the very end of the stretch, to rounding, has not passed it: what lies
-        # below may be at the limit already, and the front would jump through it.
+        # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
+        # has not passed it: what lies below may be at the limit already, and the front would jump
+        # through it.
         if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + last_digits:
             break
         passed = instant(leg, float(leg.time_of(what, remaining, first.time, last.time)))
@@ -242,11 +275,14 @@ def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction:
         yield Span(begin, last, delay, direction, curve, friction)
 
 
-def _unload(curve: Curve, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:
-    """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the curve on which the path runs.
+def _unload(
+    curve: Curve, first: Instant, last: Instant, friction: float, delay: float
+) -> Iterator[Span]:
+    """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the curve on which
+    the path runs.
 
-    The admissible cones of later points lie inside those of earlier ones, so the state is that of one step; only the
-    direction may change, where the path crosses the curve.
+    The admissible cones of later points lie inside those of earlier ones, so the state is that of
+    one step; only the direction may change, where the path crosses the curve.
     """
     for begin, end, direction in slip_directions(curve, first, last, friction):
         a, b = instant(first.leg, begin), instant(first.leg, end)
@@ -259,12 +295,16 @@ def _unload(curve: Curve, first: Instant, last: Instant, friction: float, delay:
             curve = unload_to(curve, b.normal)
 
 
-def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:
+def _retrace(
+    curve: Curve, first: Instant, last: Instant, friction: float, delay: float
+) -> Iterator[Span]:
     """Spans of unloading along the curve itself: no slip."""
     begin = first
     while curve is not None and curve.bottom > last.normal:
         drop = curve.bottom - first.normal
-        passed = instant(first.leg, float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time)))
+        passed = instant(
+            first.leg, float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time))
+        )
         if passed.time > begin.time:
             yield Span(begin, passed, delay, 0, curve, friction)
             begin = passed
@@ -273,14 +313,22 @@ def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay
         yield Span(begin, last, delay, 0, curve, friction)
 
 
-def slip_directions(curve: Curve, first: Instant, last: Instant, friction: float) -> list[tuple[float, float, int]]:
-    """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve that it unloads."""
+def slip_directions(
+    curve: Curve, first: Instant, last: Instant, friction: float
+) -> list[tuple[float, float, int]]:
+    """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve
+    that it unloads.
+    """
     runs: list[tuple[float, float, int]] = []
     begin = first.time
     for piece in pieces(curve):
         drop = piece.bottom - first.normal
         reached = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time)) < drop
-        end = float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
+        end = (
+            float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time))
+            if reached
+            else last.time
+        )
         if end > begin:
             runs += _directions_on(piece, first.leg, begin, end, friction)
         begin = max(begin, end)
@@ -295,7 +343,9 @@ def slip_directions(curve: Curve, first: Instant, last: Instant, friction: float
     return merged
 
 
-def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float) -> list[tuple[float, float, int]]:
+def _directions_on(
+    piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float
+) -> list[tuple[float, float, int]]:
     """The same while the load is within one piece: signs of Q - M(P) between its roots."""
 
     def excess(time: ArrayLike) -> Array:
@@ -306,7 +356,9 @@ def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, fri
 
     turning = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
     count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
-    times = np.unique([*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)])
+    times = np.unique(
+        [*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)]
+    )
     noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
     above = excess(times)
     signs = np.where(np.abs(above) <= noise, 0, np.sign(above)).astype(int)
@@ -318,7 +370,13 @@ def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, fri
         if signs[left] != signs[right]:
             marks.append(
                 float(
-                    scipy.optimize.brentq(excess, times[left], times[right], xtol=_LAST_DIGITS * (end - begin), rtol=_LAST_DIGITS)
+                    scipy.optimize.brentq(
+                        excess,
+                        times[left],
+                        times[right],
+                        xtol=_LAST_DIGITS * (end - begin),
+                        rtol=_LAST_DIGITS,
+                    )
                 )
             )
             directions.append(int(signs[right]))
@@ -344,8 +402,8 @@ class History:
     states : memory curve at the start of each cycle and at the end of the last
     steady_from : index of the first cycle that ends in the state it started from, None if none did
     period : duration of a cycle, None for a path that does not repeat
-    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is or is a copy of
-    loop : the ellipse, where that is the whole cycle
+    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is
+    or is a copy of loop : the ellipse, where that is the whole cycle
     """
 
     loading: tuple[Span, ...]
@@ -377,8 +435,14 @@ class History:
         return False
 
     def default_times(self, steady: bool, _: bool = False) -> tuple[Array, int]:
-        """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and how many are left out: none."""
-        groups = self.cycles[-1:] if steady else [*self.cycles, *([self.loading] if self.loading else [])]
+        """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and
+        how many are left out: none.
+        """
+        groups = (
+            self.cycles[-1:]
+            if steady
+            else [*self.cycles, *([self.loading] if self.loading else [])]
+        )
         times = []
         for spans in groups:
             marks = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
@@ -386,7 +450,8 @@ class History:
         return np.unique(np.concatenate(times)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
-        """The memory curves at instants (n,); an instant between two spans belongs to the one that ends there.
+        """The memory curves at instants (n,); an instant between two spans belongs to the one that
+        ends there.
 
         Raises
         ------
@@ -394,15 +459,22 @@ class History:
             For a time outside the path.
         """
         spans, start = self.spans, self.spans[0].begin.time + self.spans[0].delay
-        begin, end, delay = (np.array(values) for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True))
+        begin, end, delay = (
+            np.array(values)
+            for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True)
+        )
         ends = end + delay
         inside, slack = within(time, start, float(ends[-1]), self.period)
-        # Less the slack: a turning point that somebody else found to rounding still belongs to the span that it ends.
+        # Less the slack: a turning point that somebody else found to rounding still belongs to the
+        # span that it ends.
         number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
         local = np.clip(inside - delay[number], begin[number], end[number])
         order = np.argsort(number, kind="stable")
         numbers, starts = np.unique(number[order], return_index=True)
-        taken = take((spans[k], times) for k, times in zip(numbers, np.split(local[order], starts[1:]), strict=True))
+        taken = take(
+            (spans[k], times)
+            for k, times in zip(numbers, np.split(local[order], starts[1:]), strict=True)
+        )
         back = np.argsort(order)
         columns = ("time", "load", "force", "slipped", "direction", "which")
         return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
@@ -429,19 +501,27 @@ def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: floa
 
 
 def is_plain_ellipse(segment: LoadSegment) -> bool:
-    """Whether a segment is the cycle of an `EllipseLoad`, from the paper's point A on; one of a `HarmonicLoad` starts at time 0."""
+    """Whether a segment is the cycle of an `EllipseLoad`, from the paper's point A on; one of a
+    `HarmonicLoad` starts at time 0.
+    """
     return segment.ellipse is not None and segment.ellipse.origin == 0 and segment.start != 0
 
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
-    """The history along a path: as many cycles as `time` needs; until it is steady where it needs none, `cycles` at most."""
+    """The history along a path: as many cycles as `time` needs; until it is steady where it needs
+    none, `cycles` at most.
+    """
     if path.has_bulk_or_tilt:
-        raise InputError("load: half-plane theory with one memory curve takes neither bulk stress nor tilt")
+        raise InputError(
+            "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"
+        )
     check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [Turn(path.initial_loading)], friction)
     turns, whole = turns_of(path.cycle_start, path.period, cycles, time)
-    history = follow(path.initial_loading, (Turn(path.cycle, k * path.period) for k in range(turns)), friction)
+    history = follow(
+        path.initial_loading, (Turn(path.cycle, k * path.period) for k in range(turns)), friction
+    )
     solved = len(history.cycles)
     covered = tuple(min(number, solved - 1) for number in range(whole or solved))
     loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
@@ -449,7 +529,9 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
 
 
 def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
-    """How many cycles have to be followed at most for the instants `time`, and how many whole ones these cover."""
+    """How many cycles have to be followed at most for the instants `time`, and how many whole ones
+    these cover.
+    """
     if time is None:
         return cycles, 0
     revolutions = (float(np.max(time)) - start) / period
@@ -459,7 +541,8 @@ def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tu
 
 
 def within(time: Array, start: float, end: float, period: float | None) -> tuple[Array, float]:
-    """Instants (n,) brought back into what was followed of a path by whole periods, and how far they may be outside.
+    """Instants (n,) brought back into what was followed of a path by whole periods, and how far
+    they may be outside.
 
     Raises
     ------
@@ -475,9 +558,23 @@ def within(time: Array, start: float, end: float, period: float | None) -> tuple
 
 
 def evenly(marks: Array, *, initial: bool) -> Array:
-    """Instants between marks of time, ascending, and at them: about 400 of a cycle, 100 of an `initial` loading."""
-    count = np.maximum(np.ceil((_INSTANTS_OF_LOADING if initial else _INSTANTS) * np.diff(marks) / (marks[-1] - marks[0])), 2)
-    return np.concatenate([np.linspace(a, b, int(n) + 1) for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)])
+    """Instants between marks of time, ascending, and at them: about 400 of a cycle, 100 of an
+    `initial` loading.
+    """
+    count = np.maximum(
+        np.ceil(
+            (_INSTANTS_OF_LOADING if initial else _INSTANTS)
+            * np.diff(marks)
+            / (marks[-1] - marks[0])
+        ),
+        2,
+    )
+    return np.concatenate(
+        [
+            np.linspace(a, b, int(n) + 1)
+            for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)
+        ]
+    )
 
 
 def slipped_share(spans: Sequence[Span]) -> float:
@@ -516,11 +613,15 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
 
 def corner_times(contact: Contact, span: Span) -> Array:
-    """Times of the leg within a span at which P or P_c is the load of a corner, (n,) ascending, none alike."""
+    """Times of the leg within a span at which P or P_c is the load of a corner, (n,) ascending,
+    none alike.
+    """
     loads, leg, first, last = contact.break_loads, span.leg, span.begin, span.end
     if not len(loads):
         return loads
-    inside = loads[(loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))]
+    inside = loads[
+        (loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))
+    ]
     times = [leg.time_of(NORMAL_LOAD, inside - first.normal, first.time, last.time)]
     if span.direction and span.active is not None:
         here = loads[(loads > span.active.bottom) & (loads < span.active.top)]

@@ -1,13 +1,15 @@
-"""Largest values of half-plane theory through a cycle, found on its own points and instants, whatever answer they stand beside.
+"""Largest values of half-plane theory through a cycle, found on its own points and instants,
+whatever answer they stand beside.
 
-The pressure and the contact are largest at the largest load P, since p(x, P) and a(P) grow with P. At a point x the slip s moves
-one way between turning points of P, Q - f P and -Q - f P, and until the edge of contact passes x: the range of s is exact with
-these instants, and the largest one is looked for over x alone. So is the largest friction work W(x). The tension at the edges of
-contact is looked for over time.
+The pressure and the contact are largest at the largest load P, since p(x, P) and a(P) grow with P.
+At a point x the slip s moves one way between turning points of P, Q - f P and -Q - f P, and until
+the edge of contact passes x: the range of s is exact with these instants, and the largest one is
+looked for over x alone. So is the largest friction work W(x). The tension at the edges of contact
+is looked for over time.
 
-A maximum is looked for between kinks, on places that are taken closer and closer around the largest values. Where
-bulk stress and tilt leave no one memory curve, the largest values are those at the points and instants that `solve`
-takes by itself, and `Extremes.sampled` states it.
+A maximum is looked for between kinks, on places that are taken closer and closer around the largest
+values. Where bulk stress and tilt leave no one memory curve, the largest values are those at the
+points and instants that `solve` takes by itself, and `Extremes.sampled` states it.
 
 # notation: s slip, W(x) friction work per unit area, a half-width, f friction
 """
@@ -33,14 +35,17 @@ from semi_analytic.subsurface import edge_tension
 
 Array = NDArray[np.float64]
 
-# Places at first between two kinks, of the whole contact together; places in a round around each candidate.
+# Places at first between two kinks, of the whole contact together; places in a round around each
+# candidate.
 _FIRST, _AROUND = 96, 11
 # Candidates: local maxima of at least this share of the largest.
 _MOST_CANDIDATES, _NEARLY = 3, 0.97
-# Rounds at most, each six times closer, and the change of the largest value at which two rounds in a row end the search. A smooth
-# maximum has an error of the square of the spacing: two rounds that change it by less than 1e-12 leave less than 1e-10.
+# Rounds at most, each six times closer, and the change of the largest value at which two rounds in
+# a row end the search. A smooth maximum has an error of the square of the spacing: two rounds that
+# change it by less than 1e-12 leave less than 1e-10.
 _ROUNDS, _SETTLED = 16, 1e-12
-# Instants that are looked at for the tension at first, and places for which the passing of the edge adds instants of a long record.
+# Instants that are looked at for the tension at first, and places for which the passing of the edge
+# adds instants of a long record.
 _INSTANTS, _LONG = 120, 400
 # A place at the edge of contact is in it, but for the last digits of its instant.
 _AT_EDGE = 1e-10
@@ -48,16 +53,18 @@ _AT_EDGE = 1e-10
 
 @dataclass(frozen=True)
 class Extremes:
-    """Largest values of half-plane theory through the last cycle (the whole path, where it does not repeat).
+    """Largest values of half-plane theory through the last cycle (the whole path, where it does not
+    repeat).
 
     Attributes
     ----------
-    pressure, pressure_place : largest pressure [stress], infinite at a sharp tip, and its place [length]
-    half_width : largest half distance of the contact edges [length]
-    slip, slip_place : largest range of the slip of a point while it is in contact, and its place [length]
-    dissipation_density, dissipation_density_place : largest W(x) [energy / area], and its place [length]
-    edge_tension, edge_tension_uncertainty : largest stress along a face at an edge of contact [stress], 0 where all are negative
-    sampled : why the values are no more than the largest at the points and instants that `solve` takes by itself; empty
+    pressure, pressure_place : largest pressure [stress], infinite at a sharp tip, and its place
+    [length] half_width : largest half distance of the contact edges [length]
+    slip, slip_place : largest range of the slip of a point while it is in contact, and its place
+    [length] dissipation_density, dissipation_density_place : largest W(x) [energy / area], and its
+    place [length] edge_tension, edge_tension_uncertainty : largest stress along a face at an edge
+    of contact [stress], 0 where all are negative sampled : why the values are no more than the
+    largest at the points and instants that `solve` takes by itself; empty
         where they are exact
     """
 
@@ -74,15 +81,18 @@ class Extremes:
 
 
 def extremes(answer: ContactSolution) -> Extremes:
-    """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's points play no part.
+    """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's
+    points play no part.
 
     Parameters
     ----------
-    answer : by `solve`, of a scene or of straight steps between its instants; its instants say which cycle is the last
+    answer : by `solve`, of a scene or of straight steps between its instants; its instants say
+        which cycle is the last
 
     Returns
     -------
-    Extremes; NaN for the slip, W(x) and tension of an answer without a whole cycle, whose pressure is that of its instants
+    Extremes; NaN for the slip, W(x) and tension of an answer without a whole cycle, whose pressure
+    is that of its instants
 
     Raises
     ------
@@ -92,7 +102,10 @@ def extremes(answer: ContactSolution) -> Extremes:
     >>> import math
     >>> few = solve("cattaneo-mindlin", x=[0.3, 0.7], time=[1.0, 2.0, 3.0, 4.0, 5.0])
     >>> found = extremes(few)
-    >>> round(found.pressure / (2 * 90.62286500739786 / math.pi), 12), round(found.half_width, 12)  # a = 1
+    >>> (
+    ...     round(found.pressure / (2 * 90.62286500739786 / math.pi), 12),
+    ...     round(found.half_width, 12),
+    ... )  # a = 1
     (1.0, 1.0)
     """
     scene = answer.scene
@@ -135,9 +148,15 @@ class _Search:
         self.contact = contact
         self.answer = answer
         self.has_cycle = has_cycle
-        self.steps = answer.time[answer.last_cycle] if answer.settings.get("straight_steps") else answer.time
+        self.steps = (
+            answer.time[answer.last_cycle] if answer.settings.get("straight_steps") else answer.time
+        )
         self.on_straight_steps = bool(answer.settings.get("straight_steps"))
-        self.monotonic = [] if self.on_straight_steps else _monotonic_parts(self.scene, self.steps[0], self.steps[-1])
+        self.monotonic = (
+            []
+            if self.on_straight_steps
+            else _monotonic_parts(self.scene, self.steps[0], self.steps[-1])
+        )
         self.turns = self._turning_times()
         loads = np.asarray(self.scene.load.path().at(self.turns)[0])
         self.largest_load_time = float(self.turns[np.argmax(loads)])
@@ -217,8 +236,12 @@ class _Search:
         return _largest(values, self.marks)
 
     def _passings(self, x: Array) -> Array:
-        """Instants at which an edge of contact passes one of the places (n,); none of a long record at many places."""
-        if self.on_straight_steps or (len(self.monotonic) > _LONG and len(x) > _MOST_CANDIDATES * _AROUND):
+        """Instants at which an edge of contact passes one of the places (n,); none of a long record
+        at many places.
+        """
+        if self.on_straight_steps or (
+            len(self.monotonic) > _LONG and len(x) > _MOST_CANDIDATES * _AROUND
+        ):
             return np.empty(0)
         edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
         times = []
@@ -254,8 +277,12 @@ class _Search:
         return max(largest, 0.0), uncertain
 
 
-def _monotonic_parts(scene: Scene, start: float, end: float) -> list[tuple[LoadSegment, float, float]]:
-    """The legs of the path from `start` to `end`, each cut where P turns; `start` may lie anywhere in a cycle."""
+def _monotonic_parts(
+    scene: Scene, start: float, end: float
+) -> list[tuple[LoadSegment, float, float]]:
+    """The legs of the path from `start` to `end`, each cut where P turns; `start` may lie anywhere
+    in a cycle.
+    """
     path = scene.load.path()
     legs = list(path.initial_loading)
     if path.period is not None:
@@ -274,7 +301,9 @@ def _monotonic_parts(scene: Scene, start: float, end: float) -> list[tuple[LoadS
     return parts
 
 
-def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST) -> tuple[float, float]:
+def _largest(
+    values: Callable[[Array], Array], marks: Array, first: int = _FIRST
+) -> tuple[float, float]:
     """Largest value and its place, over the range of `marks`, between which the function is smooth.
 
     >>> top, place = _largest(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
@@ -300,12 +329,16 @@ def _largest(values: Callable[[Array], Array], marks: Array, first: int = _FIRST
         if change > 0:
             largest, place = float(found[best]), float(around[best])
         settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest) else 0
-        brackets = [_closer(bracket, places, around, found) for bracket, places in zip(brackets, inner, strict=True)]
+        brackets = [
+            _closer(bracket, places, around, found)
+            for bracket, places in zip(brackets, inner, strict=True)
+        ]
     return largest, place
 
 
 def _between(marks: Array, count: int) -> Array:
-    """The marks and about `count` places between them, equally spaced from each to the next, at least one.
+    """The marks and about `count` places between them, equally spaced from each to the next, at
+    least one.
 
     >>> _between(np.array([0.0, 1.0, 3.0]), 4).tolist()
     [0.0, 0.5, 1.0, 2.0, 3.0]
@@ -327,7 +360,9 @@ def _brackets(places: Array, found: Array) -> list[tuple[float, float]]:
     return [(float(places[max(k - 1, 0)]), float(places[min(k + 1, last)])) for k in highest]
 
 
-def _closer(bracket: tuple[float, float], inner: Array, around: Array, found: Array) -> tuple[float, float]:
+def _closer(
+    bracket: tuple[float, float], inner: Array, around: Array, found: Array
+) -> tuple[float, float]:
     """The neighbours of the largest of the places within a bracket."""
     values = found[np.searchsorted(around, inner)]
     ends = np.concatenate([bracket[:1], inner, bracket[1:]])
@@ -335,7 +370,7 @@ def _closer(bracket: tuple[float, float], inner: Array, around: Array, found: Ar
     return float(ends[best - 1]), float(ends[best + 1])
 
 
-# ------------------------------------------------------------------------------------------------ no one memory curve
+# ------------------------------------------------------------------------------ no one memory curve
 @lru_cache(maxsize=8)
 def _of_default_points(scene: Scene) -> Extremes:
     """The largest values at the points and instants that `solve` takes by itself."""
@@ -356,8 +391,10 @@ def _of_default_points(scene: Scene) -> Extremes:
         dissipation_density_place=float(answer.x[np.argmax(density)]),
         edge_tension=tension,
         edge_tension_uncertainty=uncertainty,
-        sampled="bulk stress and tilt leave no one memory curve, so the largest values of theory are those at "
-        f"{len(answer.x)} points and {len(rows)} instants",
+        sampled=(
+            "bulk stress and tilt leave no one memory curve, so the largest values of theory are"
+            f" those at {len(answer.x)} points and {len(rows)} instants"
+        ),
     )
 
 

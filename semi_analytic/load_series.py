@@ -1,14 +1,17 @@
-"""Load series: paths of straight steps, two or a million of them, and the memory curve as a list of knots (Masing rule).
+"""Load series: paths of straight steps, two or a million of them, and the memory curve as a list of
+knots (Masing rule).
 
-# notation: (P, Q) loads; M(eta) memory curve, its knots joined by straight lines; s direction of slip; P_c load at the front of
-#           slip; level s Q - f P, which grows in slip
+# notation: (P, Q) loads; M(eta) memory curve, its knots joined by straight lines; s direction of
+#           slip; P_c load at the front of slip; level s Q - f P, which grows in slip
 
-A step loads in full stick and adds a knot; or it slips, and its front goes down through the lines between the knots; or it unloads,
-on one side of the curve or along it. Every knot is put on once and taken off once. A line keeps its own length and rise, so that
-P - P_c is a sum of lengths and keeps its digits, however little slips.
+A step loads in full stick and adds a knot; or it slips, and its front goes down through the lines
+between the knots; or it unloads, on one side of the curve or along it. Every knot is put on once
+and taken off once. A line keeps its own length and rise, so that P - P_c is a sum of lengths and
+keeps its digits, however little slips.
 
-A step leaves one record for each line that it goes through: along it P, P_c, Q and the level are linear in one another. Rows are
-taken a block at a time: what stays in memory is what was asked for, and the knots that are alive.
+A step leaves one record for each line that it goes through: along it P, P_c, Q and the level are
+linear in one another. Rows are taken a block at a time: what stays in memory is what was asked for,
+and the knots that are alive.
 """
 
 from __future__ import annotations
@@ -25,7 +28,15 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InadmissibleLoadError, InputError, LoadPath, LoadSegment, Scene, StraightSegment, TimeSeriesLoad
+from scenes import (
+    InadmissibleLoadError,
+    InputError,
+    LoadPath,
+    LoadSegment,
+    Scene,
+    StraightSegment,
+    TimeSeriesLoad,
+)
 from semi_analytic.history import SLACK, check, evenly, turns_of, within
 from semi_analytic.memory import Curve, Instant, Snapshot, repeats_within
 
@@ -36,7 +47,8 @@ Indices = NDArray[np.int64]
 _NOISE = 1e-14
 # Share of f P by which a front may miss the knot that it meets.
 _LAST_DIGITS = 4e-15
-# Share of f P within which a path runs along the curve that it unloads, and share within which a line goes straight on.
+# Share of f P within which a path runs along the curve that it unloads, and share within which a
+# line goes straight on.
 _ALONG, _STRAIGHT_ON = 8e-15, 1e-15
 # Steps that are followed at a time.
 _BLOCK = 10_000
@@ -47,12 +59,13 @@ _SLACK_OF_STEP = 1e-6
 _NO_LEG = StraightSegment(0.0, 1.0, (0.0, 0.0), (0.0, 0.0))
 
 
-# ------------------------------------------------------------------------------------------------- the curve and one step
+# --------------------------------------------------------------------------- the curve and one step
 class Knot(NamedTuple):
-    """The uppermost line of a memory curve, and by `below` the whole curve; None for bodies out of contact.
+    """The uppermost line of a memory curve, and by `below` the whole curve; None for bodies out of
+    contact.
 
-    `top` and `force` are eta and M at its upper end, `length` and `rise` their growth along it, `depth` is the number of lines.
-    Fields read it as a `memory.Piece` that is straight.
+    `top` and `force` are eta and M at its upper end, `length` and `rise` their growth along it,
+    `depth` is the number of lines. Fields read it as a `memory.Piece` that is straight.
     """
 
     below: Knot | None
@@ -93,34 +106,53 @@ _OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing to
 Station = tuple[float, float, float]
 """P, Q and the share of the step that is over."""
 Rows = tuple[Callable[["Knot | None"], None], Callable[[Iterable[float]], None]]
-"""Where records go while steps are followed: the line of the memory that each goes through; the columns of `Records` but for the
-row, then top, force, length and rise of that line."""
+"""Where records go while steps are followed: the line of the memory that each goes through; the
+columns of `Records` but for the row, then top, force, length and rise of that line."""
 _UNLOADS = 2
 
 
 def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
-    """How the memory takes the steps between rows (n + 1, 2), (n,): slip to a side, 1 or -1, full stick, 0, or `_UNLOADS`."""
+    """How the memory takes the steps between rows (n + 1, 2), (n,): slip to a side, 1 or -1, full
+    stick, 0, or `_UNLOADS`.
+    """
     growth, rise = np.diff(rows, axis=0).T
     limit = friction * growth
     noise = _NOISE * (np.abs(rise) + np.abs(limit))
     forward, reverse = rise - limit > noise, -rise - limit > noise
-    return np.where((growth < 0) & (forward == reverse), _UNLOADS, np.where(forward, 1, np.where(reverse, -1, 0))).astype(np.int8)
+    return np.where(
+        (growth < 0) & (forward == reverse),
+        _UNLOADS,
+        np.where(forward, 1, np.where(reverse, -1, 0)),
+    ).astype(np.int8)
 
 
 def _shortened(curve: Knot, part: float) -> Knot:
-    """The curve without the upper `part` < 1 of its uppermost line; the lowest line begins at 0, to the last digit."""
+    """The curve without the upper `part` < 1 of its uppermost line; the lowest line begins at 0, to
+    the last digit.
+    """
     below, top, force, length, rise, depth = curve
     left_length = (1 - part) * length
     left_rise = (1 - part) * rise
     if below is None:
         return _knot(Knot, (None, left_length, left_rise, left_length, left_rise, depth))
-    return _knot(Knot, (below, top - part * length, force - part * rise, left_length, left_rise, depth))
+    return _knot(
+        Knot, (below, top - part * length, force - part * rise, left_length, left_rise, depth)
+    )
 
 
 def _step(
-    curve: Knot | None, side: int, load: float, force: float, normal: float, tangential: float, friction: float, records: Rows
+    curve: Knot | None,
+    side: int,
+    load: float,
+    force: float,
+    normal: float,
+    tangential: float,
+    friction: float,
+    records: Rows,
 ) -> Knot | None:
-    """The curve after a straight step from P, Q = (load, force) to (normal, tangential), which it takes as `sides_of` says."""
+    """The curve after a straight step from P, Q = (load, force) to (normal, tangential), which it
+    takes as `sides_of` says.
+    """
     if side == _UNLOADS:
         return _unload(curve, (load, force, 0.0), (normal, tangential, 1.0), friction, records)
     if side:
@@ -134,7 +166,10 @@ def _step(
                 below, length, rise = curve.below, length + curve.length, rise + curve.rise
         if below is None:
             length = normal
-        curve = _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1))
+        curve = _knot(
+            Knot,
+            (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1),
+        )
     records[0](curve)
     records[1]((0, load, normal, 0.0, 0.0, 0.0, 1.0, *(curve or _OPEN)[1:5]))
     return curve
@@ -152,7 +187,9 @@ def _slip(
     friction: float,
     records: Rows,
 ) -> Knot | None:
-    """Slip in direction s from (load, force) at the share `begin` of the step: the front goes down through the lines."""
+    """Slip in direction s from (load, force) at the share `begin` of the step: the front goes down
+    through the lines.
+    """
     start, growth, until, (line, numbers) = load, normal - load, begin, records
     total = rest = s * (tangential - force) - friction * growth
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)
@@ -164,8 +201,8 @@ def _slip(
     while curve is not None:
         below, top, held, length, rise, _ = curve
         needed = friction * length - s * rise
-        # A front that meets a knot at the very end of the step, to rounding, has not passed it: what lies below may be at the limit
-        # already, and the front would jump through it.
+        # A front that meets a knot at the very end of the step, to rounding, has not passed it:
+        # what lies below may be at the limit already, and the front would jump through it.
         if rest <= needed + digits or below is None:
             # |Q| <= f P was checked: what the lowest line has not room for is rounding.
             if needed > 0 and rest > 0:
@@ -175,7 +212,11 @@ def _slip(
         if needed > 0:
             rest -= needed
             share = 1 - rest / total
-            after, slipped, until = start + share * growth, passed + share * growth, begin + share * (end - begin)
+            after, slipped, until = (
+                start + share * growth,
+                passed + share * growth,
+                begin + share * (end - begin),
+            )
             line(curve)
             numbers((s, load, after, slid, slipped, needed, until, top, held, length, rise))
             load, slid = after, slipped
@@ -192,15 +233,33 @@ def _slip(
         return curve
     if curve is None:
         slipped = normal
-    return _knot(Knot, (curve, normal, tangential, slipped, s * friction * slipped, curve[5] + 1 if curve is not None else 1))
+    return _knot(
+        Knot,
+        (
+            curve,
+            normal,
+            tangential,
+            slipped,
+            s * friction * slipped,
+            curve[5] + 1 if curve is not None else 1,
+        ),
+    )
 
 
-def _unload(curve: Knot | None, first: Station, last: Station, friction: float, records: Rows) -> Knot | None:
-    """P falls and |dQ| <= f |dP|: slip to the side of the curve on which the path runs, in parts where it crosses the curve.
+def _unload(
+    curve: Knot | None, first: Station, last: Station, friction: float, records: Rows
+) -> Knot | None:
+    """P falls and |dQ| <= f |dP|: slip to the side of the curve on which the path runs, in parts
+    where it crosses the curve.
 
-    The admissible cones of later points lie inside those of earlier ones, so the state is that of one step.
+    The admissible cones of later points lie inside those of earlier ones, so the state is that of
+    one step.
     """
-    drop, slope, noise = first[0] - last[0], (last[1] - first[1]) / (last[0] - first[0]), _ALONG * friction * first[0]
+    drop, slope, noise = (
+        first[0] - last[0],
+        (last[1] - first[1]) / (last[0] - first[0]),
+        _ALONG * friction * first[0],
+    )
     runs: list[tuple[float, int]] = []  # (fall of P at the end, side) of each part but the last
     down, above, before, line = 0.0, 0.0, 0, curve
     here = 0  # side of the part that goes on
@@ -218,10 +277,22 @@ def _unload(curve: Knot | None, first: Station, last: Station, friction: float, 
         above, before, line = now, side, below
     begin = first
     for fall, side in runs:
-        end = (first[0] - fall, first[1] - slope * fall, first[2] + fall / drop * (last[2] - first[2]))
-        curve = _slip(curve, side, *begin, *end, friction, records) if side else _along(curve, begin, end, records)
+        end = (
+            first[0] - fall,
+            first[1] - slope * fall,
+            first[2] + fall / drop * (last[2] - first[2]),
+        )
+        curve = (
+            _slip(curve, side, *begin, *end, friction, records)
+            if side
+            else _along(curve, begin, end, records)
+        )
         begin = end
-    curve = _slip(curve, here, *begin, *last, friction, records) if here else _along(curve, begin, last, records)
+    curve = (
+        _slip(curve, here, *begin, *last, friction, records)
+        if here
+        else _along(curve, begin, last, records)
+    )
     return curve if last[0] > 0 else None
 
 
@@ -233,7 +304,11 @@ def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> 
         below, top, force, length, rise, _ = curve
         part, rest = rest / length, rest - length
         after = 1 - max(rest, 0.0) / drop
-        end = last if below is None or rest <= 0 else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
+        end = (
+            last
+            if below is None or rest <= 0
+            else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
+        )
         records[0](curve)
         records[1]((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2], top, force, length, rise))
         begin = end
@@ -245,8 +320,8 @@ def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> 
 
 
 class Records(NamedTuple):
-    """Parts of steps, (m,) each: direction of slip (0: none), P and P - P_c at both ends, rise of the level, share of the step that
-    is over at the end, and `row`, the number of the step.
+    """Parts of steps, (m,) each: direction of slip (0: none), P and P - P_c at both ends, rise of
+    the level, share of the step that is over at the end, and `row`, the number of the step.
     """
 
     direction: Array
@@ -263,8 +338,8 @@ class Records(NamedTuple):
         return Records._make(column[some] for column in self)
 
     def with_front_in_contact(self) -> Records:
-        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading, the sum of lengths of lines
-        may be a last digit more than P.
+        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading,
+        the sum of lengths of lines may be a last digit more than P.
         """
         slipped = np.minimum(self.slipped, self.load)
         slipped_after = np.minimum(self.slipped_after, self.load_after)
@@ -276,8 +351,8 @@ class Records(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What steps from row to row (n + 1, 2) leave: records, the line of each, its top, force, length and rise, (4, m), the curve at
-    the end, most lines alive.
+    """What steps from row to row (n + 1, 2) leave: records, the line of each, its top, force,
+    length and rise, (4, m), the curve at the end, most lines alive.
     """
 
     rows: Array
@@ -290,7 +365,9 @@ class Block(NamedTuple):
     @property
     def deepest(self) -> float:
         """The largest P - P_c."""
-        return float(np.max(np.maximum(self.records.slipped, self.records.slipped_after), initial=0.0))
+        return float(
+            np.max(np.maximum(self.records.slipped, self.records.slipped_after), initial=0.0)
+        )
 
 
 def depth_of(curve: Knot | None) -> int:
@@ -299,7 +376,8 @@ def depth_of(curve: Knot | None) -> int:
 
 
 def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> Block:
-    """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`, to each of the others.
+    """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`,
+    to each of the others.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
@@ -311,11 +389,14 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     p, q = rows[0].tolist()
-    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
+    # Nothing here can hold itself: the garbage collector would look at all other objects again and
+    # again, for half of the time.
     collects = gc.isenabled()
     gc.disable()
     try:
-        for (normal, tangential), side in zip(rows[1:].tolist(), sides_of(rows, friction).tolist(), strict=True):
+        for (normal, tangential), side in zip(
+            rows[1:].tolist(), sides_of(rows, friction).tolist(), strict=True
+        ):
             curve = _step(curve, side, p, q, normal, tangential, friction, records)
             if normal == 0:
                 curve = None  # unloaded: a line that rounding left has no length
@@ -346,12 +427,17 @@ def _alike(one: Knot | None, other: Knot | None, friction: float, tolerance: flo
     first, second = knots_of(one), knots_of(other)
     knots = np.union1d(first[0], second[0])
     apart = np.abs(np.interp(knots, *first) - np.interp(knots, *second))
-    return bool(abs(first[0, -1] - second[0, -1]) <= tolerance * knots[-1] and np.all(apart <= tolerance * friction * knots[-1]))
+    return bool(
+        abs(first[0, -1] - second[0, -1]) <= tolerance * knots[-1]
+        and np.all(apart <= tolerance * friction * knots[-1])
+    )
 
 
-# ------------------------------------------------------------------------------------------------------ the whole path
+# ----------------------------------------------------------------------------------- the whole path
 class Part(NamedTuple):
-    """A part of a path: rows (m + 1, 3) of time, P and Q, what makes their time the path's, the memory at the first row."""
+    """A part of a path: rows (m + 1, 3) of time, P and Q, what makes their time the path's, the
+    memory at the first row.
+    """
 
     rows: Array
     delay: float
@@ -365,12 +451,12 @@ class LoadSeries:
     Attributes
     ----------
     friction : f
-    parts : initial loading, where the path has a period, and each solved cycle; the whole path where it has none
-    first : number of the first cycle among the parts
+    parts : initial loading, where the path has a period, and each solved cycle; the whole path
+    where it has none first : number of the first cycle among the parts
     steady_from : index of the first cycle that ends in the state it started from, None if none did
     period : duration of a cycle, None for a path that does not repeat
-    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is or is a copy of
-    repeats : whether cycles after the steady one are copies
+    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is
+    or is a copy of repeats : whether cycles after the steady one are copies
     long : whether it is a measured series of more than 1,000 rows, which is answered at its rows
     """
 
@@ -396,7 +482,9 @@ class LoadSeries:
     @cached_property
     def times(self) -> Array:
         """Of all rows, ascending."""
-        return np.concatenate([self.parts[0].rows[:1, 0], *(part.rows[1:, 0] + part.delay for part in self.parts)])
+        return np.concatenate(
+            [self.parts[0].rows[:1, 0], *(part.rows[1:, 0] + part.delay for part in self.parts)]
+        )
 
     @cached_property
     def starts(self) -> Indices:
@@ -404,26 +492,37 @@ class LoadSeries:
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
     def default_times(self, steady: bool, few: bool) -> tuple[Array, int]:
-        """Instants where none are asked for, and how many rows of a long path are left out where a `few` will do.
+        """Instants where none are asked for, and how many rows of a long path are left out where a
+        `few` will do.
 
-        About 400 a cycle, evenly spread over each record, both its ends among them; of a long path the rows.
+        About 400 a cycle, evenly spread over each record, both its ends among them; of a long path
+        the rows.
         """
         begin = len(self.parts) - 1 if steady else 0
         if self.long:
             rows = self.times[self.starts[begin] :]
-            chosen = np.unique(np.append(rows[:: max(len(rows) // _FEW, 1) if few else 1], rows[-1]))
+            chosen = np.unique(
+                np.append(rows[:: max(len(rows) // _FEW, 1) if few else 1], rows[-1])
+            )
             return chosen, len(rows) - len(chosen)
         times = []
         for number, part in enumerate(self.parts[begin:], begin):
             block = follow(part.curve, part.rows[:, 1:], self.friction)
             at = self.times[self.starts[number] :]
-            before, after, until = at[block.records.row], at[block.records.row + 1], block.records.until
-            marks = np.unique(np.append(at[0], np.where(until == 1, after, before + until * (after - before))))
+            before, after, until = (
+                at[block.records.row],
+                at[block.records.row + 1],
+                block.records.until,
+            )
+            marks = np.unique(
+                np.append(at[0], np.where(until == 1, after, before + until * (after - before)))
+            )
             times.append(evenly(marks, initial=number < self.first))
         return np.unique(np.concatenate(times)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
-        """Number of the step, share of it that is over, and share within which two instants are one: (n,) each.
+        """Number of the step, share of it that is over, and share within which two instants are
+        one: (n,) each.
 
         An instant between two steps belongs to the one that ends there.
 
@@ -437,14 +536,17 @@ class LoadSeries:
         row = np.clip(np.searchsorted(times, inside, side="left"), 1, len(times) - 1)
         near = np.minimum(slack / np.diff(times), _SLACK_OF_STEP)
         # A row that somebody else found to rounding is still the row.
-        back = (row > 1) & (inside - times[row - 1] <= near[row - 1] * (times[row] - times[row - 1]))
+        back = (row > 1) & (
+            inside - times[row - 1] <= near[row - 1] * (times[row] - times[row - 1])
+        )
         step = row - 1 - back
         share = (inside - times[step]) / (times[step + 1] - times[step])
         return step, np.where(share > 1 - near[step], 1.0, np.maximum(share, 0.0)), near[step]
 
 
 def own_series(scene: Scene, time: Array | None) -> LoadSeries:
-    """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady where it needs none.
+    """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady
+    where it needs none.
 
     Raises
     ------
@@ -471,11 +573,14 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries:
 def _rows_of(legs: Sequence[LoadSegment]) -> Array:
     """Time, P and Q at the ends of legs: (m + 1, 3), or (0, 3)."""
     stations = [*((leg.start, leg) for leg in legs[:1]), *((leg.end, leg) for leg in legs)]
-    return np.array([[time, *(float(load) for load in leg.loads(time))] for time, leg in stations]).reshape(-1, 3)
+    return np.array(
+        [[time, *(float(load) for load in leg.loads(time))] for time, leg in stations]
+    ).reshape(-1, 3)
 
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
-    """Straight lines between the path's points at `time`, ascending; from (0, 0) to the first of them too.
+    """Straight lines between the path's points at `time`, ascending; from (0, 0) to the first of
+    them too.
 
     A revolution that starts between two of the times starts on the straight line between them.
     """
@@ -485,7 +590,9 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         raise InputError("straight_steps: the times must ascend, no two of them equal")
     times = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time
     if len(times) < 2:
-        raise InputError(f"straight_steps: no time is after the start of the load path, {path.start:.6g}")
+        raise InputError(
+            f"straight_steps: no time is after the start of the load path, {path.start:.6g}"
+        )
     rows = np.stack([times, *path.at(times)], axis=1)
     check_rows(rows, friction)
     slack = SLACK * (path.period or 0.0)
@@ -503,14 +610,25 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
 
 
 def check_rows(rows: Array, friction: float) -> None:
-    """Raise InadmissibleLoadError at the first gross sliding or separation; lines between admissible points are admissible."""
+    """Raise InadmissibleLoadError at the first gross sliding or separation; lines between
+    admissible points are admissible.
+    """
     normal, tangential = rows[:, 1], rows[:, 2]
     slack = _NOISE * float(np.max(np.abs(normal)))
     bad = np.flatnonzero((normal < -slack) | (np.abs(tangential) > friction * (normal + slack)))
     if len(bad):
         before, after = rows[max(int(bad[0]) - 1, 0)].tolist(), rows[bad[0]].tolist()
-        check([StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2]))], friction)
-        raise InadmissibleLoadError("separation" if after[1] < -slack else "gross sliding", after[0], after[1], after[2], friction)
+        check(
+            [StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2]))],
+            friction,
+        )
+        raise InadmissibleLoadError(
+            "separation" if after[1] < -slack else "gross sliding",
+            after[0],
+            after[1],
+            after[2],
+            friction,
+        )
 
 
 def _single(friction: float, rows: Array) -> LoadSeries:
@@ -519,9 +637,17 @@ def _single(friction: float, rows: Array) -> LoadSeries:
 
 
 def _followed(
-    friction: float, loading: Part, turns: Iterable[Part], period: float, whole: int, *, repeats: bool = True
+    friction: float,
+    loading: Part,
+    turns: Iterable[Part],
+    period: float,
+    whole: int,
+    *,
+    repeats: bool = True,
 ) -> LoadSeries:
-    """The series whose `turns` come one after the other; where they repeat, up to the first that ends as it began."""
+    """The series whose `turns` come one after the other; where they repeat, up to the first that
+    ends as it began.
+    """
     cycles: list[Part] = []
     steady, curve = None, None
     for _, block in blocks(loading, friction):
@@ -531,11 +657,18 @@ def _followed(
         deepest = 0.0
         for _, block in blocks(cycles[-1], friction):
             curve, deepest = block.curve, max(deepest, block.deepest)
-        if steady is None and _alike(cycles[-1].curve, curve, friction, repeats_within(deepest / float(np.max(turn.rows[:, 1])))):
+        if steady is None and _alike(
+            cycles[-1].curve,
+            curve,
+            friction,
+            repeats_within(deepest / float(np.max(turn.rows[:, 1]))),
+        ):
             steady = len(cycles) - 1
             if repeats:
                 break
-    covered = tuple(min(number, len(cycles) - 1) for number in range(whole or (len(cycles) if repeats else 1)))
+    covered = tuple(
+        min(number, len(cycles) - 1) for number in range(whole or (len(cycles) if repeats else 1))
+    )
     return LoadSeries(friction, (loading, *cycles), 1, steady, period, covered, repeats)
 
 
@@ -557,30 +690,58 @@ class States:
         self._lines: list[Knot | None] = []
 
     def add(self, block: Block, step: Indices, share: Array, near: Array) -> None:
-        """Instants (n,) at shares of steps of a block; `near` is how far a share may miss the end of a record."""
+        """Instants (n,) at shares of steps of a block; `near` is how far a share may miss the end
+        of a record.
+        """
         if not len(step):
             return
         records, last = block.records, len(block.records.row) - 1
-        number = np.minimum(np.searchsorted(records.row + records.until, step + share - near, side="left"), last)
+        number = np.minimum(
+            np.searchsorted(records.row + records.until, step + share - near, side="left"), last
+        )
         number += records.row[number] < step
-        share = np.minimum(share, records.until[number])  # an instant that counts as the end of a record has the loads of that end
-        begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
-        part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
+        # an instant that counts as the end of a record has the loads of that end
+        share = np.minimum(share, records.until[number])
+        begin = np.where(
+            np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1])
+        )[number]
+        part = np.clip(
+            (share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny),
+            0.0,
+            1.0,
+        )
         top, held, length, rise = block.ends[:, number]
         bottom, slope = top - length, rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
-        load, force = np.where(share[:, None] > 0.5, before + way - (1 - share)[:, None] * way, before + share[:, None] * way).T
+        load, force = np.where(
+            share[:, None] > 0.5,
+            before + way - (1 - share)[:, None] * way,
+            before + share[:, None] * way,
+        ).T
         load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
         s = records.direction[number]
         slipped = records.slipped[number] + part * (records.slipped_after - records.slipped)[number]
-        slipped = np.where(s != 0, np.clip(slipped, np.maximum(load - top, 0.0), np.maximum(load - bottom, 0.0)), 0.0)
+        slipped = np.where(
+            s != 0,
+            np.clip(slipped, np.maximum(load - top, 0.0), np.maximum(load - bottom, 0.0)),
+            0.0,
+        )
         balance = held - slope * (top - (load - slipped)) + s * self.friction * slipped - force
-        used, which = np.unique(number, return_inverse=True) if self.curves else (number[:0], np.zeros(len(step), dtype=np.intp))
+        used, which = (
+            np.unique(number, return_inverse=True)
+            if self.curves
+            else (number[:0], np.zeros(len(step), dtype=np.intp))
+        )
         self._columns.append((load, force, slipped, s, which + len(self._lines), balance))
         self._lines += [block.lines[k] for k in used.tolist()]
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
-        load, force, slipped, s, which, balance = (np.concatenate(column)[back] for column in zip(*self._columns, strict=True))
+        load, force, slipped, s, which, balance = (
+            np.concatenate(column)[back] for column in zip(*self._columns, strict=True)
+        )
         lines = cast(tuple[Curve, ...], tuple(self._lines) or (None,))
-        return Snapshot(time, load, force, slipped, s.astype(np.int64), which, lines, self.friction), balance
+        return (
+            Snapshot(time, load, force, slipped, s.astype(np.int64), which, lines, self.friction),
+            balance,
+        )

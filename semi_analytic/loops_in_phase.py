@@ -1,18 +1,20 @@
-"""The steady cycle of loads in phase, P, Q, bulk strain and tilt there and back on one line: W, W(x) and the stick zone, exact.
+"""The steady cycle of loads in phase, P, Q, bulk strain and tilt there and back on one line: W,
+W(x) and the stick zone, exact.
 
-# notation: A = 2/E*; eps bulk strain, alpha tilt; N = f P - d Q, a = f alpha - d eps with d = +1 in forward and -1 in reverse slip;
-#           I(N, a) frictionless contact of the profile under load N and tilt a; m, c its middle and half-width
+# notation: A = 2/E*; eps bulk strain, alpha tilt; N = f P - d Q, a = f alpha - d eps with d = +1 in
+#           forward and -1 in reverse slip; I(N, a) frictionless contact of the profile under load N
+#           and tilt a; m, c its middle and half-width
 
-On the way from a turning point 1 both ends slip in direction d while N falls. f p - d q is the pressure of a frictionless contact
-(bulk stress acts on the shear as tilt does on the pressure), and the stick zone and the slip outside it follow from how N and a
-have changed since,
+On the way from a turning point 1 both ends slip in direction d while N falls. f p - d q is the
+pressure of a frictionless contact (bulk stress acts on the shear as tilt does on the pressure), and
+the stick zone and the slip outside it follow from how N and a have changed since,
 
     stick zone = I(P_1 + (N - N_1)/2f, alpha_1 + (a - a_1)/2f)
     d ds = -dN (A/pi) arccosh(|x - m|/c) + da sgn(x - m) sqrt((x - m)^2 - c^2)
 
-and W(x) is the sum of both ways of int f p |ds|. This holds while the stick zone recedes at both ends, |da/dN| <= A/(pi c), so that
-both slip the same way (Andresen, Hills and Moore, 2019). The shear and the slip that the initial loading has left are not known
-from the cycle.
+and W(x) is the sum of both ways of int f p |ds|. This holds while the stick zone recedes at both
+ends, |da/dN| <= A/(pi c), so that both slip the same way (Andresen, Hills and Moore, 2019). The
+shear and the slip that the initial loading has left are not known from the cycle.
 """
 
 from __future__ import annotations
@@ -34,7 +36,8 @@ Array = NDArray[np.float64]
 
 # Gauss nodes over a way and over a slip zone; half as many tell the error.
 WAY_NODES = 48
-# Shares of a way between which the edges are looked for that pass a point, and halvings of them: to the last digit.
+# Shares of a way between which the edges are looked for that pass a point, and halvings of them: to
+# the last digit.
 _SHARES = np.linspace(0, 1, 129)
 _HALVINGS = 46
 # Share by which a slip rate may be against its direction.
@@ -50,7 +53,8 @@ def _angles(count: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """The way from one turning point to the other, with slip in one direction; u from 0 to 1 is the share of it that is behind.
+    """The way from one turning point to the other, with slip in one direction; u from 0 to 1 is the
+    share of it that is behind.
 
     Attributes
     ----------
@@ -70,7 +74,10 @@ class Way:
     def rates(self) -> tuple[float, float]:
         """dN/du and da/du."""
         load, force, strain, tilt = self.change.tolist()
-        return self.friction * load - self.direction * force, self.friction * tilt - self.direction * strain
+        return (
+            self.friction * load - self.direction * force,
+            self.friction * tilt - self.direction * strain,
+        )
 
     def pressed(self, u: Array) -> tuple[Array, Array]:
         """Load and tilt of the contact, arrays like u."""
@@ -79,7 +86,9 @@ class Way:
     def stuck(self, u: Array) -> tuple[Array, Array]:
         """Load and tilt of the contact that the stick zone is, arrays like u."""
         normal, turning = self.rates
-        return self.begin[0] + u * normal / (2 * self.friction), self.begin[3] + u * turning / (2 * self.friction)
+        return self.begin[0] + u * normal / (2 * self.friction), self.begin[3] + u * turning / (
+            2 * self.friction
+        )
 
     def interval(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Middle and half-width of a contact."""
@@ -105,20 +114,31 @@ class Way:
         normal, turning = self.rates
         away = np.maximum(np.abs(x - m), c)
         root = np.sqrt((away - c) * (away + c))
-        return -normal * self.compliance / math.pi * np.arcsinh(root / c) + turning * np.sign(x - m) * root
+        return (
+            -normal * self.compliance / math.pi * np.arcsinh(root / c)
+            + turning * np.sign(x - m) * root
+        )
 
     def recedes(self) -> bool:
-        """Whether the stick zone does at both ends, inside the contact, with slip of one direction outside it."""
+        """Whether the stick zone does at both ends, inside the contact, with slip of one direction
+        outside it.
+        """
         normal, turning = self.rates
         u = _SHARES
         m, c = self.stick(u)
         middle, half = self.contact(u)
-        if normal >= 0 or np.min(c) <= 0 or np.pi * np.max(c) * abs(turning) > -normal * self.compliance:
+        if (
+            normal >= 0
+            or np.min(c) <= 0
+            or np.pi * np.max(c) * abs(turning) > -normal * self.compliance
+        ):
             return False
         slack = _ROUNDING * np.max(half)
         inside = np.all(middle - half <= m - c + slack) and np.all(m + c <= middle + half + slack)
         ends = (self.slip_rate(middle + side * half, u) for side in (-1, 1))
-        return bool(inside and all(np.min(rate) >= normal * self.compliance * _ROUNDING for rate in ends))
+        return bool(
+            inside and all(np.min(rate) >= normal * self.compliance * _ROUNDING for rate in ends)
+        )
 
     def work(self, count: int = WAY_NODES) -> float:
         """Integral of f p |ds| over the slip zones and the way."""
@@ -135,11 +155,15 @@ class Way:
         return work
 
     def locked(self, u: Array) -> Array:
-        """How U and m_q have changed since the way began, (2, n): by normal approach and moment of contact and stick zone."""
+        """How U and m_q have changed since the way began, (2, n): by normal approach and moment of
+        contact and stick zone.
+        """
 
         def carried(load: Array, tilt: Array) -> Array:
             m, c = self.interval(load, tilt)
-            approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(2 / c)
+            approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(
+                2 / c
+            )
             return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
 
         at_begin = carried(*self.pressed(np.zeros(1)))
@@ -173,11 +197,15 @@ class Way:
         share, weight = _angles(count)
         length = (place[parts + 1] - place[parts])[:, None]
         power = self.friction_power(x[number[parts], None], place[parts, None] + length * share)
-        return np.asarray(np.bincount(number[parts], (length * power) @ weight, len(x)), dtype=float)
+        return np.asarray(
+            np.bincount(number[parts], (length * power) @ weight, len(x)), dtype=float
+        )
 
 
 def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
-    """Forward and reverse slip of a cycle whose loads are in phase and whose ends slip the same way; None of any other."""
+    """Forward and reverse slip of a cycle whose loads are in phase and whose ends slip the same
+    way; None of any other.
+    """
     friction = scene.friction.coefficient
     if not scene.load.path().cycle or friction <= 0:
         return None
@@ -196,7 +224,10 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
     signs = np.sign(steps[np.abs(steps) > _ROUNDING])
     if np.any(apart > rounding) or np.count_nonzero(signs != np.roll(signs, 1)) != 2:
         return None
-    ways = Way(profile, compliance, friction, begin, change, 1), Way(profile, compliance, friction, end, -change, -1)
+    ways = (
+        Way(profile, compliance, friction, begin, change, 1),
+        Way(profile, compliance, friction, end, -change, -1),
+    )
     return ways if all(way.recedes() for way in ways) else None
 
 

@@ -1,14 +1,18 @@
-"""The coefficient of friction from a measured dissipation: every f at which a cycle of given loads dissipates W.
+"""The coefficient of friction from a measured dissipation: every f at which a cycle of given loads
+dissipates W.
 
-# notation: A = 2/E*, W dissipation of a steady cycle, W_inf its limit for f without bound, f_min least f without gross sliding
+# notation: A = 2/E*, W dissipation of a steady cycle, W_inf its limit for f without bound, f_min
+least f without gross sliding
 
-At constant P, W falls steadily from f_min on, to 0 as 1/f: one f for each W. Where P varies, W does not vanish with growing f: what
-shrinking contact sets free is lost however rough the faces are. For an ellipse
+At constant P, W falls steadily from f_min on, to 0 as 1/f: one f for each W. Where P varies, W does
+not vanish with growing f: what shrinking contact sets free is lost however rough the faces are. For
+an ellipse
 
     W_inf = (2 A/pi) P1 Q1^2 sin^2(phase) int_0^pi sin^3 t (d ln a/dP) dt,   P = P0 + P1 cos t
 
-since the slip zone of I-J is as thin as 1/f and its shear as large as f. W may therefore have a least value, and a largest one as
-well, between f_min and infinity: of 8,000 random ellipses on four profiles none had more than two, so that a W has up to three f.
+since the slip zone of I-J is as thin as 1/f and its shear as large as f. W may therefore have a
+least value, and a largest one as well, between f_min and infinity: of 8,000 random ellipses on four
+profiles none had more than two, so that a W has up to three f.
 """
 
 from __future__ import annotations
@@ -22,7 +26,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Elastic, EllipseLoad, InadmissibleLoadError, InputError, Materials, Profile, Scene, freeze, sampled
+from scenes import (
+    Elastic,
+    EllipseLoad,
+    InadmissibleLoadError,
+    InputError,
+    Materials,
+    Profile,
+    Scene,
+    freeze,
+    sampled,
+)
 from scenes.arrays import real_numbers
 from scenes.frozen import validated
 from semi_analytic.batches import DissipationBatch, dissipation
@@ -30,15 +44,23 @@ from semi_analytic.solution import solve
 
 Array = NDArray[np.float64]
 
-# Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by the logarithm up to _MIDDLE of
-# f_min or Q1/P1, whichever is more, by which W has all its turning points; few beyond, where it only nears W_inf.
+# Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by
+# the logarithm up to _MIDDLE of f_min or Q1/P1, whichever is more, by which W has all its turning
+# points; few beyond, where it only nears W_inf.
 _CLOSE, _EVEN, _FAR = 17, 72, 9
 _MIDDLE, _MOST = 1e2, 1e6
 # f_min itself is admitted, but for its own rounding.
 _BESIDE = 1e-12
-# Of W: a turning point that stands out by less is round-off, and a root that misses by more was not found.
+# Of W: a turning point that stands out by less is round-off, and a root that misses by more was not
+# found.
 _STANDS_OUT, _FOUND = 1e-10, 1e-8
-_LOADS = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+_LOADS = (
+    "mean_normal_load",
+    "normal_amplitude",
+    "mean_tangential_load",
+    "tangential_amplitude",
+    "phase",
+)
 
 
 class NoFriction(IntEnum):
@@ -53,25 +75,38 @@ class NoFriction(IntEnum):
 
 
 _SENTENCES = {
-    NoFriction.TOO_LITTLE: "W = {target:.6g} is less than these loads dissipate at any f up to {top:.4g}: the least is {least:.6g}",
-    NoFriction.TOO_MUCH: "W = {target:.6g} is more than these loads dissipate at any f: the most is {most:.6g}, and they slide "
-    "grossly below f = {f_min:.6g}",
-    NoFriction.INVALID: "W = {target:.6g} is refused: a measured dissipation is a finite number above 0",
-    NoFriction.LOADS: "no f admits these loads: they are not finite, separate the bodies, leave the profile or have no Q",
+    NoFriction.TOO_LITTLE: (
+        "W = {target:.6g} is less than these loads dissipate at any f up to {top:.4g}: the least is"
+        " {least:.6g}"
+    ),
+    NoFriction.TOO_MUCH: (
+        "W = {target:.6g} is more than these loads dissipate at any f: the most is {most:.6g}, and"
+        " they slide grossly below f = {f_min:.6g}"
+    ),
+    NoFriction.INVALID: (
+        "W = {target:.6g} is refused: a measured dissipation is a finite number above 0"
+    ),
+    NoFriction.LOADS: (
+        "no f admits these loads: they are not finite, separate the bodies, leave the profile or"
+        " have no Q"
+    ),
     NoFriction.UNSETTLED: "W = {target:.6g}: the search for f did not converge",
 }
 
 
 @dataclass(frozen=True, eq=False)
 class FrictionBatch:
-    """Coefficients of friction at which each member dissipates what was measured; arrays of the broadcast shape.
+    """Coefficients of friction at which each member dissipates what was measured; arrays of the
+    broadcast shape.
 
     Attributes
     ----------
-    roots : (..., n) every f, ascending, NaN beyond the last of a member; n is the most that a member has, at least 1
-    count : how many f each member has; more than one where P varies and W is no monotone function of f
-    reason : `NoFriction` of each member: 0 none, 1 less than the least dissipation at any f, 2 more than the largest, 3 a W that is
-        no finite number above 0, 4 loads that no f admits, 5 the search did not converge
+    roots : (..., n) every f, ascending, NaN beyond the last of a member; n is the most that a
+    member has, at least 1 count : how many f each member has; more than one where P varies and W is
+    no monotone function of f
+    reason : `NoFriction` of each member: 0 none, 1 less than the least dissipation at any f, 2 more
+        than the largest, 3 a W that is no finite number above 0, 4 loads that no f admits, 5 the
+        search did not converge
     least_friction : f_min, below which the contact slides grossly
     least, most : dissipation at the f that give the least and the most [energy per unit thickness]
     sentences : one for each member without a root, at most ten
@@ -100,19 +135,24 @@ def friction_from(
     phase: ArrayLike = math.pi / 2,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> FrictionBatch:
-    """Every coefficient of friction at which the steady cycle dissipates the measured `dissipation`.
+    """Every coefficient of friction at which the steady cycle dissipates the measured
+    `dissipation`.
 
     Parameters
     ----------
-    dissipation : W of one cycle [energy per unit thickness], > 0, an array that broadcasts with the rest
-    scene : in place of all the others: its profile, material and loads, of any kind; its own coefficient counts for nothing
-    profile, material, mean_normal_load, ... : as `dissipation` takes them, without the coefficient of friction
+    dissipation : W of one cycle [energy per unit thickness], > 0, an array that broadcasts with the
+        rest
+    scene : in place of all the others: its profile, material and loads, of any kind; its own
+    coefficient counts for nothing profile, material, mean_normal_load, ... : as `dissipation` takes
+    them, without the coefficient of friction
 
     Returns
     -------
-    FrictionBatch with all roots: one, or two or three where P varies. W(f) is sampled at 98 coefficients from gross sliding to 10^6
-    times the larger of f_min and Q1/P1; its turning points and roots are then refined. A root is good to 1e-10 of itself, close
-    to a turning point of W to 1e-5. A member of Hertz takes 0.2 ms, of a table 50 ms, a scene whose load is no ellipse seconds.
+    FrictionBatch with all roots: one, or two or three where P varies. W(f) is sampled at 98
+    coefficients from gross sliding to 10^6 times the larger of f_min and Q1/P1; its turning points
+    and roots are then refined. A root is good to 1e-10 of itself, close to a turning point of W to
+    1e-5. A member of Hertz takes 0.2 ms, of a table 50 ms, a scene whose load is no ellipse
+    seconds.
 
     Raises
     ------
@@ -128,7 +168,17 @@ def friction_from(
     if scene is None:
         given = {"profile": profile, "material": material}
         loads = dict(
-            zip(_LOADS, (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase), strict=True)
+            zip(
+                _LOADS,
+                (
+                    mean_normal_load,
+                    normal_amplitude,
+                    mean_tangential_load,
+                    tangential_amplitude,
+                    phase,
+                ),
+                strict=True,
+            )
         )
         missing = [name for name, value in (given | loads).items() if value is None]
         if missing:
@@ -139,30 +189,44 @@ def friction_from(
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)
     if scene.unsymmetric:
-        raise InputError("friction_from: it takes scenes of symmetric profiles without bulk stress and tilt; `solve` takes others")
+        raise InputError(
+            "friction_from: it takes scenes of symmetric profiles without bulk stress and tilt;"
+            " `solve` takes others"
+        )
     if isinstance(scene.load, EllipseLoad):
         loads = {name: getattr(scene.load, name) for name in _LOADS}
-        return _of_ellipses(dissipation, {"profile": scene.profile, "material": scene.material}, loads)
+        return _of_ellipses(
+            dissipation, {"profile": scene.profile, "material": scene.material}, loads
+        )
     return _of_path(dissipation, scene)
 
 
-def sliding_limit(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array) -> Array:
-    """The largest |Q|/P of ellipses, below which f slides grossly; infinite where P reaches 0. Arrays that broadcast.
+def sliding_limit(
+    mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array
+) -> Array:
+    """The largest |Q|/P of ellipses, below which f slides grossly; infinite where P reaches 0.
+    Arrays that broadcast.
 
-    Q - f P touches 0 where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q + f P with Q0 turned.
+    Q - f P touches 0 where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q +
+    f P with Q0 turned.
 
-    >>> float(sliding_limit(*(np.array(value) for value in (3.0, 0.0, 0.5, 1.0, 0.3))))  # (Q0 + Q1)/P0
+    >>> float(
+    ...     sliding_limit(*(np.array(value) for value in (3.0, 0.0, 0.5, 1.0, 0.3)))
+    ... )  # (Q0 + Q1)/P0
     0.5
     """
     square = (mean - amplitude) * (mean + amplitude)
     middle = np.abs(mean * force - amplitude * tangential * np.cos(phase))
-    root = np.sqrt(np.maximum(middle**2 + square * (tangential - force) * (tangential + force), 0.0))
+    root = np.sqrt(
+        np.maximum(middle**2 + square * (tangential - force) * (tangential + force), 0.0)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(square > 0, (middle + root) / square, np.inf))
 
 
 def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]) -> FrictionBatch:
-    # One call without friction checks every argument and knows the shape of the loads and of the profile's numbers.
+    # One call without friction checks every argument and knows the shape of the loads and of the
+    # profile's numbers.
     first: DissipationBatch = dissipation(**given, **loads, friction_coefficient=0.0)
     shape, profile = first.value.shape, given["profile"]
 
@@ -170,7 +234,11 @@ def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]
         """What an argument is for some members, (k,)."""
         if name == "rises":
             return [of_members("", rise, which) for rise in value]
-        return value if name in ("kind", "fitted") else np.broadcast_to(real_numbers(value, name), shape).flat[which]
+        return (
+            value
+            if name in ("kind", "fitted")
+            else np.broadcast_to(real_numbers(value, name), shape).flat[which]
+        )
 
     def work(friction: Array, member: NDArray[np.intp]) -> Array:
         part = {name: of_members(name, value, member) for name, value in loads.items()}
@@ -182,7 +250,11 @@ def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]
     flat = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         least = sliding_limit(*flat.values())
-        no_slip = np.where(flat["normal_amplitude"] > 0, flat["tangential_amplitude"] / flat["normal_amplitude"], 0.0)
+        no_slip = np.where(
+            flat["normal_amplitude"] > 0,
+            flat["tangential_amplitude"] / flat["normal_amplitude"],
+            0.0,
+        )
     return _inverse(target, work, least, no_slip, shape, first.notes)
 
 
@@ -190,7 +262,9 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     """The same of one scene with another load: W by the engine that marches."""
 
     def once(friction: float) -> float:
-        return solve(scene.vary(friction=friction), x=0.0, fields="dissipation", cycles="steady").dissipation
+        return solve(
+            scene.vary(friction=friction), x=0.0, fields="dissipation", cycles="steady"
+        ).dissipation
 
     path = scene.load.path()
     loads = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
@@ -232,13 +306,16 @@ def _inverse(
     work : (k,) coefficients and the numbers of their members -> W (k,)
     least, no_slip : (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
-    from scipy.optimize import elementwise  # noqa: PLC0415 - `scipy.optimize` alone does not load it
+    # `scipy.optimize` alone does not load it
+    from scipy.optimize import elementwise  # noqa: PLC0415
 
     wanted = real_numbers(target, "dissipation")
     try:
         whole = np.broadcast_shapes(wanted.shape, shape)
     except ValueError as fault:
-        raise InputError(f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}") from fault
+        raise InputError(
+            f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
+        ) from fault
     count = len(least)
     some = np.isfinite(least) & (least > 0)
     begin = np.where(some, least, 1.0) * (1 + _BESIDE)
@@ -254,7 +331,9 @@ def _inverse(
     )
     number = np.broadcast_to(np.arange(count), log_f.shape)
     works = np.full(log_f.shape, np.nan)
-    works[:, some] = work(np.exp(log_f[:, some]).ravel(), number[:, some].ravel()).reshape(len(log_f), -1)
+    works[:, some] = work(np.exp(log_f[:, some]).ravel(), number[:, some].ravel()).reshape(
+        len(log_f), -1
+    )
     some &= np.all(np.isfinite(works), axis=0)
 
     # Turning points of W, which may lie between two samples and hide two roots.
@@ -264,7 +343,9 @@ def _inverse(
     if len(row):
         sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
         turning = elementwise.find_minimum(
-            lambda at, member, side: side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape),
+            lambda at, member, side: (
+                side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape)
+            ),
             tuple(log_f[row + shift, column] for shift in (0, 1, 2)),
             args=(column.astype(float), sign),
         )
@@ -276,7 +357,10 @@ def _inverse(
         extra_work[place, column[order]] = (sign * turning.f_x)[order]
         log_f, works = np.concatenate([log_f, extra]), np.concatenate([works, extra_work])
         ascending = np.argsort(log_f, axis=0)
-        log_f, works = np.take_along_axis(log_f, ascending, 0), np.take_along_axis(works, ascending, 0)
+        log_f, works = (
+            np.take_along_axis(log_f, ascending, 0),
+            np.take_along_axis(works, ascending, 0),
+        )
 
     member = np.broadcast_to(np.arange(count).reshape(shape), whole).ravel()
     aim = np.broadcast_to(wanted, whole).ravel()
@@ -287,11 +371,16 @@ def _inverse(
     order = np.lexsort((row, column))
     row, column = row[order], column[order]
     found = np.bincount(column, minlength=len(aim))
-    roots, unsettled = np.full((len(aim), max(1, int(found.max(initial=0)))), np.nan), np.zeros(len(aim), dtype=bool)
+    roots, unsettled = (
+        np.full((len(aim), max(1, int(found.max(initial=0)))), np.nan),
+        np.zeros(len(aim), dtype=bool),
+    )
     if len(row):
         loops = member[column]
         result = elementwise.find_root(
-            lambda at, loop, goal: work(np.exp(at).ravel(), loop.ravel().astype(int)).reshape(at.shape) - goal,
+            lambda at, loop, goal: (
+                work(np.exp(at).ravel(), loop.ravel().astype(int)).reshape(at.shape) - goal
+            ),
             (log_f[row, loops], log_f[row + 1, loops]),
             args=(loops.astype(float), aim[column]),
         )
@@ -299,8 +388,20 @@ def _inverse(
         unsettled[column[~(np.abs(result.f_x) <= _FOUND * aim[column])]] = True
     low = np.min(np.where(np.isfinite(works), works, np.inf), axis=0)[member]
     high = np.max(np.where(np.isfinite(works), works, -np.inf), axis=0)[member]
-    conditions = [~(np.isfinite(aim) & (aim > 0)), ~some[member], unsettled, (found == 0) & (aim > high), found == 0]
-    kinds = [NoFriction.INVALID, NoFriction.LOADS, NoFriction.UNSETTLED, NoFriction.TOO_MUCH, NoFriction.TOO_LITTLE]
+    conditions = [
+        ~(np.isfinite(aim) & (aim > 0)),
+        ~some[member],
+        unsettled,
+        (found == 0) & (aim > high),
+        found == 0,
+    ]
+    kinds = [
+        NoFriction.INVALID,
+        NoFriction.LOADS,
+        NoFriction.UNSETTLED,
+        NoFriction.TOO_MUCH,
+        NoFriction.TOO_LITTLE,
+    ]
     reason = np.select(conditions, kinds, NoFriction.NONE).astype(np.int8)
     roots[reason != NoFriction.NONE] = np.nan
     sentences = tuple(
@@ -310,7 +411,10 @@ def _inverse(
         for k in np.flatnonzero(reason)[:10]
     )
     counted = np.where(reason == NoFriction.NONE, found, 0)
-    limits = (np.where(some[member], values, np.nan).reshape(whole) for values in (least[member], low, high))
+    limits = (
+        np.where(some[member], values, np.nan).reshape(whole)
+        for values in (least[member], low, high)
+    )
     least_friction, low, high = (freeze(values) for values in limits)
     return FrictionBatch(
         roots=freeze(roots.reshape(*whole, -1)),

@@ -1,16 +1,19 @@
-"""The frictional memory of a contact: the curve M(eta), an immutable value, and what a load does to it (Masing rule).
+"""The frictional memory of a contact: the curve M(eta), an immutable value, and what a load does to
+it (Masing rule).
 
-# notation: eta normal load in [0, P]; M(eta) tangential force of the flat punches up to eta, M(0) = 0, M(P) = Q, |dM/d eta|
-#           <= f;
-#           s direction of slip, +1 or -1; P_c load at the front of a slip zone
+# notation: eta normal load in [0, P]; M(eta) tangential force of the flat punches up to eta, M(0) =
+#           0, M(P) = Q, |dM/d eta| <= f; s direction of slip, +1 or -1; P_c load at the front of a
+#           slip zone
 
-The curve is a stack of pieces, the last at the top; a piece knows the one below it, so that all instants of a history share
-what they have in common. A piece is a parabola M = M_a + (slope + bend (eta - eta_a)) (eta - eta_a) about an instant `a` of
-the load path (a straight line mostly), or an arc: a stretch of a curved leg that was appended in full stick.
+The curve is a stack of pieces, the last at the top; a piece knows the one below it, so that all
+instants of a history share what they have in common. A piece is a parabola M = M_a + (slope + bend
+(eta - eta_a)) (eta - eta_a) about an instant `a` of the load path (a straight line mostly), or an
+arc: a stretch of a curved leg that was appended in full stick.
 
 Round-off error: where next to nothing slips, the load at the front P_c is known to a digit of P.
 
-# notation: P_c load at the front of slip; d = P - P_c the load that has slipped, W ~ d^3 and s ~ d^(3/2) where d is small
+# notation: P_c load at the front of slip; d = P - P_c the load that has slipped, W ~ d^3 and s ~
+d^(3/2) where d is small
 """
 
 from __future__ import annotations
@@ -29,40 +32,52 @@ Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 _REPEATS, _OF_SLIP, _LEAST = 1e-12, 1e-4, 2e-14
 LAST_DIGITS = 4 * _EPS
-"""Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P from 1e-4 to 1e-14."""
+"""Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P
+from 1e-4 to 1e-14.
+"""
 
 PROMISED = 1e-12
 """Closed forms promise that much, see `errors`; what rounding adds is stated where it is more."""
 
 
 def repeats_within(share: float) -> float:
-    """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what slips (`share` of P)."""
+    """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what
+    slips (`share` of P).
+    """
     return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
 
 
 def rounding_of_slip(share: float) -> float:
-    """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed forms promise, or nothing slips.
+    """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed
+    forms promise, or nothing slips.
 
-    Three times as much counts for W, eight times for the slip s: one and a half by its power of d, the rest by the digits of
-    kernels that cancel. Measured: up to 4.5 times, on a short flat face.
+    Three times as much counts for W, eight times for the slip s: one and a half by its power of d,
+    the rest by the digits of kernels that cancel. Measured: up to 4.5 times, on a short flat face.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
     return error if 8 * error > PROMISED else 0.0
 
 
 def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the tangential displacement by the last digits of a sum of f int ln(2 L/a) d eta = f `moments`
-    that cancels, (n,) each.
+    """Relative error of the tangential displacement by the last digits of a sum of f int ln(2 L/a)
+    d eta = f `moments` that cancels, (n,) each.
 
-    `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms promise, or nothing shifts.
+    `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms
+    promise, or nothing shifts.
     """
     largest = float(np.max(np.abs(shifts)))
-    error = 2 * LAST_DIGITS * friction * float(np.max(np.abs(moments))) / largest if largest > 0 else 0.0
+    error = (
+        2 * LAST_DIGITS * friction * float(np.max(np.abs(moments))) / largest
+        if largest > 0
+        else 0.0
+    )
     return error if error > PROMISED else 0.0
 
 
 def level(direction: int, friction: float) -> Combination:
-    """The combination that grows while the surfaces slip in `direction` (+1 forward, -1 reverse): +-Q - f P."""
+    """The combination that grows while the surfaces slip in `direction` (+1 forward, -1 reverse):
+    +-Q - f P.
+    """
     return Combination(-friction, float(direction))
 
 
@@ -86,7 +101,9 @@ def change_from(where: Instant, leg: LoadSegment, what: Combination, time: Array
     if where.leg is leg:
         return leg.change_of(what, time, where.time)
     begin = instant(leg, leg.start)
-    jump = what.normal * (begin.normal - where.normal) + what.tangential * (begin.tangential - where.tangential)
+    jump = what.normal * (begin.normal - where.normal) + what.tangential * (
+        begin.tangential - where.tangential
+    )
     return leg.change_of(what, time, leg.start) + jump
 
 
@@ -99,7 +116,8 @@ class Piece(NamedTuple):
     top : eta at the upper end
     anchor : the instant of the load path from which the piece is measured
     slope, bend : dM/d eta at the anchor and half the second derivative; not used for an arc
-    arc : (first, last) times of the anchor's leg at the lower and the upper end of an arc, else None
+    arc : (first, last) times of the anchor's leg at the lower and the upper end of an arc, else
+        None
     """
 
     below: Piece | None
@@ -131,7 +149,9 @@ def value_on(piece: Piece, eta: ArrayLike) -> Array:
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
         return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
-    return piece.anchor.tangential + piece.anchor.leg.change_of(Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time)
+    return piece.anchor.tangential + piece.anchor.leg.change_of(
+        Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time
+    )
 
 
 def _whole_arc(piece: Piece) -> tuple[float, float]:
@@ -143,14 +163,18 @@ def _whole_arc(piece: Piece) -> tuple[float, float]:
 def front_time(piece: Piece, front: ArrayLike) -> Array:
     """Time of an arc's leg at which its load is `front`, shape of `front`."""
     first, last = _whole_arc(piece)
-    return piece.anchor.leg.time_of(NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
+    return piece.anchor.leg.time_of(
+        NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last
+    )
 
 
 def values(curve: Curve, eta: ArrayLike) -> Array:
     """M(eta) of a memory curve at eta in [0, P], any shape.
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))  # full stick: M runs along the path of loads
+    >>> leg = StraightSegment(
+    ...     0.0, 1.0, (0.0, 0.0), (2.0, 1.0)
+    ... )  # full stick: M runs along the path of loads
     >>> values(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
     [0.25, 1.0]
     """
@@ -164,7 +188,8 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
-    """The curve with everything above `load` taken away: what unloading along the curve itself leaves.
+    """The curve with everything above `load` taken away: what unloading along the curve itself
+    leaves.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -191,20 +216,35 @@ def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) ->
     (2.0, 0.5, [0.5])
     """
     form = leg.slope_and_bend(end.time)
-    return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time)) if form is None else Piece(curve, end.normal, end, *form)
+    return (
+        Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
+        if form is None
+        else Piece(curve, end.normal, end, *form)
+    )
 
 
 def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
-    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost piece of `curve`.
+    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost
+    piece of `curve`.
 
-    The Masing rule: after a reversal at constant P the front returns at half the speed, P - P_c = dQ/(2 f), and below it the curve
-    is what it was.
+    The Masing rule: after a reversal at constant P the front returns at half the speed, P - P_c =
+    dQ/(2 f), and below it the curve is what it was.
 
     >>> from scenes import StraightSegment
-    >>> forward = Piece(None, 1.0, Instant(StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5)), 1.0, 1.0, 0.5), 0.5)  # M = f eta
+    >>> forward = Piece(
+    ...     None,
+    ...     1.0,
+    ...     Instant(StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5)), 1.0, 1.0, 0.5),
+    ...     0.5,
+    ... )  # M = f eta
     >>> back = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
     >>> slipped = float(slipped_load(forward, -1, 0.5, back, 2.0))
-    >>> round(slipped, 12), values(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0]).round(12).tolist()
+    >>> (
+    ...     round(slipped, 12),
+    ...     values(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0])
+    ...     .round(12)
+    ...     .tolist(),
+    ... )
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
@@ -215,7 +255,8 @@ def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped
 
 
 def flat(piece: Piece, direction: int, friction: float) -> bool:
-    """Whether the piece is at the Coulomb limit dM/d eta = +-f, |q| = f p, in `direction` already: a front passes it at once.
+    """Whether the piece is at the Coulomb limit dM/d eta = +-f, |q| = f p, in `direction` already:
+    a front passes it at once.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -227,18 +268,25 @@ def flat(piece: Piece, direction: int, friction: float) -> bool:
 
 
 def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
-    """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front leaves the piece."""
+    """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front
+    leaves the piece.
+    """
     if piece.arc is not None:
-        return piece.anchor.leg.change_of(level(direction, friction), front_time(piece, eta), piece.anchor.time)
+        return piece.anchor.leg.change_of(
+            level(direction, friction), front_time(piece, eta), piece.anchor.time
+        )
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 
-def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:
-    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside `piece`, free of cancellation.
+def slipped_load(
+    piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
+) -> Array:
+    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside `piece`, free of
+    cancellation.
 
-    The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor `a` that gives
-    P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
+    The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor
+    `a` that gives P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
@@ -257,20 +305,26 @@ def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
 
 
-def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:
+def _slipped_on_arc(
+    piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
+) -> Array:
     first, last = _whole_arc(piece)
     what, arc_leg = level(direction, friction), piece.anchor.leg
     twin = leg.mirrored(what, time, (first + last) / 2) if arc_leg is leg else None
     if twin is not None:
         return leg.change_of(NORMAL_LOAD, time, twin)
     rise = change_from(piece.anchor, leg, what, time)
-    # Back from the end of the arc, where the path may have turned: counted from its begin, rounding would leave half the digits.
+    # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
+    # would leave half the digits.
     front = arc_leg.time_of(what, rise, last, first)
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(NORMAL_LOAD, front, last)
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
+        NORMAL_LOAD, front, last
+    )
 
 
 def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:
-    """Whether two curves agree within `tolerance` f P at their knots and at three loads in between any two.
+    """Whether two curves agree within `tolerance` f P at their knots and at three loads in between
+    any two.
 
     >>> same(None, None, 0.5)
     True
@@ -281,8 +335,16 @@ def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) ->
     if abs(one.top - other.top) > tolerance * top:
         return False
     top = min(one.top, other.top)
-    knots = np.array(sorted({0.0, top, *(min(piece.top, top) for curve in (one, other) for piece in pieces(curve))}))
-    loads = np.unique(np.concatenate([knots[:-1] + (knots[1:] - knots[:-1]) * part for part in (0.25, 0.5, 0.75, 1.0)]))
+    knots = np.array(
+        sorted(
+            {0.0, top, *(min(piece.top, top) for curve in (one, other) for piece in pieces(curve))}
+        )
+    )
+    loads = np.unique(
+        np.concatenate(
+            [knots[:-1] + (knots[1:] - knots[:-1]) * part for part in (0.25, 0.5, 0.75, 1.0)]
+        )
+    )
     difference = np.abs(values(one, loads) - values(other, loads))
     return bool(np.all(difference <= tolerance * friction * top))
 
@@ -291,7 +353,8 @@ def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) ->
 class Snapshot:
     """The memory curves of many instants side by side.
 
-    Each is `actives[which]` up to the load `load - slipped`, and from there a line of slope `direction` f.
+    Each is `actives[which]` up to the load `load - slipped`, and from there a line of slope
+    `direction` f.
 
     Attributes
     ----------

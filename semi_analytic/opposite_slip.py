@@ -1,17 +1,20 @@
-"""Large bulk stress at constant normal load: the two ends of a Hertzian contact slip opposite ways (Nowell and Hills 1987).
+"""Large bulk stress at constant normal load: the two ends of a Hertzian contact slip opposite ways
+(Nowell and Hills 1987).
 
-# notation: A = 2/E*, k = E*/(2 R), p = k sqrt(a^2 - x^2), eps = kappa Q bulk strain in proportion to Q; b1, b2 ends of stick,
-#           w = sqrt((b1 - xi)(b2 - xi)), m = (b1 + b2)/2, c = (b2 - b1)/2; e = eps/(A f k a)
+# notation: A = 2/E*, k = E*/(2 R), p = k sqrt(a^2 - x^2), eps = kappa Q bulk strain in proportion
+#           to Q; b1, b2 ends of stick, w = sqrt((b1 - xi)(b2 - xi)), m = (b1 + b2)/2, c = (b2 -
+#           b1)/2; e = eps/(A f k a)
 
-Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and friction has two signs on its two sides. With eps < 0, right end
-forward and left end reverse,
+Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and friction has two signs on its two
+sides. With eps < 0, right end forward and left end reverse,
 
     eps/(A f k) = m - (2/pi) int_{-a}^{b1} sqrt(a^2 - xi^2)/w d xi
     Q = f P + (pi eps/A) m - f k pi (m^2 + c^2/2) + 2 f k int_{-a}^{b1} xi sqrt(a^2 - xi^2)/w d xi
 
-and for eps > 0 the same with -Q and -eps. While Q and eps grow in proportion the stick zones I are nested, and q is a sum of the
-increments [1/pi - (kappa/A) t]/sqrt(c^2 - t^2) dQ on them. So the memory curve of constant P holds with I(eta), eta = P - |Q|/f, in
-place of contact intervals of load eta (Masing rule), and so do the formulas of s, U, m_q and W in `tilted_profile`.
+and for eps > 0 the same with -Q and -eps. While Q and eps grow in proportion the stick zones I are
+nested, and q is a sum of the increments [1/pi - (kappa/A) t]/sqrt(c^2 - t^2) dQ on them. So the
+memory curve of constant P holds with I(eta), eta = P - |Q|/f, in place of contact intervals of load
+eta (Masing rule), and so do the formulas of s, U, m_q and W in `tilted_profile`.
 """
 
 from __future__ import annotations
@@ -29,7 +32,8 @@ from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 
-# Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at most.
+# Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at
+# most.
 _PARTS, _STEPS = 12, 30
 # Step by which derivatives are taken: they need few digits.
 _WIDTH = 1e-6
@@ -38,9 +42,12 @@ _MEMBERS = 10_000
 
 
 def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
-    """e < 0 and Q/(f P) under which the contact -1 < x < 1 slips for d1 = `left` and d2 = `right` at its ends.
+    """e < 0 and Q/(f P) under which the contact -1 < x < 1 slips for d1 = `left` and d2 = `right`
+    at its ends.
 
-    >>> e, q = loads_of(np.array([0.5]), np.array([0.5]))  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
+    >>> e, q = loads_of(
+    ...     np.array([0.5]), np.array([0.5])
+    ... )  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """
@@ -55,7 +62,8 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
-    """d1 and d2 of e < 0 and Q/(f P), (n,) each, that grow in proportion from nothing: the inverse of `loads_of`.
+    """d1 and d2 of e < 0 and Q/(f P), (n,) each, that grow in proportion from nothing: the inverse
+    of `loads_of`.
 
     Raises
     ------
@@ -72,7 +80,9 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
 
 
 def _depths(wanted: Array) -> Array:
-    """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it fails."""
+    """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it
+    fails.
+    """
     e, force = wanted
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
     for part in range(1, _PARTS + 1):
@@ -82,10 +92,18 @@ def _depths(wanted: Array) -> Array:
             rates = []
             for row in (0, 1):
                 width = _WIDTH * depth * (np.arange(2) == row)[:, None]
-                rates.append((np.stack(loads_of(*(depth + width))) - np.stack(loads_of(*(depth - width)))) / (2 * width[row]))
+                rates.append(
+                    (np.stack(loads_of(*(depth + width))) - np.stack(loads_of(*(depth - width))))
+                    / (2 * width[row])
+                )
             (of_left, force_of_left), (of_right, force_of_right) = rates
             determinant = of_left * force_of_right - of_right * force_of_left
-            step = np.stack([force_of_right * fault[0] - of_right * fault[1], of_left * fault[1] - force_of_left * fault[0]])
+            step = np.stack(
+                [
+                    force_of_right * fault[0] - of_right * fault[1],
+                    of_left * fault[1] - force_of_left * fault[0],
+                ]
+            )
             step = step / determinant
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             room = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
@@ -106,7 +124,9 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=8)  # the same zones under other values of `rigid`
 def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, Pieces]:
-    """b1/a and b2/a over P - eta up to `most`, -e = `eccentric` (P - eta) and Q/(f P) = `forced` (P - eta)."""
+    """b1/a and b2/a over P - eta up to `most`, -e = `eccentric` (P - eta) and Q/(f P) = `forced` (P
+    - eta).
+    """
 
     def ends(v: Array) -> tuple[Array, Array]:
         left, right = slip_depths(-eccentric * v.ravel(), forced * v.ravel())
@@ -118,7 +138,8 @@ def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, 
 
 @dataclass(frozen=True, eq=False)
 class OppositeSlip(TiltedProfile):
-    """The parabola at constant P under bulk strain kappa Q that is large; its I(eta), eta <= P, are stick zones.
+    """The parabola at constant P under bulk strain kappa Q that is large; its I(eta), eta <= P, are
+    stick zones.
 
     Attributes
     ----------
@@ -147,7 +168,9 @@ class OppositeSlip(TiltedProfile):
 
     @cached_property
     def _series(self) -> tuple[Pieces, Pieces]:
-        """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A f P), for A P = pi a^2/(2 R)."""
+        """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A
+        f P), for A P = pi a^2/(2 R).
+        """
         most, _, half = self._contact
         forced = -self.share * float(np.sign(self.lean)) / most
         return _stick_zones(abs(self.lean) * half / (2 * most), forced, self._deepest * (1 + 1e-9))
@@ -158,7 +181,10 @@ class OppositeSlip(TiltedProfile):
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         most, middle, half = self._contact
-        left, right = (ends(np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest)) for ends in self._series)
+        left, right = (
+            ends(np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest))
+            for ends in self._series
+        )
         return middle + half * (left + right) / 2, half * (right - left) / 2
 
     def is_nested(self, load: float) -> bool:
@@ -183,23 +209,32 @@ class OppositeSlip(TiltedProfile):
 
     def sense(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
-        return np.where(np.asarray(x, dtype=float) > self._contact[1], -1.0, 1.0) * np.sign(self.lean)
+        return np.where(np.asarray(x, dtype=float) > self._contact[1], -1.0, 1.0) * np.sign(
+            self.lean
+        )
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
         m, c = np.array(self._contact[1]), np.array(self._contact[2])
-        size = self.shape.pressure(np.asarray(x, dtype=float), m, c) / (np.pi * self.intervals.product)
+        size = self.shape.pressure(np.asarray(x, dtype=float), m, c) / (
+            np.pi * self.intervals.product
+        )
         return np.asarray(self.sense(x) * size + 0 * np.asarray(load, dtype=float))
 
-    def _to_the_top(self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]) -> Array:
-        """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear where x sticks.
+    def _to_the_top(
+        self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
+    ) -> Array:
+        """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear
+        where x sticks.
 
         From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
         """
         most = self.intervals.most
         least = most - self._deepest
         places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, least, most))
-        (points, column), (stops, row) = (np.unique(values, return_inverse=True) for values in (places, loads))
+        (points, column), (stops, row) = (
+            np.unique(values, return_inverse=True) for values in (places, loads)
+        )
         low, high, edge = stops[:, None], np.append(stops[1:], most)[:, None], self.load(points)
         if kernel == "inverse_root":
             begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, least)
@@ -213,14 +248,18 @@ class OppositeSlip(TiltedProfile):
             for k in range(0, len(cell), _MEMBERS):
                 here = cell[k : k + _MEMBERS], point[k : k + _MEMBERS]
                 eta, weight = rule(begin[here], end[here])
-                cells[here] = np.sum(weight * getattr(self, kernel)(points[here[1], None], 0.0, eta), axis=-1)
+                cells[here] = np.sum(
+                    weight * getattr(self, kernel)(points[here[1], None], 0.0, eta), axis=-1
+                )
         total = np.cumsum(cells[::-1], axis=0)[::-1]
         return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
         sticks = self.load(x) < np.minimum(load, self.intervals.most)
-        return -np.where(sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load))
+        return -np.where(
+            sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load)
+        )
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of the kernel of slip up to a load, less that up to P."""
@@ -235,6 +274,8 @@ class OppositeSlip(TiltedProfile):
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""
-        load, slipped = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(slipped, dtype=float))
+        load, slipped = np.broadcast_arrays(
+            np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
+        )
         rate, (eta, weight) = self._as_loop.log_ratio, crowded(load - slipped, load)
         return np.asarray(np.sum(weight * (rate(load - slipped)[..., None] - rate(eta)), axis=-1))

@@ -1,12 +1,16 @@
-"""The law P(a) of every profile by the Abel transform of its slope: load, its inverse and its slope, with the corners.
+"""The law P(a) of every profile by the Abel transform of its slope: load, its inverse and its
+slope, with the corners.
 
-# notation: a half-width, a_0 that of no load, d = a - a_0, P normal load per unit thickness, E* composite modulus, h(x) profile
+# notation: a half-width, a_0 that of no load, d = a - a_0, P normal load per unit thickness, E*
+composite modulus, h(x) profile
 
-As functions of the advance d of the edge; of any symmetric profile (Abel transform of the slope h'):
+As functions of the advance d of the edge; of any symmetric profile (Abel transform of the slope
+h'):
 
     P = E* a int cos(angle) h'(x) d angle,    dP/da = E* int cos(angle) (x h')' d angle,    x = a cos(angle), 0 < angle < pi/2
 
-All else follows from these in `punch_superposition`; the parabola alone has closed forms throughout, in `hertz`.
+All else follows from these in `punch_superposition`; the parabola alone has closed forms
+throughout, in `hertz`.
 """
 
 from __future__ import annotations
@@ -43,7 +47,12 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
 from semi_analytic.quadrature import ROOTS, Rule, logistic, panels
-from semi_analytic.tilted_profile import ConvexProfile, CurvedProfile, PiecewiseParabola, TiltedProfile
+from semi_analytic.tilted_profile import (
+    ConvexProfile,
+    CurvedProfile,
+    PiecewiseParabola,
+    TiltedProfile,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -57,10 +66,13 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
     Raises
     ------
     InputError
-        For a kind of profile that this engine does not know, and for one under which the contact would split.
+        For a kind of profile that this engine does not know, and for one under which the contact
+        would split.
     """
     if isinstance(profile, Tabulated) and not profile.symmetric:
-        raise InputError("profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both")
+        raise InputError(
+            "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
+        )
     modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
     match profile:
         case Hertz():
@@ -70,7 +82,9 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         case PowerLaw():
             law = power_law(modulus, profile.exponent, profile.length, profile.rise)
         case Compound():
-            law = two_curvatures(modulus, profile.inner_radius, profile.outer_radius, profile.inner_half_length)
+            law = two_curvatures(
+                modulus, profile.inner_radius, profile.outer_radius, profile.inner_half_length
+            )
         case Wedge():
             law = two_curvatures(modulus, profile.tip_radius, math.inf, profile.tip_half_length)
         case EvenPolynomial():
@@ -80,7 +94,9 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         case CallableProfile():
             law = slope_function(modulus, profile)
         case _:
-            raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")
+            raise InputError(
+                f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile"
+            )
     return PunchSuperposition(law, datum)
 
 
@@ -90,7 +106,8 @@ def convex_profile(profile: Profile) -> ConvexProfile:
     Raises
     ------
     InputError
-        For a profile that bends down somewhere: under a tilt its contact may split. For a sharp wedge.
+        For a profile that bends down somewhere: under a tilt its contact may split. For a sharp
+        wedge.
     """
     match profile:
         case Hertz():
@@ -99,7 +116,11 @@ def convex_profile(profile: Profile) -> ConvexProfile:
             b, outer = profile.flat_half_length, 1 / profile.radius
             return _parabolas([-b, b], [outer, 0.0, outer], 0.0)
         case Compound():
-            b, inner, outer = profile.inner_half_length, 1 / profile.inner_radius, 1 / profile.outer_radius
+            b, inner, outer = (
+                profile.inner_half_length,
+                1 / profile.inner_radius,
+                1 / profile.outer_radius,
+            )
             return _parabolas([-b, b], [outer, inner, outer], inner)
         case Wedge():
             b, inner = profile.tip_half_length, 1 / profile.tip_radius
@@ -108,28 +129,45 @@ def convex_profile(profile: Profile) -> ConvexProfile:
             left, right = profile.sides()
             bends = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
             if np.min(bends) < -1e-12 * np.max(bends):
-                raise InputError("profile: under a tilt, or with unequal sides, a table must not bend down anywhere")
+                raise InputError(
+                    "profile: under a tilt, or with unequal sides, a table must not bend down"
+                    " anywhere"
+                )
             at = np.concatenate([-left.x[::-1], right.x[1:]])
-            return PiecewiseParabola(at, bends, -float(left.slope[-1]), float(left.height[-1]), (float(at[0]), float(at[-1])))
+            return PiecewiseParabola(
+                at,
+                bends,
+                -float(left.slope[-1]),
+                float(left.height[-1]),
+                (float(at[0]), float(at[-1])),
+            )
         case PowerLaw():
             n, length, rise = profile.exponent, profile.length, profile.rise
             if n == 2:
                 return _parabolas([0.0], [2 * rise / length**2] * 2, 0.0)
             if n < _SHARPEST:
                 raise InputError(
-                    f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes exponents from {_SHARPEST}; "
-                    "a wedge with a rounded tip has kind = 'wedge'"
+                    f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes"
+                    f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
                 )
 
             def derivative(order: int, x: Array) -> Array:
                 factor = rise / length**order * math.prod(n - k for k in range(order))
                 size = np.abs(x) / length
-                return np.asarray(factor * np.sign(x) ** order * np.where(size > 0, size, 1.0) ** (n - order) * (size > 0))
+                return np.asarray(
+                    factor
+                    * np.sign(x) ** order
+                    * np.where(size > 0, size, 1.0) ** (n - order)
+                    * (size > 0)
+                )
 
             first, second = partial(derivative, 1), partial(derivative, 2)
-            # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load, with these 1e-13.
+            # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the
+            # load, with these 1e-13.
             rule = ROOTS if n <= 4 else logistic(-36.0, 36.0, 0.45 / n**0.2)
-            return CurvedProfile(np.zeros(1), length, profile.height, first, second, rule, exponent=n)
+            return CurvedProfile(
+                np.zeros(1), length, profile.height, first, second, rule, exponent=n
+            )
         case EvenPolynomial():
             length, rises = profile.length, np.array(profile.rises)
             if not np.any(rises[1:]):
@@ -169,7 +207,9 @@ def convex_profile(profile: Profile) -> ConvexProfile:
                 noise=1e-11,
             )
         case _:
-            raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")
+            raise InputError(
+                f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile"
+            )
 
 
 # Exponent below which a tip is a sharp wedge: what quadratures leave out next to it is too much.
@@ -177,31 +217,38 @@ _SHARPEST = 1.01
 
 
 def _parabolas(knots: list[float], bends: list[float], inner: float) -> PiecewiseParabola:
-    """Symmetric: h'' between and beyond the knots, `inner` where h' at the first knot, -b inner, follows from it."""
+    """Symmetric: h'' between and beyond the knots, `inner` where h' at the first knot, -b inner,
+    follows from it.
+    """
     b = -knots[0]
     return PiecewiseParabola(np.array(knots), np.array(bends), -b * inner, b * b * inner / 2)
 
 
 def _bends_down(x: float) -> InputError:
     return InputError(
-        f"profile: it bends down near x = {x:.6g}: under bulk stress or tilt half-plane theory takes profiles that bend down "
-        "nowhere; finite elements take others too"
+        f"profile: it bends down near x = {x:.6g}: under bulk stress or tilt half-plane theory"
+        " takes profiles that bend down nowhere; finite elements take others too"
     )
 
 
-# Of ln d between two places at which an inverse is known, and how far they reach beside the unit of length.
+# Of ln d between two places at which an inverse is known, and how far they reach beside the unit of
+# length.
 _STEP, _BELOW, _ABOVE = 0.05, 1e-22, 1e15
-# Of ln d: the next step of Newton's method would be about the square of this one, less than round-off.
+# Of ln d: the next step of Newton's method would be about the square of this one, less than
+# round-off.
 _STILL = 3e-9
 
 
-def inverse_of(load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf) -> Function:
-    """The advance d(P) of a rising law P(d), to round-off: Newton's method between logarithms, from a cubic through P and dP/da.
+def inverse_of(
+    load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf
+) -> Function:
+    """The advance d(P) of a rising law P(d), to round-off: Newton's method between logarithms, from
+    a cubic through P and dP/da.
 
     Parameters
     ----------
-    unit : a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is tabulated, beyond P is a power of d
-    corner : an advance at which P is less smooth
+    unit : a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
+    tabulated, beyond P is a power of d corner : an advance at which P is less smooth
 
     >>> float(inverse_of(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
     2.0
@@ -209,7 +256,10 @@ def inverse_of(load: Function, stiffness: Function, unit: float, corner: float =
 
     @cache
     def table() -> tuple[Array, Array, scipy.interpolate.CubicHermiteSpline, Array]:
-        d = np.append(np.exp(np.arange(math.log(_BELOW * unit), math.log(min(_ABOVE * unit, extent)), _STEP)), [corner, extent])
+        d = np.append(
+            np.exp(np.arange(math.log(_BELOW * unit), math.log(min(_ABOVE * unit, extent)), _STEP)),
+            [corner, extent],
+        )
         d = np.unique(d[(d > 0) & np.isfinite(d)])
         with np.errstate(all="ignore"):
             force = load(d)
@@ -247,13 +297,18 @@ def inverse_of(load: Function, stiffness: Function, unit: float, corner: float =
 
 
 def load_factor(exponent: float) -> float:
-    """int_0^(pi/2) sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1): the Abel transform of x^n.
+    """int_0^(pi/2) sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1): the Abel
+    transform of x^n.
 
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
     upper, lower = (exponent + 1) / 2, exponent / 2 + 1
-    ratio = math.gamma(upper) / math.gamma(lower) if exponent < 300 else math.exp(math.lgamma(upper) - math.lgamma(lower))
+    ratio = (
+        math.gamma(upper) / math.gamma(lower)
+        if exponent < 300
+        else math.exp(math.lgamma(upper) - math.lgamma(lower))
+    )
     return math.sqrt(math.pi) / 2 * ratio
 
 
@@ -292,7 +347,8 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     if square is not None:
         where = length * float(np.sqrt(square))
         raise InputError(
-            f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory here needs one contact"
+            f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory"
+            " here needs one contact"
         )
     first = int(np.flatnonzero(loads > 0)[0])
 
@@ -305,7 +361,13 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         return np.asarray(2 * t / length * polynomial.polyval(t * t, loads * k))
 
     several = sum(rise != 0 for rise in rises) > 1
-    return ContactLaw(load, inverse_of(load, stiffness, length), stiffness, power=2.0 * (first + 1), bends_anywhere=several)
+    return ContactLaw(
+        load,
+        inverse_of(load, stiffness, length),
+        stiffness,
+        power=2.0 * (first + 1),
+        bends_anywhere=several,
+    )
 
 
 # --- flat and rounded
@@ -318,7 +380,8 @@ _F_SERIES = -((-1.0) ** _K) * 2 / (4 * _K**2 - 1)
 
 
 def load_function(tau: ArrayLike) -> Array:
-    """F(tau) = (1 + tau^2) arctan tau - tau = 2 tau^3/3 - 2 tau^5/15 + ... to full relative accuracy.
+    """F(tau) = (1 + tau^2) arctan tau - tau = 2 tau^3/3 - 2 tau^5/15 + ... to full relative
+    accuracy.
 
     >>> round(float(load_function(1.0)), 12)  # pi/2 - 1
     0.570796326795
@@ -336,7 +399,8 @@ def load_function(tau: ArrayLike) -> Array:
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
-    """Of a flat face of half-length b with parabolic edges of radius R (Ciavarella, Hills and Monno 1998; phi_0 is arccot tau):
+    """Of a flat face of half-length b with parabolic edges of radius R (Ciavarella, Hills and Monno
+    1998; phi_0 is arccot tau):
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
@@ -361,14 +425,20 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
 # --- two curvatures
 
 
-def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float) -> ContactLaw:
-    """Of h'' = 1/R1 up to x = b and 1/R2 beyond; R2 infinite makes a wedge with a rounded tip. Hertz up to a = b, then
+def two_curvatures(
+    modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
+) -> ContactLaw:
+    """Of h'' = 1/R1 up to x = b and 1/R2 beyond; R2 infinite makes a wedge with a rounded tip.
+    Hertz up to a = b, then
 
-        P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),  dP/da = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]
+        P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),  dP/da = E* a
+        [arcsin(b/a)/R1 + arccos(b/a)/R2]
 
     with t = sqrt(a^2 - b^2). Both terms grow: all digits are kept from R2/R1 = 0 to infinity.
 
-    >>> law = two_curvatures(modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3)
+    >>> law = two_curvatures(
+    ...     modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3
+    ... )
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)  # Hertz
     1.0
     """
@@ -396,9 +466,11 @@ _TOGETHER = 32
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and of u^2 over w = sqrt(P - P(begin)).
+    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and of u^2
+    over w = sqrt(P - P(begin)).
 
-    `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces begin, the last one ends.
+    `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces
+    begin, the last one ends.
     """
 
     begin: Array
@@ -415,12 +487,18 @@ class _Series:
         return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
     def half_width(self, load: Array) -> Array:
-        """a(P) behind the second knot, by its series; where that is not resolved, since P hardly grows, by Newton's method too."""
-        number = np.clip(np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1)
+        """a(P) behind the second knot, by its series; where that is not resolved, since P hardly
+        grows, by Newton's method too.
+        """
+        number = np.clip(
+            np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1
+        )
         begin_load, low, high, squares, rough = self._inverse
         w = np.sqrt(np.maximum(load - begin_load[number], 0.0))
         low, high = low[number], high[number]
-        square = np.maximum(squares(number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0)
+        square = np.maximum(
+            squares(number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0
+        )
         again = np.flatnonzero(rough[number])
         if len(again):
             square[again] = self._newton(number[again], load[again], square[again])
@@ -430,19 +508,36 @@ class _Series:
     def _inverse(self) -> tuple[Array, Array, Array, Powers, NDArray[np.bool_]]:
         """P(begin), ends of w, u^2 and whether it is not resolved, for each piece."""
         first = np.flatnonzero(self.low == 0)
-        begin_load = self.loads[:-1][first][np.searchsorted(first, np.arange(len(self.low)), side="right") - 1]
-        low, high = (np.sqrt(np.maximum(ends - begin_load, 0.0)) for ends in (self.loads[:-1], self.loads[1:]))
+        begin_load = self.loads[:-1][first][
+            np.searchsorted(first, np.arange(len(self.low)), side="right") - 1
+        ]
+        low, high = (
+            np.sqrt(np.maximum(ends - begin_load, 0.0))
+            for ends in (self.loads[:-1], self.loads[1:])
+        )
         w = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = begin_load[:, None] + w * w
         number = np.repeat(np.arange(len(low)), len(NODES)).reshape(load.shape)
         share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
         start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
         coefficients = series(self._newton(number, load, start))
-        return begin_load, low, high, Powers(coefficients.T), tail(coefficients) > 1e-15 * (self.begin + self.high**2)
+        return (
+            begin_load,
+            low,
+            high,
+            Powers(coefficients.T),
+            tail(coefficients) > 1e-15 * (self.begin + self.high**2),
+        )
 
     def _newton(self, number: Indices, load: Array, square: Array) -> Array:
-        """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit counts from a."""
-        low, high, begin = np.square(self.low[number]), np.square(self.high[number]), self.begin[number]
+        """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit
+        counts from a.
+        """
+        low, high, begin = (
+            np.square(self.low[number]),
+            np.square(self.high[number]),
+            self.begin[number],
+        )
         for _ in range(50):
             root = np.sqrt(square)
             step = (load - self.on(number, root, self.load)) / self.on(number, root, self.rate)
@@ -450,24 +545,31 @@ class _Series:
             # The next step would be the square of this one.
             if np.all(np.abs(step) <= 1e-9 * (begin + square)):
                 return square
-        raise NotFoundError(f"no half-width was found for the normal load {float(load.flat[np.argmax(np.abs(step))]):.17g}")
+        raise NotFoundError(
+            "no half-width was found for the normal load"
+            f" {float(load.flat[np.argmax(np.abs(step))]):.17g}"
+        )
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
-    """Of rows: the curvature kappa is constant between knots b_j, so that P and dP/da are sums of flats with rounded edges.
+    """Of rows: the curvature kappa is constant between knots b_j, so that P and dP/da are sums of
+    flats with rounded edges.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
-    The sums (the Abel transform of the table) are taken once, at the nodes of Chebyshev series in sqrt(a - b_j) behind each knot;
-    up to the second knot all is in closed form.
+    The sums (the Abel transform of the table) are taken once, at the nodes of Chebyshev series in
+    sqrt(a - b_j) behind each knot; up to the second knot all is in closed form.
 
     Raises
     ------
     InputError
-        For rows under which the contact would split, with the row and what to do; later for a load that needs a wider table.
+        For rows under which the contact would split, with the row and what to do; later for a load
+        that needs a wider table.
 
     >>> rows = [(0.1 * k, (0.1 * k) ** 2 / 2) for k in range(11)]  # Hertz with R = 1
-    >>> round(float(tabulated(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9)  # 25 a^2
+    >>> round(
+    ...     float(tabulated(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9
+    ... )  # 25 a^2
     9.0
     """
     spline = profile.spline()
@@ -483,10 +585,13 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
             return head_function(d)
         a = d + least
         number = np.searchsorted(rows.edges, a, side="right") - 1
-        found = rows.on(np.maximum(number, 0), np.sqrt(np.maximum(a - rows.begin[number], 0.0)), values)
+        found = rows.on(
+            np.maximum(number, 0), np.sqrt(np.maximum(a - rows.begin[number], 0.0)), values
+        )
         first = number < 0
         if np.any(first):
-            found[first] = head_function(d[first])  # of d itself, which keeps its digits beside a flat
+            # of d itself, which keeps its digits beside a flat
+            found[first] = head_function(d[first])
         return found
 
     def load(d: Array) -> Array:
@@ -501,8 +606,8 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         most = float(np.max(p, initial=0.0))
         if most > largest:
             raise ProfileDataError(
-                f"profile: the normal load {most:.6g} needs a contact wider than the table, whose last x = {extent:.6g} "
-                f"carries {largest:.6g}"
+                f"profile: the normal load {most:.6g} needs a contact wider than the table, whose"
+                f" last x = {extent:.6g} carries {largest:.6g}"
             )
         if not len(rows.begin):
             return head.advance(p)
@@ -515,7 +620,9 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     if len(rows.begin):
         # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
         t = np.concatenate([[-1.0], NODES, [1.0]])
-        half = rows.begin[:, None] + np.square(rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2)
+        half = rows.begin[:, None] + np.square(
+            rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
+        )
         rate = stiffness(half - least)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
@@ -527,13 +634,17 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
 def _series_of_rows(knots: Array, bend: Array) -> _Series:
     """Series behind every knot from the second on; none where there are no more than two.
 
-    Sums over knots that are farther below a range of half-widths than that is long are smooth there, and one series for all of the
-    range; halves of it add those that are farther than they are long themselves. So the time is about that of the rows, not of
-    their square. What is left in the end is summed knot by knot.
+    Sums over knots that are farther below a range of half-widths than that is long are smooth
+    there, and one series for all of the range; halves of it add those that are farther than they
+    are long themselves. So the time is about that of the rows, not of their square. What is left in
+    the end is summed knot by knot.
     """
     pieces: list[tuple[float, float, float]] = []
-    for before, begin, end in zip(knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True):
-        # Behind a short interval the series is in octaves: what the knot before leaves is singular at u^2 = before - begin.
+    for before, begin, end in zip(
+        knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
+    ):
+        # Behind a short interval the series is in octaves: what the knot before leaves is singular
+        # at u^2 = before - begin.
         whole, step = (end - begin) ** 0.5, (begin - before) ** 0.5
         marks = [0.0, *(step * 2.0**k for k in range(math.ceil(math.log2(whole / step)))), whole]
         if len(marks) > 2 and whole - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
@@ -548,14 +659,20 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     both = np.zeros((*half.shape, 2))
 
     def sums(a: Array, since: Array, above: Array, first: int, last: int) -> Array:
-        """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known without cancellation."""
+        """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known
+        without cancellation.
+        """
         b = knots[first:last]
         rise = np.maximum((since - b) + above, 0.0)
         tau = np.sqrt(rise * (a + b))
         angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
         return np.stack(
-            [np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2, angle @ jumps[first:last]], axis=-1
+            [
+                np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2,
+                angle @ jumps[first:last],
+            ],
+            axis=-1,
         )
 
     todo = [(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2)))] if pieces else []
@@ -574,7 +691,9 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         here, reached = slice(first, last), int(np.searchsorted(knots[:-1], high_end))
         at = (half[here] - low_end) * 2 / (high_end - low_end) - 1
         both[here] = np.moveaxis(chebyshev.chebval(at, smooth), 0, -1)
-        both[here] += sums(half[here, :, None], begin[here, None, None], above[here, :, None], far, reached)
+        both[here] += sums(
+            half[here, :, None], begin[here, None, None], above[here, :, None], far, reached
+        )
     load, rate = both[..., 0], both[..., 1] * half
     found = (series(values[:, 1:-1]).T for values in (load, rate))
     loads = np.append(load[:, 0], load[-1:, -1])
@@ -582,13 +701,21 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
 
 
 def _splits(profile: Tabulated, half: float) -> InputError:
-    """Why a contact would split, with the row and what to do; of stairs that rounding has made no engine has an answer."""
+    """Why a contact would split, with the row and what to do; of stairs that rounding has made no
+    engine has an answer.
+    """
     row, step = profile.row_before(half), profile.step_of_heights()
     x, h = profile.points.values[row].tolist()
     cause, cure = "the curve through the rows bends down there", "smooth the rows until it does not"
     if step is not None:
-        cause = f"h is written in steps of {step:.6g}, and the curve through such rows goes up by stairs"
-        cure = "write h with more digits, leave rows out until each rises by many steps, or give a formula that fits them"
+        cause = (
+            f"h is written in steps of {step:.6g}, and the curve through such rows goes up by"
+            " stairs"
+        )
+        cure = (
+            "write h with more digits, leave rows out until each rises by many steps, or give a"
+            " formula that fits them"
+        )
     where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
     words = f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}"
     return InputError(words) if step is None else ProfileDataError(words)
@@ -603,7 +730,8 @@ _OCTAVES = 54
 
 @dataclass(frozen=True, eq=False)
 class _Stretch:
-    """P and dP/da between two corners as functions of a distance u: u = a - begin from the middle, else u^2 = a - begin.
+    """P and dP/da between two corners as functions of a distance u: u = a - begin from the middle,
+    else u^2 = a - begin.
 
     Behind a corner of the profile, and beside a flat, both are smooth functions of the root only.
     """
@@ -617,7 +745,9 @@ class _Stretch:
     def power(self) -> float:
         """Power of u that P follows below the least octave."""
         first = np.array(self.loads.edges[0])
-        return float(first * self.rates(first) / self.loads(first) * (2 * first if self.rooted else 1.0))
+        return float(
+            first * self.rates(first) / self.loads(first) * (2 * first if self.rooted else 1.0)
+        )
 
     def at(self, u: Array, order: int) -> Array:
         """P (order 0) or dP/da (1); below the least octave as a power."""
@@ -626,19 +756,24 @@ class _Stretch:
         inside = values(np.maximum(u, first))
         if first == 0:
             return inside
-        power = max(self.power - order * (2 if self.rooted else 1), 0.0)  # of dP/da of a sharp wedge 0, to round-off
+        # of dP/da of a sharp wedge 0, to round-off
+        power = max(self.power - order * (2 if self.rooted else 1), 0.0)
         return inside * np.minimum(u / first, 1.0) ** power
 
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
-    """Of a slope h'(x) given by a Python function: P and dP/da by quadrature, kept as piecewise Chebyshev series.
+    """Of a slope h'(x) given by a Python function: P and dP/da by quadrature, kept as piecewise
+    Chebyshev series.
 
     Raises
     ------
     InputError
-        For a profile under which the contact would split; later for a load that needs a wider contact than `extent`.
+        For a profile under which the contact would split; later for a load that needs a wider
+        contact than `extent`.
 
-    >>> law = slope_function(100.0, CallableProfile(slope_function=lambda x: x, extent=2.0))  # Hertz with R = 1
+    >>> law = slope_function(
+    ...     100.0, CallableProfile(slope_function=lambda x: x, extent=2.0)
+    ... )  # Hertz with R = 1
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)
     1.0
     """
@@ -652,7 +787,9 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 
     def at(d: Array, order: int) -> Array:
         half, result = least + d, np.zeros(d.shape)
-        number = np.maximum(np.searchsorted([stretch.begin for stretch in stretches], half, side="right") - 1, 0)
+        number = np.maximum(
+            np.searchsorted([stretch.begin for stretch in stretches], half, side="right") - 1, 0
+        )
         for k, stretch in enumerate(stretches):
             here = number == k
             if np.any(here):
@@ -660,14 +797,16 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
                 result[here] = stretch.at(np.sqrt(above) if stretch.rooted else above, order)
         return result
 
-    inverse = inverse_of(partial(at, order=0), partial(at, order=1), profile.extent, extent=profile.extent - least)
+    inverse = inverse_of(
+        partial(at, order=0), partial(at, order=1), profile.extent, extent=profile.extent - least
+    )
 
     def advance(p: Array) -> Array:
         most = float(np.max(p, initial=0.0))
         if most > carried * (1 + 1e-12):
             raise ProfileDataError(
-                f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider contact, the extent carries "
-                f"{carried:.6g}"
+                f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider"
+                f" contact, the extent carries {carried:.6g}"
             )
         return inverse(p)
 
@@ -675,7 +814,9 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     rates = at(sample - least, 1)
     falls = rates < -1e-10 * np.max(rates)
     if np.any(falls):
-        raise InputError(f"profile: the contact would split near a half-width of {sample[falls][0]:.6g}")
+        raise InputError(
+            f"profile: the contact would split near a half-width of {sample[falls][0]:.6g}"
+        )
     return ContactLaw(
         load=partial(at, order=0),
         advance=advance,
@@ -690,7 +831,9 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     )
 
 
-def _stretch(modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]) -> _Stretch:
+def _stretch(
+    modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]
+) -> _Stretch:
     """P and dP/da for begin < a < end; `cuts`, descending, is where the slope has corners."""
     rooted = begin > 0
     whole = np.sqrt(end - begin) if rooted else end - begin
@@ -705,24 +848,38 @@ def _stretch(modulus: float, profile: CallableProfile, begin: float, end: float,
         above = distance**2 if rooted else distance
         half = begin + above
         gaps = [np.maximum(above + (begin - b), 0.0) for b in cuts]
-        angles = [np.arctan2(np.sqrt(gap * (half + b)), b) for gap, b in zip(gaps, cuts, strict=True)]
+        angles = [
+            np.arctan2(np.sqrt(gap * (half + b)), b) for gap, b in zip(gaps, cuts, strict=True)
+        ]
         node = panels(np.zeros(half.shape), np.pi / 2, angles)
         cosine = np.sin(np.where(node.at < 0.7, np.pi / 2 - node.at, node.below))
         x = half[..., None, None] * cosine
-        inner = profile.slope(x) + profile.bend(x) if order else profile.slope(x) * half[..., None, None]
+        inner = (
+            profile.slope(x) + profile.bend(x)
+            if order
+            else profile.slope(x) * half[..., None, None]
+        )
         return np.asarray(modulus * np.sum(node.weight * cosine * inner, axis=(-2, -1)))
 
-    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and its bend jumps within round-off
-    # of the corner: 4e-15 of the scale can be had for the load, 1e-12 for its derivative. From the middle on that is so of every
-    # octave by itself. What the values of a height leave uncertain is no more than noise either.
+    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
+    # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
+    # 1e-12 for its derivative. From the middle on that is so of every octave by itself. What the
+    # values of a height leave uncertain is no more than noise either.
     places = edges[-1:] if rooted else edges[1:]
-    floors = (max(4e-15, profile.rounding_of_height.load), max(1e-12, profile.rounding_of_height.stiffness))
+    floors = (
+        max(4e-15, profile.rounding_of_height.load),
+        max(1e-12, profile.rounding_of_height.stiffness),
+    )
     try:
-        loads, rates = (halved(partial(integral, order=k), edges, floors[k] / 4e-15 * integral(places, k)) for k in (0, 1))
+        loads, rates = (
+            halved(partial(integral, order=k), edges, floors[k] / 4e-15 * integral(places, k))
+            for k in (0, 1)
+        )
     except Unresolved as fault:
         raise InputError(
-            f"profile: the function is too rough near x = {fault.high:.6g}: the load that a contact of this half-width carries is "
-            "no smooth function; give `breaks`, or a smoother function"
+            f"profile: the function is too rough near x = {fault.high:.6g}: the load that a contact"
+            " of this half-width carries is no smooth function; give `breaks`, or a smoother"
+            " function"
         ) from fault
     return _Stretch(begin, rooted, loads, rates)
 
@@ -734,7 +891,11 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     inner = marks[flat]
     # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
     sharp = [b for b in corners if len(inner) and b <= inner[-1] * (1 + 1e-9)]
-    return float(sharp[-1]) if sharp and profile.slope(sharp[-1] * 0.9) <= 1e-13 * np.max(profile.slope(marks)) else 0.0
+    return (
+        float(sharp[-1])
+        if sharp and profile.slope(sharp[-1] * 0.9) <= 1e-13 * np.max(profile.slope(marks))
+        else 0.0
+    )
 
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:
@@ -742,6 +903,9 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
     found = []
     for b in profile.corners:
         left, right = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
-        if abs(left - right) > 1e-6 * (abs(left) + abs(right) + float(profile.slope(np.array(b)))) + 1e-300:
+        if (
+            abs(left - right)
+            > 1e-6 * (abs(left) + abs(right) + float(profile.slope(np.array(b)))) + 1e-300
+        ):
             found.append(b)
     return tuple(found)

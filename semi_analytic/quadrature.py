@@ -1,4 +1,6 @@
-"""Quadrature rules: Gauss' for smooth integrands, and one for singularities that lie at the ends of the range or close to them."""
+"""Quadrature rules: Gauss' for smooth integrands, and one for singularities that lie at the ends of
+the range or close to them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ _STEP = 0.375
 
 
 class Rule(NamedTuple):
-    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances of the nodes from both ends, weights, (n,) each."""
+    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances of the nodes from both ends,
+    weights, (n,) each.
+    """
 
     up: Array
     down: Array
@@ -31,10 +35,14 @@ def logistic(low: float, high: float, step: float = _STEP) -> Rule:
 
 
 ROOTS = logistic(-36.0, 36.0)
-"""For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range, is left out."""
+"""For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range,
+is left out.
+"""
 
 INVERSE_ROOTS = logistic(-75.0, 75.0)
-"""For an inverse root at either end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
+"""For an inverse root at either end too: its integral over what is left out there, 3e-33 of the
+range, is 1e-16.
+"""
 
 NODES = len(ROOTS.up)
 """Nodes of `graded`."""
@@ -44,11 +52,12 @@ _NEAR = np.minimum(ROOTS.up, ROOTS.down)
 
 
 def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights on [begin, end], a new last axis: trapezoidal rule in s of begin + (end - begin)/(1 + exp(-s)).
+    """Nodes and weights on [begin, end], a new last axis: trapezoidal rule in s of begin + (end -
+    begin)/(1 + exp(-s)).
 
-    A singularity beyond an end lies on the line Im s = pi, however near the end it is, so that roots and logarithms at the ends and
-    next to them cost nothing: about 1e-14 of the largest value of the integrand times the range. With `every` = 2 every second
-    node, and half the digits.
+    A singularity beyond an end lies on the line Im s = pi, however near the end it is, so that
+    roots and logarithms at the ends and next to them cost nothing: about 1e-14 of the largest value
+    of the integrand times the range. With `every` = 2 every second node, and half the digits.
 
     >>> nodes, weights = graded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -56,12 +65,15 @@ def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Arr
     """
     first, last = np.asarray(begin, dtype=float)[..., None], np.asarray(end, dtype=float)[..., None]
     length, near = last - first, _NEAR[::every]
-    return np.where(_LOWER[::every], first + length * near, last - length * near), length * (every * ROOTS.share[::every])
+    return np.where(_LOWER[::every], first + length * near, last - length * near), length * (
+        every * ROOTS.share[::every]
+    )
 
 
 @cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' rule on [0, 1], (count,) each, read-only: exact for polynomials up to degree 2 count - 1.
+    """Nodes and weights of Gauss' rule on [0, 1], (count,) each, read-only: exact for polynomials
+    up to degree 2 count - 1.
 
     >>> nodes, weights = gauss(3)
     >>> round(float(np.sum(weights * nodes**5)), 15)
@@ -75,9 +87,11 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
-    """Nodes and weights on [begin, end], a new last axis: Gauss' rule of 24 nodes in t of 3 t^2 - 2 t^3, which crowd to both ends.
+    """Nodes and weights on [begin, end], a new last axis: Gauss' rule of 24 nodes in t of 3 t^2 - 2
+    t^3, which crowd to both ends.
 
-    For roots at the ends; an eighth of the nodes of `graded`, for what is halved until that changes nothing.
+    For roots at the ends; an eighth of the nodes of `graded`, for what is halved until that changes
+    nothing.
 
     >>> nodes, weights = crowded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -89,7 +103,9 @@ def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
 
 
 class Nodes(NamedTuple):
-    """Nodes of panels between `begin` and `end`, distances from both without cancellation, weights: (..., panels, nodes)."""
+    """Nodes of panels between `begin` and `end`, distances from both without cancellation, weights:
+    (..., panels, nodes).
+    """
 
     at: Array
     above: Array
@@ -98,7 +114,9 @@ class Nodes(NamedTuple):
 
 
 def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
-    """A rule for singular ends on [begin, end], cut at those of `breaks` (ascending, arrays like `end`) that lie inside."""
+    """A rule for singular ends on [begin, end], cut at those of `breaks` (ascending, arrays like
+    `end`) that lie inside.
+    """
     first, last = np.broadcast_arrays(np.asarray(begin, dtype=float), np.asarray(end, dtype=float))
     inside = [b for b in breaks if np.any((first < b) & (b < last))]
     marks = [first, *(np.clip(b, first, last) for b in inside), last]
@@ -107,4 +125,6 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -
     up, down = length * ROOTS.up, length * ROOTS.down
     above = (low - first[..., None, None]) + up
     below = (last[..., None, None] - high) + down
-    return Nodes(np.where(ROOTS.up < 0.5, low + up, high - down), above, below, length * ROOTS.share)
+    return Nodes(
+        np.where(ROOTS.up < 0.5, low + up, high - down), above, below, length * ROOTS.share
+    )

@@ -1,11 +1,13 @@
-"""Steady ellipses of P and Q: their angles and loads, and permanent stick zone, W and W(x) of each on any profile.
+"""Steady ellipses of P and Q: their angles and loads, and permanent stick zone, W and W(x) of each
+on any profile.
 
-# notation: P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), r = Q1/f, A = 2/E*; u and v amplitudes of (Q -+ f P)/f;
-#           E largest Q - f P, G least Q + f P, I least Q - f P, J slip front passes G, M = E a turn later;
-#           P_T permanent stick load, P_c load at the slip front, c = a(P_c); P_x load at which a = |x|;
-#           w = +-Q - f P, which grows in slip
+# notation: P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), r = Q1/f, A = 2/E*; u and v amplitudes of
+#           (Q -+ f P)/f; E largest Q - f P, G least Q + f P, I least Q - f P, J slip front passes
+#           G, M = E a turn later; P_T permanent stick load, P_c load at the slip front, c = a(P_c);
+#           P_x load at which a = |x|; w = +-Q - f P, which grows in slip
 
-Every angle and load difference comes from r, P1 and the phase without cancellation, however small the slip:
+Every angle and load difference comes from r, P1 and the phase without cancellation, however small
+the slip:
 
     u = |r exp(-i phase) - P1|,  v = |r exp(-i phase) + P1|,  P_T = P0 - (u + v)/2
     D = t_G - t_E = t_M - t_J = arg(P1^2 - r^2 + 2 i r P1 sin(phase)),  t_J - t_I = pi - D
@@ -18,15 +20,16 @@ Every angle and load difference comes from r, P1 and the phase without cancellat
     W    = (f A/pi) int w' Lam(P, P_c) dt,                 Lam = int_{P_c}^P ln(a(eta)/c) d eta
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt       over the times with c < |x| < a(P)
 
-The forward part is that of I-M, the reverse part that of E-G. Each phase is cut at the angles at which P or P_c is the load P_b of
-a corner of the profile:
+The forward part is that of I-M, the reverse part that of E-G. Each phase is cut at the angles at
+which P or P_c is the load P_b of a corner of the profile:
 
     P = P_b    cos t = (P_b - P0)/P1:            E-G  t_E + s = t,     I-J  t_E + s = t +- pi,   J-M  t_E - s = +-t
     P_c = P_b  E-G  v sin^2((D - s)/2) = P_b - P_T,   J-M  u sin^2(s/2) = P_b - P_T,   I-J  t_E - s = t +- pi
 
-Between corners all three phases are smooth in s. Where P - P_c is no small share of P0, W is taken apart into two courses of loads,
-P and P_c, by parts: w~ is w from the end of slip on, at G or M, and L = ln a is all that is asked of the profile, a lookup in one
-table. Each course is cut at its own corners, and pieces crowd to their lower loads: L is a smooth function of sqrt(P - P_b).
+Between corners all three phases are smooth in s. Where P - P_c is no small share of P0, W is taken
+apart into two courses of loads, P and P_c, by parts: w~ is w from the end of slip on, at G or M,
+and L = ln a is all that is asked of the profile, a lookup in one table. Each course is cut at its
+own corners, and pieces crowd to their lower loads: L is a smooth function of sqrt(P - P_b).
 
     W    = (f A/pi) [ -int w~ P' L(P) dt + int (w~ P_c' - w' (P - P_c)) L(P_c) dt ]
 """
@@ -52,10 +55,12 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")
-# Nodes of pieces at once: arrays of 128 kB and more get fresh memory at every call, which costs half as much again. Points at once.
+# Nodes of pieces at once: arrays of 128 kB and more get fresh memory at every call, which costs
+# half as much again. Points at once.
 _ELEMENTS, _POINTS = 16000, 500
-# A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or less (10 times as much where
-# P hardly grows), or after a few halvings this share of P0^2; it is halved so often at most.
+# A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or
+# less (10 times as much where P hardly grows), or after a few halvings this share of P0^2; it is
+# halved so often at most.
 _CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
 
 
@@ -87,7 +92,9 @@ class Ellipses:
 
     def over(self, unit: Array) -> Ellipses:
         """The same with loads in units of their own, (m,)."""
-        loads = {name: vars(self)[name] / unit for name in ("mean", "amplitude", "u", "v", "permanent")}
+        loads = {
+            name: vars(self)[name] / unit for name in ("mean", "amplitude", "u", "v", "permanent")
+        }
         return replace(self, **loads)
 
     @property
@@ -97,7 +104,9 @@ class Ellipses:
 
     @property
     def moving(self) -> NDArray[np.bool_]:
-        """Whether P moves: an amplitude below 1e-200 of the mean moves no edge, and dividing by a subnormal one overflows."""
+        """Whether P moves: an amplitude below 1e-200 of the mean moves no edge, and dividing by a
+        subnormal one overflows.
+        """
         return self.amplitude > 1e-200 * self.mean
 
     @property
@@ -110,37 +119,69 @@ class Ellipses:
         return np.maximum(ends, 2 * self.amplitude * self.sine * sine)
 
     def load(self, cosine: Array | float) -> Array:
-        """P where cos t is known, from the least load so that it keeps its digits close to full unloading."""
+        """P where cos t is known, from the least load so that it keeps its digits close to full
+        unloading.
+        """
         return (self.mean - self.amplitude) + self.amplitude * (1 + cosine)
 
 
-def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, friction: Array) -> Ellipses:
-    """The geometry of the loops, the permanent stick load P_T among it; arrays (m,) of admissible values, friction > 0.
+def ellipses_of(
+    mean: Array, amplitude: Array, tangential: Array, phase: Array, friction: Array
+) -> Ellipses:
+    """The geometry of the loops, the permanent stick load P_T among it; arrays (m,) of admissible
+    values, friction > 0.
 
-    >>> loop = ellipses_of(*(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5)))  # P0, P1, Q1, phase, f
+    >>> loop = ellipses_of(
+    ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
+    ... )  # P0, P1, Q1, phase, f
     >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
     p1, ratio = amplitude, tangential / friction
-    # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other way: phase + pi.
+    # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
+    # way: phase + pi.
     half = np.tan(phase / 2)
     share = ratio / (1 + half * half)
-    along, across = np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half), 2 * share * np.abs(half)
+    along, across = (
+        np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half),
+        2 * share * np.abs(half),
+    )
     u, v = np.hypot(along - p1, across), np.hypot(along + p1, across)
     turn = np.arctan2(2 * p1 * across, (p1 - ratio) * (p1 + ratio))
     size = np.where(u > 0, u, 1.0)
     # P_T < 0 is admitted to rounding only: it is gross sliding.
-    return Ellipses(mean, p1, u, v, (along - p1) / size, across / size, turn, np.maximum(mean - (u + v) / 2, 0.0))
+    return Ellipses(
+        mean,
+        p1,
+        u,
+        v,
+        (along - p1) / size,
+        across / size,
+        turn,
+        np.maximum(mean - (u + v) / 2, 0.0),
+    )
 
 
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Rate over f, P - P_c and P at angles s of a phase; by tangents of half of them, which numpy has in vector code."""
+    """Rate over f, P - P_c and P at angles s of a phase; by tangents of half of them, which numpy
+    has in vector code.
+    """
     if name == "I-J":
         sine = _sine_and_square(s)[0]
-        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * _sine_and_square(e.start + s)[1] - 1)
-    one, other, angle, beside = (e.v, e.u, e.turn - s, s) if name == "E-G" else (e.u, e.v, s, e.turn + s)
+        return (
+            e.u * sine,
+            2 * e.amplitude * e.sine * sine,
+            e.load(2 * _sine_and_square(e.start + s)[1] - 1),
+        )
+    one, other, angle, beside = (
+        (e.v, e.u, e.turn - s, s) if name == "E-G" else (e.u, e.v, s, e.turn + s)
+    )
     time = e.start + s if name == "E-G" else e.start - s
-    return one * _sine_and_square(angle)[0], other * _sine_and_square(beside)[1], e.load(1 - 2 * _sine_and_square(time)[1])
+    return (
+        one * _sine_and_square(angle)[0],
+        other * _sine_and_square(beside)[1],
+        e.load(1 - 2 * _sine_and_square(time)[1]),
+    )
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
@@ -176,10 +217,11 @@ def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
 
 
 def quadrature_error(values: Array, size: Array) -> Array:
-    """Error over `size`, from above, of the first of three values: by one rule, by every second of its nodes, by every fourth.
+    """Error over `size`, from above, of the first of three values: by one rule, by every second of
+    its nodes, by every fourth.
 
-    It is what the first two differ by, or if that falls like an exponential as it does where all is smooth, the power 1.5 of it
-    (the power 2 would be just).
+    It is what the first two differ by, or if that falls like an exponential as it does where all is
+    smooth, the power 1.5 of it (the power 2 would be just).
     """
     apart = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
     near, far = (np.minimum(each, 1e100) for each in apart)  # of slips of 1e-265 too
@@ -201,9 +243,10 @@ def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple
 def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
     """W(x) of each phase, (3, m), for x (m, 1), all at once.
 
-    The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load within which it is open,
-    2 P1 sin^2(h/2) = P_x - P_min. The front passes it in E-G where sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M
-    where sin^2(s/2) = (P_x - P_T)/u.
+    The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load
+    within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front passes it in E-G where
+    sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x -
+    P_T)/u.
     """
     edge = contact.load(x)
     share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
@@ -215,31 +258,46 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
         (0, first, np.minimum(turn, math.pi - away - start)),
         (0, np.maximum(first, math.pi + away - start), turn),
         (1, np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start)),
-        (2, np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, by_u), start + math.pi - away)),
+        (
+            2,
+            np.maximum(0.0, start - math.pi + away),
+            np.minimum(np.minimum(turn, by_u), start + math.pi - away),
+        ),
     )
     marks = list(corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values())
     total = np.zeros((len(PHASES), len(x)))
     for number, begin, end in ranges:
-        cuts = np.concatenate([begin, np.clip(marks[number].T, begin, np.maximum(begin, end)), end], axis=1)
+        cuts = np.concatenate(
+            [begin, np.clip(marks[number].T, begin, np.maximum(begin, end)), end], axis=1
+        )
         member, piece = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
         if len(member):
             s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
             growth, slipped, load = phase_of(PHASES[number], e.take(member), s)
             front = np.maximum(load - slipped, 0.0)
-            ratio = contact.arccosh_ratio(x[member], np.maximum(edge[member] - front, 0.0), contact.advance(front))
-            np.add.at(total[number], member, np.sum(weight * growth * contact.pressure(x[member], load) * ratio, axis=1))
+            ratio = contact.arccosh_ratio(
+                x[member], np.maximum(edge[member] - front, 0.0), contact.advance(front)
+            )
+            np.add.at(
+                total[number],
+                member,
+                np.sum(weight * growth * contact.pressure(x[member], load) * ratio, axis=1),
+            )
     return total
 
 
 Area = Callable[[Array, Array, Array], Array]
-"""Some multiple of Lam(P, P_c) from P_c, P - P_c and a free array, (phases, n, m) each; may overwrite all but the second."""
+"""Some multiple of Lam(P, P_c) from P_c, P - P_c and a free array, (phases, n, m) each; may
+overwrite all but the second.
+"""
 
 _TINY, _FLOOR = 1e-100, 1e-200
 
 
-# ------------------------------------------------------------------------- any profile: pieces of phases, and series of Lam
+# ------------------------------------------------- any profile: pieces of phases, and series of Lam
 class Rule(NamedTuple):
-    """Nodes on [0, 1], (n, 1), by the way from an end, `lower` or not, to each; weights (n,) and checks (k, n).
+    """Nodes on [0, 1], (n, 1), by the way from an end, `lower` or not, to each; weights (n,) and
+    checks (k, n).
 
     A check is a sum that is 0 but for what the rule leaves out.
     """
@@ -256,11 +314,15 @@ def _halves() -> Rule:
     check = weight.copy()
     check[::2] -= 2 * weight[::2]
     lower = ROOTS.up[:, None] < 0.5
-    return Rule(np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None]), lower, weight, check[None])
+    return Rule(
+        np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None]), lower, weight, check[None]
+    )
 
 
 def _legendre(count: int, ends: int) -> Rule:
-    """Gauss' rule and its last three coefficients; crowded by t^2 to the lower end, by 3 t^2 - 2 t^3 to both: roots are smooth."""
+    """Gauss' rule and its last three coefficients; crowded by t^2 to the lower end, by 3 t^2 - 2
+    t^3 to both: roots are smooth.
+    """
     t, weight = gauss(count)
     order = np.arange(count - 3, count)
     check = legendre.legvander(2 * t - 1, count - 1)[:, order].T * (2 * order[:, None] + 1)
@@ -272,15 +334,22 @@ def _legendre(count: int, ends: int) -> Rule:
     return Rule(np.where(lower, share, -share), lower, weight, weight * check)
 
 
-# For all that is singular; for pieces without corners, and for others; for those of one course, by length up to these [rad].
+# For all that is singular; for pieces without corners, and for others; for those of one course, by
+# length up to these [rad].
 _GRADED, _QUICK = (_halves(),), (_legendre(20, 0), _legendre(24, 2))
-_BEHIND, _SHORT = tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24)), np.array([0.1, 0.3, 0.6, 1.0])
-# The same for the three last coefficients: they fall like a power where two corners are close, and leave 1e-3 of themselves; in
-# courses of loads so many times P0^2 of W are enough: they leave 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
+_BEHIND, _SHORT = (
+    tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24)),
+    np.array([0.1, 0.3, 0.6, 1.0]),
+)
+# The same for the three last coefficients: they fall like a power where two corners are close, and
+# leave 1e-3 of themselves; in courses of loads so many times P0^2 of W are enough: they leave 2e-12
+# of P0^2 where P hardly grows, 1e-14 elsewhere.
 _SETTLED, _ENOUGH = 3e-8, 50.0
-# Of the check of a piece, how much its integral is wrong at most: where the piece has converged, and where W is too small for that.
+# Of the check of a piece, how much its integral is wrong at most: where the piece has converged,
+# and where W is too small for that.
 _LEFT, _ROUGHLY_LEFT = 1e-2, 4.0
-# Shares of P0 down to which P - P_c goes by L at P and at P_c, and by L between them: they keep 1e-10 of Lam.
+# Shares of P0 down to which P - P_c goes by L at P and at P_c, and by L between them: they keep
+# 1e-10 of Lam.
 _DEEP, _SHALLOW = 0.002, 1e-6
 # Fewer members than these go by one rule, and so few without a table.
 _SOME, _DIRECT = 100, 8
@@ -295,47 +364,61 @@ Pieces = tuple[Indices, Indices, Array, Array, Indices]
 _RELATIVE, _DIGITS, _OF_SERIES = 2e-12, 1e-15, 1e-13
 # Of a loop: a power of three of its amplitudes, and as much for their angles.
 _OF_LOOP = 6.0
-# Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000 random loops.
+# Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000
+# random loops.
 _OF_RULES = 5e-11
 
 
 def roundoff_error(e: Ellipses, work: Array) -> Array:
     """Error of W pi E*/(2 f^2) from above that the last digits of the loads and angles leave, (m,).
 
-    u and v are differences of r and P1; where these, or the angles D and pi - D, are small so many digits less are right.
+    u and v are differences of r and P1; where these, or the angles D and pi - D, are small so many
+    digits less are right.
     """
     size = e.amplitude + (e.u + e.v) / 2
     least, angle = np.minimum(e.u, e.v), np.minimum(e.turn, math.pi - e.turn)
     # Nothing slips where one of them is 0.
-    lost = size / np.where(least > _TINY * size, least, np.inf) + math.pi / np.where(angle > _TINY, angle, np.inf)
+    lost = size / np.where(least > _TINY * size, least, np.inf) + math.pi / np.where(
+        angle > _TINY, angle, np.inf
+    )
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
     slip = _DIGITS * size
     return (_RELATIVE + _DIGITS * lost) * np.abs(work) + slip * slip
 
 
 def digits_of_loop(e: Ellipses) -> Array:
-    """Relative error of W from above that the last digits of the loop leave where all else is exact, (m,).
+    """Relative error of W from above that the last digits of the loop leave where all else is
+    exact, (m,).
 
-    W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of r and P1 along the phase; r
-    sin(phase) has the digits of pi - phase where that is small.
+    W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of
+    r and P1 along the phase; r sin(phase) has the digits of pi - phase where that is small.
     """
     size, least = e.amplitude + (e.u + e.v) / 2, np.minimum(e.u, e.v)
     across, along = e.u * e.sine, e.u * e.cosine + e.amplitude
     of_phase = np.where(along < 0, -along / np.where(across > _TINY * size, across, np.inf), 0.0)
-    return _OF_LOOP * _DIGITS * (1 + size / np.where(least > _TINY * size, least, np.inf) + math.pi * of_phase)
+    return (
+        _OF_LOOP
+        * _DIGITS
+        * (1 + size / np.where(least > _TINY * size, least, np.inf) + math.pi * of_phase)
+    )
 
 
 def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to nothing slips: 1 ms and more each.
+    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to
+    nothing slips: 1 ms and more each.
 
-    The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
-    where that does not help.
+    The phases are cut at the corners; next to singular ends the rule is graded; pieces that have
+    not converged are halved. NaN where that does not help.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from semi_analytic.hertz import HertzContact
-    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # k = 0.6
-    >>> forward, reverse = works_over_time(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
+    >>> loop = ellipses_of(
+    ...     *(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5))
+    ... )  # k = 0.6
+    >>> forward, reverse = works_over_time(
+    ...     loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+    ... )
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
@@ -343,17 +426,20 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     return forward, reverse
 
 
-# Share of the mean load below which a load at the slip front is taken for that share: W changes by 1e-13 of A f^2 P0^2. Octaves
-# by which the tables of members differ, so that the next block or call finds its own.
+# Share of the mean load below which a load at the slip front is taken for that share: W changes by
+# 1e-13 of A f^2 P0^2. Octaves by which the tables of members differ, so that the next block or call
+# finds its own.
 LEAST_LOAD, _STEP_OF_TABLES = 2.0**-48, 8
 # Nothing that rounds differently leaves a table.
 _MARGIN = 1e-12
 
 
 def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
-    """Members whose largest loads are within eight octaves, and the octaves [2^first, 2^(last + 1)) in which all their loads lie.
+    """Members whose largest loads are within eight octaves, and the octaves [2^first, 2^(last + 1))
+    in which all their loads lie.
 
-    A member's table follows from its own loads alone, whoever else is in the batch. Loads below 2^-48 of the mean count as that.
+    A member's table follows from its own loads alone, whoever else is in the batch. Loads below
+    2^-48 of the mean count as that.
     """
     most = (e.mean + e.amplitude) * (1 + _MARGIN)
     least = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
@@ -366,22 +452,31 @@ def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
 
 
 def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
+    """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature
+    does not converge.
 
-    To ten digits: the same pieces by few nodes, Lam by series where P - P_c is no small share of P0.
+    To ten digits: the same pieces by few nodes, Lam by series where P - P_c is no small share of
+    P0.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
-    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # constant P, Q1 = 0.6 f P
+    >>> loop = ellipses_of(
+    ...     *(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5))
+    ... )  # constant P, Q1 = 0.6 f P
     >>> works = dissipation_of(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
-    >>> round(float(works.sum()), 9), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9)  # theory, constant load
+    >>> (
+    ...     round(float(works.sum()), 9),
+    ...     round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9),
+    ... )  # theory, constant load
     (0.106967415, 0.106967415)
     """
     return dissipation_and_error(e, contact)[:2]
 
 
 def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Forward and reverse part as in `dissipation_of`, and the error of their sum from above, (3, m)."""
+    """Forward and reverse part as in `dissipation_of`, and the error of their sum from above, (3,
+    m).
+    """
     works = np.empty((3, len(e.mean)))
     for members, first, last in by_largest_load(e):
         works[:, members] = _dissipation_of_group(e.take(members), contact, first, last)
@@ -391,7 +486,9 @@ def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, last: int) -> Array:
-    """The same of members all of whose loads are between 2^first and 2^(last + 1), but for round-off of the loads."""
+    """The same of members all of whose loads are between 2^first and 2^(last + 1), but for
+    round-off of the loads.
+    """
     works, share = np.empty((3, len(e.mean))), e.deepest / e.mean
     table, least = None, _DEEP
     if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
@@ -399,8 +496,14 @@ def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, la
     edges, log = (table.edges, table) if table else (contact.break_loads, _log_of(contact))
     area = table.slip_area if table else contact.dissipation_kernel
     ways: tuple[tuple[NDArray[np.bool_], Callable[[Ellipses], Array]], ...] = (
-        (share <= least, lambda some: _over_phases(some, contact, contact.dissipation_kernel, _QUICK, _SETTLED)),
-        ((share > least) & (share <= _DEEP), lambda some: _over_phases(some, contact, area, _QUICK, _SETTLED)),
+        (
+            share <= least,
+            lambda some: _over_phases(some, contact, contact.dissipation_kernel, _QUICK, _SETTLED),
+        ),
+        (
+            (share > least) & (share <= _DEEP),
+            lambda some: _over_phases(some, contact, area, _QUICK, _SETTLED),
+        ),
         (share > _DEEP, lambda some: _over_loads(some, edges, log)),
     )
     for some, work in ways:
@@ -409,25 +512,45 @@ def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, la
     if table:
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
         by_series = (share > least) & (share <= _DEEP)
-        works[2, by_series] += _OF_SERIES / share[by_series] * np.abs(works[0] + works[1])[by_series]
+        works[2, by_series] += (
+            _OF_SERIES / share[by_series] * np.abs(works[0] + works[1])[by_series]
+        )
     return works
 
 
-def _over_phases(e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float) -> Array:
+def _over_phases(
+    e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float
+) -> Array:
     """Forward and reverse part of W, (2, m), over pieces of phases between corners."""
     corners, pieces = contact.break_loads, []
     # A corner that is nearly met counts too.
-    met = (corners > 0.99 * np.min(e.permanent, initial=math.inf)) & (corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0))
+    met = (corners > 0.99 * np.min(e.permanent, initial=math.inf)) & (
+        corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
+    )
     for number, ends in enumerate(corner_angles(e, corners[met, None]).values()):
-        owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]).T & (e.deepest > 0)[:, None])
+        owner, row = np.nonzero(
+            (np.diff(ends, axis=0) > 1e-14 * ends[-1]).T & (e.deepest > 0)[:, None]
+        )
         low, high = ends[row, owner], ends[row + 1, owner]
-        pieces.append((np.full(len(row), number), owner, low, high, np.minimum(high - low < ends[-1, owner], len(rules) - 1)))
+        pieces.append(
+            (
+                np.full(len(row), number),
+                owner,
+                low,
+                high,
+                np.minimum(high - low < ends[-1, owner], len(rules) - 1),
+            )
+        )
 
     def terms(phase: Indices, member: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
-        for name, first, last in zip(PHASES, *np.searchsorted(phase, [[0, 1, 2], [1, 2, 3]]), strict=True):
+        for name, first, last in zip(
+            PHASES, *np.searchsorted(phase, [[0, 1, 2], [1, 2, 3]]), strict=True
+        ):
             some = slice(first, last)
-            rate[:, some], slipped[:, some], load[:, some] = phase_of(name, e.take(member[some]), s[:, some])
+            rate[:, some], slipped[:, some], load[:, some] = phase_of(
+                name, e.take(member[some]), s[:, some]
+            )
         return rate * kernel(load, np.minimum(slipped, load))
 
     works, error = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
@@ -438,11 +561,15 @@ _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
 def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Array:
-    """Forward and reverse part of W, (2, m), by parts: over the courses of P and of P_c, between edges behind which L is smooth.
+    """Forward and reverse part of W, (2, m), by parts: over the courses of P and of P_c, between
+    edges behind which L is smooth.
 
-    Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s in J-M.
+    Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
+    in J-M.
     """
-    edges = edges[(edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude)), None]
+    edges = edges[
+        (edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude)), None
+    ]
     start, pieces = e.start, []
     time = np.arccos(np.clip((edges - e.mean) / np.where(e.moving, e.amplitude, np.inf), -1.0, 1.0))
     above, full = np.maximum(edges - e.permanent, 0.0), 2 * math.pi
@@ -457,20 +584,36 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
         (nothing[0], e.turn, (by_u,)),
     )
     for number, (begin, end, cuts) in enumerate(courses):
-        ends = np.sort(np.clip(np.concatenate([begin[None], *cuts, end[None]]), begin, np.maximum(begin, end)), axis=0)
+        ends = np.sort(
+            np.clip(np.concatenate([begin[None], *cuts, end[None]]), begin, np.maximum(begin, end)),
+            axis=0,
+        )
         owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
         low, high = ends[row, owner], ends[row + 1, owner]
         if number in (0, 1, 3):
-            low, high = np.where((low + high) / full % 2 > 1, [low, high], [high, low])  # P grows from pi to 2 pi
-        pieces.append((np.full(len(row), number), owner, low, high, np.searchsorted(_SHORT, np.abs(high - low))))
+            # P grows from pi to 2 pi
+            low, high = np.where((low + high) / full % 2 > 1, [low, high], [high, low])
+        pieces.append(
+            (
+                np.full(len(row), number),
+                owner,
+                low,
+                high,
+                np.searchsorted(_SHORT, np.abs(high - low)),
+            )
+        )
     # L counts from that of P0: what is left of any constant is round-off.
     base = log(e.mean[None])[0]
 
     def terms(course: Indices, member: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
-        for number, first, last in zip(range(5), *np.searchsorted(course, [np.arange(5), np.arange(1, 6)]), strict=True):
+        for number, first, last in zip(
+            range(5), *np.searchsorted(course, [np.arange(5), np.arange(1, 6)]), strict=True
+        ):
             some = slice(first, last)
-            weight[:, some], load[:, some] = course_of(_COURSES[number], e.take(member[some]), angle[:, some])
+            weight[:, some], load[:, some] = course_of(
+                _COURSES[number], e.take(member[some]), angle[:, some]
+            )
         return weight * (log(load) - base[member])
 
     works, error = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
@@ -479,7 +622,9 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
 
 
 def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
-    """What stands before L in W pi E*/(2 f^2), and the load, at angles of a course; one tangent stands for sine and cosine."""
+    """What stands before L in W pi E*/(2 f^2), and the load, at angles of a course; one tangent
+    stands for sine and cosine.
+    """
     tangent = np.tan(angle / 2)
     square = tangent * tangent
     share = 1 / (1 + square)
@@ -487,7 +632,10 @@ def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
     if name in ("P_c, E-G", "P_c, J-M"):
         one, other, turn = (e.v, e.u, e.turn) if name == "P_c, E-G" else (e.u, e.v, -e.turn)
         above = one * square * share
-        return one * sine * (above - other / 2 * (1 - np.cos(turn) * cosine - np.sin(turn) * sine)), e.permanent + above
+        return (
+            one * sine * (above - other / 2 * (1 - np.cos(turn) * cosine - np.sin(turn) * sine)),
+            e.permanent + above,
+        )
     load = (e.mean - e.amplitude) + 2 * e.amplitude * share
     if name == "P_c, I-J":
         along, across = e.cosine * cosine + e.sine * sine, e.cosine * sine - e.sine * cosine
@@ -505,24 +653,41 @@ def _over_pieces(
     settled: float,
     least: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group, (groups, m), and errors, (m,).
+    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group,
+    (groups, m), and errors, (m,).
 
-    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less than `least` of it.
+    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less
+    than `least` of it.
     """
     group, member, begin, end, kind = (np.concatenate(part) for part in zip(*pieces, strict=True))
     if len(e.mean) < _SOME:  # every call counts, and not its length
         kind, least = np.full(len(kind), len(rules) - 1), 0.0
-    works, size, left_out = np.zeros((groups, len(e.mean))), np.zeros(len(e.mean)), np.zeros(len(e.mean))
+    works, size, left_out = (
+        np.zeros((groups, len(e.mean))),
+        np.zeros(len(e.mean)),
+        np.zeros(len(e.mean)),
+    )
     for level in range(_HALVINGS + 1):
         value, error = np.empty(len(member)), np.empty(len(member))
         for number, rule in enumerate(rules):
             those, step = np.flatnonzero(kind == number), _ELEMENTS // len(rule.weight)
             for here in (those[k : k + step] for k in range(0, len(those), step)):
                 low, high = begin[here], end[here]
-                found = terms(group[here], member[here], np.where(rule.lower, low, high) + (high - low) * rule.way)
+                found = terms(
+                    group[here],
+                    member[here],
+                    np.where(rule.lower, low, high) + (high - low) * rule.way,
+                )
                 length = np.abs(high - low)
-                value[here], error[here] = rule.weight @ found * length, np.max(np.abs(rule.check @ found), axis=0) * length
-        size = size if level else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
+                value[here], error[here] = (
+                    rule.weight @ found * length,
+                    np.max(np.abs(rule.check @ found), axis=0) * length,
+                )
+        size = (
+            size
+            if level
+            else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
+        )
         resolved = ~(error > settled * size[member])
         done = resolved | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
         np.add.at(works, (group[done], member[done]), value[done])
@@ -545,7 +710,8 @@ def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
 
 
 class LogHalfWidth:
-    """L = ln a of any profile by series over v = sqrt(P - P_b) behind each corner P_b; from P = 0 on in octaves of v.
+    """L = ln a of any profile by series over v = sqrt(P - P_b) behind each corner P_b; from P = 0
+    on in octaves of v.
 
     Attributes
     ----------
@@ -553,9 +719,15 @@ class LogHalfWidth:
     """
 
     def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
-        """From the load 2^first to 2^last, or to where the profile ends; below 2^first L is that of 2^first."""
+        """From the load 2^first to 2^last, or to where the profile ends; below 2^first L is that of
+        2^first.
+        """
         corners = contact.break_loads
-        most = 2.0**last if contact.extent == math.inf else min(2.0**last, float(contact.load(contact.extent)))
+        most = (
+            2.0**last
+            if contact.extent == math.inf
+            else min(2.0**last, float(contact.load(contact.extent)))
+        )
         begins = np.array([0.0, *corners[(corners > 2.0**first) & (corners < most)], most])
         places, log = (
             np.append(0.0, np.cumsum(np.sqrt(np.diff(begins)))),
@@ -567,7 +739,11 @@ class LogHalfWidth:
             behind = np.searchsorted(places[1:-1], place, side="right")
             return log(begins[behind] + np.square(place - places[behind]))
 
-        found = halved(at, np.append(places[1] * 2.0 ** np.arange(-octaves, 0), places[1:]), max(contact.noise / 4e-14, 1.0))
+        found = halved(
+            at,
+            np.append(places[1] * 2.0 ** np.arange(-octaves, 0), places[1:]),
+            max(contact.noise / 4e-14, 1.0),
+        )
         behind = np.searchsorted(places[1:-1], found.edges[:-1], side="right")
         self._begin, self._log = begins[behind], Powers(found.coefficients)
         self._low, self._high = found.edges[:-1] - places[behind], found.edges[1:] - places[behind]
@@ -585,16 +761,22 @@ class LogHalfWidth:
         return self._at(piece, np.sqrt(np.maximum(load - self._begin[piece], 0.0)))
 
     def slip_area(self, load: Array, slipped: Array) -> Array:
-        """Lam from P and P - P_c to 1e-16 of P - P_c: int [L - L(P_c)] d eta from edge to edge by Gauss' rule in v."""
+        """Lam from P and P - P_c to 1e-16 of P - P_c: int [L - L(P_c)] d eta from edge to edge by
+        Gauss' rule in v.
+        """
         front, (node, weight) = load - slipped, gauss(4)
         piece, last = (np.searchsorted(self.edges, values) for values in (front, load))
         v = np.sqrt(np.maximum(front - self._begin[piece], 0.0))
         base, total, left = self._at(piece, v), np.zeros(load.shape), slipped
         for _ in range(int(np.max(last - piece, initial=0)) + 1):
-            rise = np.clip(np.where(piece < last, np.square(self._high[piece]) - v * v, np.inf), 0.0, left)
+            rise = np.clip(
+                np.where(piece < last, np.square(self._high[piece]) - v * v, np.inf), 0.0, left
+            )
             step = rise / np.maximum(v + np.sqrt(v * v + rise), 1e-300)
             at = v[..., None] + step[..., None] * node
-            total += step * np.sum(weight * 2 * at * (self._at(piece[..., None], at) - base[..., None]), axis=-1)
+            total += step * np.sum(
+                weight * 2 * at * (self._at(piece[..., None], at) - base[..., None]), axis=-1
+            )
             left, piece = left - rise, np.minimum(piece + 1, last)
             v = np.where(left > 0, self._low[piece], v)
         return total
@@ -605,7 +787,7 @@ def _log_half_width(contact: SymmetricContact, first: int, last: int) -> LogHalf
     return LogHalfWidth(contact, first, last)
 
 
-# ------------------------------------------------------------------- Hertz, power laws, flat and rounded faces: by Lam
+# ------------------------------------------------ Hertz, power laws, flat and rounded faces: by Lam
 # Nodes of one phase at once: arrays that fit into the cache.
 _NODES = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
@@ -614,13 +796,18 @@ _RULES = (*(gauss(count) for count in _COUNTS), graded(0.0, 1.0))
 _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
 
 
-def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float, least: float = _FLOOR) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each member by as many nodes as it needs.
+def works_by_lam(
+    e: Ellipses, quick: Area, careful: Area, deep: float, least: float = _FLOOR
+) -> tuple[Array, Array]:
+    """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each
+    member by as many nodes as it needs.
 
-    `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0; `careful` to rounding of itself.
-    The areas are asked for no load below the share `least` of P0, and for none above P0 + P1 but for rounding.
+    `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0;
+    `careful` to rounding of itself. The areas are asked for no load below the share `least` of P0,
+    and for none above P0 + P1 but for rounding.
     """
-    # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
+    # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add
+    # rounding times v.
     unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
     kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
@@ -633,7 +820,9 @@ def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float, least: fl
         step = max(_NODES // len(_RULES[number // 2][0]), 64)
         for begin in range(bounds[number - 1] if number else 0, bounds[number], step):
             here = slice(begin, min(begin + step, bounds[number]))
-            found[:, order[here]] = phase_integrals(loops[:, here], _RULES[number // 2], (quick, careful)[number % 2], memory)
+            found[:, order[here]] = phase_integrals(
+                loops[:, here], _RULES[number // 2], (quick, careful)[number % 2], memory
+            )
     reverse, later, early = 2 * found
     k = 4 * e.amplitude * e.sine
     early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
@@ -641,7 +830,8 @@ def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float, least: fl
 
 
 def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Array:
-    """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has the last digits of P L.
+    """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has
+    the last digits of P L.
 
     Parameters
     ----------
@@ -656,18 +846,23 @@ def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Arr
 
 
 def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
-    """Index in `_RULES` of the least rule that leaves exp(-30), (m,), from where the integrands stop being analytic.
+    """Index in `_RULES` of the least rule that leaves exp(-30), (m,), from where the integrands
+    stop being analytic.
 
-    In J-M and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M, and with v from G. Where P = 0
-    it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s = pi - t_E in E-G and s = t_E in I-J; the mirror images in J-M and
-    of I-J are farther away. Gauss' rule of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the
-    nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip the integrand is a cube
-    of sines.
+    In J-M and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M,
+    and with v from G. Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s =
+    pi - t_E in E-G and s = t_E in I-J; the mirror images in J-M and of I-J are farther away. Gauss'
+    rule of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the
+    nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without
+    slip the integrand is a cube of sines.
     """
     start, wide, rest = e.start, np.maximum(e.turn, _TINY), np.maximum(math.pi - e.turn, _TINY)
     front, load = (
         np.square(4 * np.arcsinh(np.sqrt(level / np.maximum(size, _TINY))))
-        for level, size in ((e.permanent, np.maximum(e.u, e.v)), (e.mean - e.amplitude, 2 * e.amplitude))
+        for level, size in (
+            (e.permanent, np.maximum(e.u, e.v)),
+            (e.mean - e.amplitude, 2 * e.amplitude),
+        )
     )
     half_sum = np.full(len(wide), np.inf)
     for centre, square in (
@@ -681,10 +876,13 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
 
 
 def _rows(e: Ellipses, least: float) -> Array:
-    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k; no load below a share `least` of P0."""
+    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k; no load below a
+    share `least` of P0.
+    """
     rows = np.empty((9, len(e.mean)))
     rows[0], rows[1] = e.turn / 2, (math.pi - e.turn) / 2
-    # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never asked for.
+    # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
+    # asked for.
     np.maximum(e.permanent, least * e.mean, out=rows[2])
     np.maximum(e.mean - e.amplitude, least * e.mean, out=rows[3])
     rows[4], rows[5] = e.u, e.v
@@ -696,19 +894,25 @@ def _rows(e: Ellipses, least: float) -> Array:
     return rows
 
 
-def phase_integrals(loops: Array, rule: tuple[Array, Array], area: Area, memory: Array) -> tuple[Array, Array, Array]:
-    """Sums by the rule of `area` times S C in E-G and J-M, times P - P_c in I-J; `loops` (9, m) are rows h to k. Arrays (m,).
+def phase_integrals(
+    loops: Array, rule: tuple[Array, Array], area: Area, memory: Array
+) -> tuple[Array, Array, Array]:
+    """Sums by the rule of `area` times S C in E-G and J-M, times P - P_c in I-J; `loops` (9, m) are
+    rows h to k. Arrays (m,).
 
     # notation: h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0, members along axis 1;
-    #           alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), k = 4 alpha beta = 4 P1 sin(t_E)
+    #           alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), k = 4 alpha beta = 4 P1
+    #           sin(t_E)
 
-    With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the same rule:
+    With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the
+    same rule:
 
         E-G  s = D (1 - y)    rate 2 f v S C       P_c = P_T + v S^2                    P - P_c = u S-bar^2
         J-M  s = D y          rate 2 f u S C       P_c = P_T + u S^2                    P - P_c = v S-bar^2 + k S C
         I-J  s = 2 g y        rate 2 f u s c       P_c = P_min + (alpha c - beta s)^2   P - P_c = k s c,   s, c = sin, cos (g y)
 
-    No difference is taken but one that is squared. One tangent a node stands for sine and cosine: numpy has it in vector code.
+    No difference is taken but one that is squared. One tangent a node stands for sine and cosine:
+    numpy has it in vector code.
     """
     (nodes, weights), (half, rest, permanent, least, u, v, alpha, beta, k) = rule, loops
     shape = (4, 3, len(nodes), len(half))
@@ -743,7 +947,9 @@ def phase_integrals(loops: Array, rule: tuple[Array, Array], area: Area, memory:
 
 
 def quick_bracket(front: Array, slipped: Array, free: Array) -> Array:
-    """P ln(P/P_c) - P + P_c, to rounding of P - P_c: n Lam of the power law |x|^n, 2 Lam of Hertz."""
+    """P ln(P/P_c) - P + P_c, to rounding of P - P_c: n Lam of the power law |x|^n, 2 Lam of
+    Hertz.
+    """
     np.divide(slipped, front, out=free)
     np.log1p(free, out=free)
     front += slipped
@@ -762,30 +968,44 @@ def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
 _CELL_BITS = 4
 _CELLS = 1 << _CELL_BITS
 _REST, _ONE = np.int64((1 << (52 - _CELL_BITS)) - 1), np.int64(1023 << 52)
-# Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its argument.
+# Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its
+# argument.
 _PLACES, _TERMS = np.cos(math.pi * (np.arange(12) + 0.5) / 12), 8
-_SERIES = [np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k)) for k, row in enumerate(np.eye(_TERMS))]
-_TO_POWERS = 2.0 ** np.arange(_TERMS)[:, None] * (np.transpose(_SERIES) @ np.linalg.inv(chebyshev.chebvander(_PLACES, 11))[:_TERMS])
-_NEAR_RULE = tuple((float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True))
+_SERIES = [
+    np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k))
+    for k, row in enumerate(np.eye(_TERMS))
+]
+_TO_POWERS = 2.0 ** np.arange(_TERMS)[:, None] * (
+    np.transpose(_SERIES) @ np.linalg.inv(chebyshev.chebvander(_PLACES, 11))[:_TERMS]
+)
+_NEAR_RULE = tuple(
+    (float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True)
+)
 
 
 class LamTable:
-    """Lam of a flat and rounded face, between two loads: polynomials in P on sixteen cells of every octave.
+    """Lam of a flat and rounded face, between two loads: polynomials in P on sixteen cells of every
+    octave.
 
         Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln a = dJ/dP
         where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
 
-    The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13. `largest` is the largest L.
+    The number of a cell is that of the leading bits of the load, so that there is no search. To
+    1e-13. `largest` is the largest L.
     """
 
     def __init__(self, contact: Contact, first: int, last: int) -> None:
-        """From 2^first to 2^(last + 1); a load beyond them is refused, never read from another cell."""
+        """From 2^first to 2^(last + 1); a load beyond them is refused, never read from another
+        cell.
+        """
         self._first = (1023 + first) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
-        contact = replace(contact, datum_length=contact.least / 2)  # L = ln(a/b) keeps its digits beside the flat
+        # L = ln(a/b) keeps its digits beside the flat
+        contact = replace(contact, datum_length=contact.least / 2)
         area, log = -contact.log_distance(load), -contact.log_ratio(load)
-        # Of a short way about the load Lam is half of its square times L', but for a share of 3e-14.
+        # Of a short way about the load Lam is half of its square times L', but for a share of
+        # 3e-14.
         way = 1e-6 * load
         with np.errstate(all="ignore"):
             rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
@@ -806,7 +1026,8 @@ class LamTable:
 
     def quick(self, front: Array, slipped: Array, free: Array) -> Array:
         """Lam from P_c and P - P_c, (phases, n, m), to some 1e-16 of P^2 over P - P_c."""
-        for below, way, area in zip(front, slipped, free, strict=True):  # one phase after the other: it stays in the cache
+        # one phase after the other: it stays in the cache
+        for below, way, area in zip(front, slipped, free, strict=True):
             cell, inside = self._place(np.stack([below + way, below]))
             upper, lower = _series(self._area, cell, inside)
             upper -= lower
@@ -819,11 +1040,15 @@ class LamTable:
         near = np.zeros(front.shape)
         for node, weight in _NEAR_RULE:
             near += weight * _series(self._rate, *self._place(front + node * slipped))
-        return np.where(0.7 * slipped < 0.3 * front, near * slipped * slipped, self.quick(front, slipped, free))
+        return np.where(
+            0.7 * slipped < 0.3 * front, near * slipped * slipped, self.quick(front, slipped, free)
+        )
 
 
 def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
-    """Polynomials, rows from the lowest power on, columns for the cells, all of which are columns of the table."""
+    """Polynomials, rows from the lowest power on, columns for the cells, all of which are columns
+    of the table.
+    """
     total, row = rows[-1].take(cell, mode="clip"), np.empty(cell.shape)
     for coefficients in rows[-2::-1]:
         total *= inside

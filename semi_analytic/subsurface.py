@@ -1,7 +1,9 @@
-"""Stress inside both half-planes, for every profile and every memory curve: Muskhelishvili's potential of the flat punches.
+"""Stress inside both half-planes, for every profile and every memory curve: Muskhelishvili's
+potential of the flat punches.
 
-A flat punch of half-width a under unit load has the potential i/(2 pi sqrt(z^2 - a^2)), z = x + i y (Muskhelishvili 1953). The
-contact is a superposition of such punches, each with its share M' d eta of the tangential load, so
+A flat punch of half-width a under unit load has the potential i/(2 pi sqrt(z^2 - a^2)), z = x + i y
+(Muskhelishvili 1953). The contact is a superposition of such punches, each with its share M' d eta
+of the tangential load, so
 
     N(z) = int_0^P d eta / sqrt(z^2 - a^2),   T(z) = int_0^P M'(eta) d eta / sqrt(z^2 - a^2)
 
@@ -9,15 +11,16 @@ contact is a superposition of such punches, each with its share M' d eta of the 
     pi s_yy = -Im N          + y (Re N' - Im T')          y <= 0, in the lower body
     pi s_xy =  Im T          + y (Im N' + Re T')
 
-On the face s_yy = -p, s_xy = q, s_xx = -p - (2/pi) Re T: only punches narrower than |x| stretch the face at x, and the tension
-at the trailing edge is (2/pi) int M' d eta / sqrt(a(P)^2 - a(eta)^2). For the parabola under P alone this is McEwen (1949).
+On the face s_yy = -p, s_xy = q, s_xx = -p - (2/pi) Re T: only punches narrower than |x| stretch the
+face at x, and the tension at the trailing edge is (2/pi) int M' d eta / sqrt(a(P)^2 - a(eta)^2).
+For the parabola under P alone this is McEwen (1949).
 
-With bulk stress, tilt or unequal sides there is no one curve of punches of one middle. N and T then come from the tractions of
-the answer: with x = m + h cos(phi), p = sum A_k sin(k phi) and zeta = (z - m)/h, N = pi sum A_k (zeta - sqrt(zeta^2 - 1))^k. The
-bulk stress of the body is added.
+With bulk stress, tilt or unequal sides there is no one curve of punches of one middle. N and T then
+come from the tractions of the answer: with x = m + h cos(phi), p = sum A_k sin(k phi) and zeta = (z
+- m)/h, N = pi sum A_k (zeta - sqrt(zeta^2 - 1))^k. The bulk stress of the body is added.
 
-# notation: eta normal load, a(eta) half-width, M(eta) tangential load of the punches up to eta, f friction, delta = a - |x|;
-#           m, h middle and half-width of the contact
+# notation: eta normal load, a(eta) half-width, M(eta) tangential load of the punches up to eta, f
+#           friction, delta = a - |x|; m, h middle and half-width of the contact
 """
 
 from __future__ import annotations
@@ -46,13 +49,17 @@ Body = Literal["lower", "upper"]
 
 # Kernels that are held at a time.
 _AT_ONCE = 1_000_000
-# Where there is no one memory curve: places across a contact at which q is asked for, and contacts of which; terms of the series.
+# Where there is no one memory curve: places across a contact at which q is asked for, and contacts
+# of which; terms of the series.
 _PLACES, _CONTACTS, _TERMS = 601, 4, 2048
-# Instants that are solved together; places within a contact that are enough to take p and q from an answer that is there.
+# Instants that are solved together; places within a contact that are enough to take p and q from an
+# answer that is there.
 _TOGETHER, _ENOUGH = 20, 60
-# Shares of a contact from its edges at which q is asked for too: slip has just begun there where a load has turned.
+# Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
+# load has turned.
 _RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
-# What straight lines of q/p between places leave of the tension, as share of f times the largest pressure: measured 5e-4.
+# What straight lines of q/p between places leave of the tension, as share of f times the largest
+# pressure: measured 5e-4.
 _BETWEEN = 1e-3
 # Powers of omega below it are left out.
 _NEGLIGIBLE = 1e-17
@@ -61,23 +68,29 @@ _ROUNDING = 1e-11
 
 
 def stress(
-    source: ContactSolution | Scene | str | Path, x: ArrayLike, y: ArrayLike, instants: ArrayLike, *, body: Body = "lower"
+    source: ContactSolution | Scene | str | Path,
+    x: ArrayLike,
+    y: ArrayLike,
+    instants: ArrayLike,
+    *,
+    body: Body = "lower",
 ) -> Array:
     """Stress inside one body, or on its face, at instants of the load path: s_xx, s_yy, s_xy, s_zz.
 
     Parameters
     ----------
     source : the scene, its name or file, or a solution of it
-    x, y : (n_points,) places, or numbers that go with each other [length]; y points out of the lower body: y <= 0 in the lower
-        one, y >= 0 in the upper one, 0 on its face
+    x, y : (n_points,) places, or numbers that go with each other [length]; y points out of the
+        lower body: y <= 0 in the lower one, y >= 0 in the upper one, 0 on its face
     instants : (n_instants,) times of the load path
     body : "lower" or "upper"
 
     Returns
     -------
-    (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive [stress]. To about 1e-11 of the
-    largest pressure; infinite at the tip of a sharp wedge. With bulk stress, tilt or unequal sides the bulk stress is in it, and it
-    is as exact as the shear of `solve`, at most to about 1e-3 of f times the largest pressure. Unlike materials as in `solve`.
+    (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
+    [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge. With
+    bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as the shear of
+    `solve`, at most to about 1e-3 of f times the largest pressure. Unlike materials as in `solve`.
 
     Raises
     ------
@@ -88,7 +101,9 @@ def stress(
 
     >>> import numpy as np
     >>> a, p0 = 1.0, 2 * 90.62286500739786 / np.pi
-    >>> on_axis = stress("hertz-normal", 0.0, -0.786, 1.0)[0, 0] / p0  # largest shear of Hertz: 0.3003 p0 at 0.786 a
+    >>> on_axis = (
+    ...     stress("hertz-normal", 0.0, -0.786, 1.0)[0, 0] / p0
+    ... )  # largest shear of Hertz: 0.3003 p0 at 0.786 a
     >>> float(((on_axis[0] - on_axis[1]) / 2).round(4))
     0.3003
     """
@@ -103,7 +118,10 @@ def stress(
     across, height = np.broadcast_arrays(across, height)
     side = 1.0 if body == "lower" else -1.0
     if np.any(side * height > 0):
-        raise InputError(f"y: {side * float(np.max(side * height)):.6g} is outside the {body} body; y points out of the lower one")
+        raise InputError(
+            f"y: {side * float(np.max(side * height)):.6g} is outside the {body} body; y points out"
+            " of the lower one"
+        )
     depth, nu = side * height, getattr(scene.material, body).poisson_ratio
     found = np.zeros((len(times), len(across), 4))
     if scene.unsymmetric:
@@ -114,31 +132,41 @@ def stress(
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
-            normal, tangential, of_normal, of_tangential = _potentials(contact, _lines(snapshot, k), across, depth)
-            found[k, :, :3] = _from_potentials(normal, side * tangential, depth * of_normal, depth * side * of_tangential)
+            normal, tangential, of_normal, of_tangential = _potentials(
+                contact, _lines(snapshot, k), across, depth
+            )
+            found[k, :, :3] = _from_potentials(
+                normal, side * tangential, depth * of_normal, depth * side * of_tangential
+            )
     found[..., 2] *= side
     found[..., 3] = nu * (found[..., 0] + found[..., 1])
     return found
 
 
-def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLike) -> tuple[Array, Array]:
+def edge_tension(
+    source: ContactSolution | Scene | str | Path, instants: ArrayLike
+) -> tuple[Array, Array]:
     """Stress s_xx of both faces at the edges of contact, and its uncertainty [stress].
 
-    Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2): tension at the left
-    edge of the lower body and the right one of the upper for Q > 0 at constant P. Otherwise the bulk stress is in it.
+    Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 -
+    a(eta)^2): tension at the left edge of the lower body and the right one of the upper for Q > 0
+    at constant P. Otherwise the bulk stress is in it.
 
     Parameters
     ----------
-    source : as for `stress`; of a solution that holds an instant and has 60 points in the contact its own tractions are taken
-        where there is no one memory curve
+    source : as for `stress`; of a solution that holds an instant and has 60 points in the contact
+        its own tractions are taken where there is no one memory curve
     instants : (n_instants,) times of the load path
 
     Returns
     -------
-    values, uncertainties : (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk stress alone
+    values, uncertainties : (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of
+        contact the bulk stress alone
 
     >>> from scenes import load_scene
-    >>> scene = load_scene("cattaneo-mindlin")  # Q = 0.6 f P at time 2: 2 f p0 sqrt(0.6), Cattaneo-Mindlin
+    >>> scene = load_scene(
+    ...     "cattaneo-mindlin"
+    ... )  # Q = 0.6 f P at time 2: 2 f p0 sqrt(0.6), Cattaneo-Mindlin
     >>> f, p0 = scene.friction.coefficient, -stress(scene, 0.0, 0.0, 1.0)[0, 0, 1]
     >>> values, uncertainties = edge_tension(scene, 2.0)
     >>> (values[0] / (2 * f * p0 * 0.6**0.5)).round(9).tolist()
@@ -165,17 +193,28 @@ def edge_tension(source: ContactSolution | Scene | str | Path, instants: ArrayLi
     return found, doubt
 
 
-# ------------------------------------------------------------------------------- from tractions, where there is no one memory curve
-def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) -> list[tuple[ContactSolution, int]]:
-    """For each instant an answer that has p and q at it, and its row: the source itself where it has places enough, or new ones.
+# ----------------------------------------------- from tractions, where there is no one memory curve
+def _with_tractions(
+    source: ContactSolution | Scene | str | Path, times: Array
+) -> list[tuple[ContactSolution, int]]:
+    """For each instant an answer that has p and q at it, and its row: the source itself where it
+    has places enough, or new ones.
 
     New ones have places at the nodes of several of the contacts, and close to the edges of all.
     """
-    scene, answer = (source.scene, source) if isinstance(source, ContactSolution) else (scene_of(source), None)
+    scene, answer = (
+        (source.scene, source) if isinstance(source, ContactSolution) else (scene_of(source), None)
+    )
     found: dict[float, tuple[ContactSolution, int]] = {}
-    if answer is not None and np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all():
+    if (
+        answer is not None
+        and np.isfinite(answer.pressure).all()
+        and np.isfinite(answer.shear).all()
+    ):
         rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
-        enough = (np.sum(answer.pressure[rows] > 0, axis=1) >= _ENOUGH) | (answer.normal_load[rows] <= 0)
+        enough = (np.sum(answer.pressure[rows] > 0, axis=1) >= _ENOUGH) | (
+            answer.normal_load[rows] <= 0
+        )
         held = enough & (np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times))
         found = {float(times[k]): (answer, int(rows[k])) for k in np.flatnonzero(held)}
     at = np.array(sorted(set(times.tolist()) - found.keys()))
@@ -183,7 +222,9 @@ def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) 
         edges = solve(scene, x=0.0, time=some, fields=()).contact_edges
         edges = edges[np.argsort(edges[:, 1] - edges[:, 0])]
         chosen = edges[np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))]
-        nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(np.linspace(0, math.pi, _PLACES))
+        nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(
+            np.linspace(0, math.pi, _PLACES)
+        )
         rims = edges[:, :, None] + np.diff(edges)[:, :, None] * np.array([[1.0], [-1.0]]) * _RIM
         places = np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
         answer = solve(scene, x=places, time=some, fields=("pressure", "shear"))
@@ -194,14 +235,18 @@ def _with_tractions(source: ContactSolution | Scene | str | Path, times: Array) 
 def _bulk(pairs: list[tuple[ContactSolution, int]]) -> Array:
     """Bulk stress of the lower and the upper body, (n, 2)."""
     both = [(answer.bulk_stress_lower, answer.bulk_stress_upper, row) for answer, row in pairs]
-    return np.array([[0.0 if one is None else one[row] for one in (lower, upper)] for lower, upper, row in both])
+    return np.array(
+        [[0.0 if one is None else one[row] for one in (lower, upper)] for lower, upper, row in both]
+    )
 
 
 def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
-    """s_xx of the lower body at its left and right edge without the bulk stress, (2,), and its uncertainty [stress].
+    """s_xx of the lower body at its left and right edge without the bulk stress, (2,), and its
+    uncertainty [stress].
 
-    +-(2/pi) int q/|x - edge| dx, by phi from the edge: int q cot(phi/2) d phi, straight between the places, q/p as it is at the
-    outermost one from there on. Its error: three times what every second place alone changes, the shear's own, and `_BETWEEN`.
+    +-(2/pi) int q/|x - edge| dx, by phi from the edge: int q cot(phi/2) d phi, straight between the
+    places, q/p as it is at the outermost one from there on. Its error: three times what every
+    second place alone changes, the shear's own, and `_BETWEEN`.
     """
     left, right = answer.contact_edges[row]
     touching = np.flatnonzero((answer.pressure[row] > 0) & (answer.x > left) & (answer.x < right))
@@ -217,13 +262,21 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
         return 2 / math.pi * np.array([found[0], -found[1]])
 
     own = integrals(touching)
-    apart = max(float(np.abs(integrals(part) - own).max()) for part in (touching[::2], touching[1::2]) if len(part))
+    apart = max(
+        float(np.abs(integrals(part) - own).max())
+        for part in (touching[::2], touching[1::2])
+        if len(part)
+    )
     largest = answer.scene.friction.coefficient * float(answer.pressure[row].max())
     return own, 3 * apart + (4 * answer.record.errors.get("shear", 0.0) + _BETWEEN) * largest
 
 
-def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float) -> Array:
-    """(n, 3) s_xx, s_yy, s_xy of a body below y = 0, without the bulk stress: q/p between places, p exact, as series of sines."""
+def _from_sines(
+    answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
+) -> Array:
+    """(n, 3) s_xx, s_yy, s_xy of a body below y = 0, without the bulk stress: q/p between places, p
+    exact, as series of sines.
+    """
     touching = answer.pressure[row] > 0
     if not touching.any():
         return np.zeros((len(x), 3))
@@ -231,7 +284,9 @@ def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Ar
     middle, half = (left + right) / 2, (right - left) / 2
     at = middle + half * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
-    share = np.interp(at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching])
+    share = np.interp(
+        at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching]
+    )
     series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half
@@ -239,29 +294,43 @@ def _from_sines(answer: ContactSolution, row: int, profile: TiltedProfile, x: Ar
     root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega, sums = zeta - root, np.zeros((4, len(x)), dtype=complex)
     with np.errstate(divide="ignore"):
-        needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(omega), 1 - 1e-12))), _TERMS)
+        needed = np.minimum(
+            np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(omega), 1 - 1e-12))), _TERMS
+        )
     order = np.argsort(-needed, kind="stable")
-    omega, active = omega[order], np.searchsorted(-needed[order], -np.arange(1, _TERMS + 1), side="right")
+    omega, active = (
+        omega[order],
+        np.searchsorted(-needed[order], -np.arange(1, _TERMS + 1), side="right"),
+    )
     for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
         n = active[k - 1]
         sums[:2, :n] = (sums[:2, :n] + series[:, k - 1, None]) * omega[:n]
         sums[2:, :n] = (sums[2:, :n] + k * series[:, k - 1, None]) * omega[:n]
     sums[:, order] = sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half * root)).conj())  # y N', y T'; d omega/dz = -omega/(h root)
+        # y N', y T'; d omega/dz = -omega/(h root)
+        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half * root)).conj())
     return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
 
 
-def _from_potentials(normal: Complex, tangential: Complex, of_normal: Complex, of_tangential: Complex) -> Array:
+def _from_potentials(
+    normal: Complex, tangential: Complex, of_normal: Complex, of_tangential: Complex
+) -> Array:
     """(n, 3) s_xx, s_yy, s_xy of a body below y = 0 from N, T, y N' and y T'."""
     bent = of_normal.real - of_tangential.imag
     pressed = -normal.imag
-    rows = pressed - 2 * tangential.real - bent, pressed + bent, tangential.imag + of_normal.imag + of_tangential.real
+    rows = (
+        pressed - 2 * tangential.real - bent,
+        pressed + bent,
+        tangential.imag + of_normal.imag + of_tangential.real,
+    )
     return np.stack(rows, axis=-1) / math.pi
 
 
 def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
-    """(lower load, upper load, M' of loads between) of the memory curve of instant k, from the top to 0."""
+    """(lower load, upper load, M' of loads between) of the memory curve of instant k, from the top
+    to 0.
+    """
     load, front = float(snapshot.load[k]), float(snapshot.load[k] - snapshot.slipped[k])
     if front < load:
         slope = float(snapshot.direction[k] * snapshot.friction)
@@ -272,7 +341,9 @@ def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
 
 
 def _slope_of(piece: Piece, friction: float) -> Slope:
-    """M'(eta) on a piece: of an arc dQ/dP of the path, 0/0 where both loads turn at once and |M'| <= f."""
+    """M'(eta) on a piece: of an arc dQ/dP of the path, 0/0 where both loads turn at once and |M'|
+    <= f.
+    """
 
     def slope(eta: Array) -> Array:
         if piece.arc is None:
@@ -284,8 +355,12 @@ def _slope_of(piece: Piece, friction: float) -> Slope:
     return slope
 
 
-def _potentials(contact: SymmetricContact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array) -> Complex:
-    """N, T, N' and T' at x + i y, y <= 0: (4, n). N' and T' are left 0 on the face, where they go with y."""
+def _potentials(
+    contact: SymmetricContact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array
+) -> Complex:
+    """N, T, N' and T' at x + i y, y <= 0: (4, n). N' and T' are left 0 on the face, where they go
+    with y.
+    """
     found = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
     for bottom, top, slope in lines:
@@ -299,16 +374,36 @@ def _potentials(contact: SymmetricContact, lines: Iterator[tuple[float, float, S
     return found
 
 
-def _add_panel(found: Complex, contact: SymmetricContact, slope: Slope, ends: tuple[float, float], x: Array, y: Array) -> None:
-    """Adds the punches of half-widths between `ends`; where |x| is one of them the panel is cut there."""
+def _add_panel(
+    found: Complex,
+    contact: SymmetricContact,
+    slope: Slope,
+    ends: tuple[float, float],
+    x: Array,
+    y: Array,
+) -> None:
+    """Adds the punches of half-widths between `ends`; where |x| is one of them the panel is cut
+    there.
+    """
     low, high = ends
     inside, rule = (x > low) & (x < high), INVERSE_ROOTS
     length, lower, at_once = high - low, rule.up < 0.5, _AT_ONCE // len(rule.up)
     half = np.where(lower, low + length * rule.up, high - length * rule.down)
-    weights, outside, within = _weights(contact, slope, half, length * rule.share), np.flatnonzero(~inside), np.flatnonzero(inside)
+    weights, outside, within = (
+        _weights(contact, slope, half, length * rule.share),
+        np.flatnonzero(~inside),
+        np.flatnonzero(inside),
+    )
     for here in np.array_split(outside, 1 + len(outside) // at_once):
         point = x[here, None]
-        _add(found, here, weights, np.where(lower, (low - point) + length * rule.up, (high - point) - length * rule.down), x, y)
+        _add(
+            found,
+            here,
+            weights,
+            np.where(lower, (low - point) + length * rule.up, (high - point) - length * rule.down),
+            x,
+            y,
+        )
     for here in np.array_split(within, 1 + len(within) // at_once):
         point = x[here, None]
         for sign, far in ((-1.0, low), (1.0, high)):
@@ -324,18 +419,26 @@ def _weights(contact: SymmetricContact, slope: Slope, half: Array, share: Array)
     return np.stack([rise, rise * slope(contact.load(half))])
 
 
-def _add(found: Complex, here: NDArray[np.intp], weights: Array, delta: Array, x: Array, y: Array) -> None:
-    """Adds the sums over the nodes (the last axis) at the points `here`; z^2 - a^2 from delta = a - x, which does not cancel."""
+def _add(
+    found: Complex, here: NDArray[np.intp], weights: Array, delta: Array, x: Array, y: Array
+) -> None:
+    """Adds the sums over the nodes (the last axis) at the points `here`; z^2 - a^2 from delta = a -
+    x, which does not cancel.
+    """
     point, height = x[here, None], y[here, None]
     # The root is that of -0 i on the face: from inside the lower body.
     square = np.empty(delta.shape, dtype=complex)
     square.real = -delta * (2 * point + delta) - height * height
     square.imag = 2 * point * -np.abs(height)
     kernel = 1 / np.sqrt(square)
-    found[:2, here] += np.einsum("...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel)
+    found[:2, here] += np.einsum(
+        "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel
+    )
     deep = np.flatnonzero(height[:, 0] != 0)
     if len(deep):
         kernel = kernel[deep] / square[deep]
         part = weights[:, deep] if weights.ndim == 3 else weights
         z = (point + 1j * height)[deep, 0]
-        found[2:, here[deep]] -= z * np.einsum("...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", part, kernel)
+        found[2:, here[deep]] -= z * np.einsum(
+            "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", part, kernel
+        )

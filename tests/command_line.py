@@ -1,4 +1,6 @@
-"""The command `halfplane` as the tests call it: in this process, or as a process of its own where the process is the matter."""
+"""The command `halfplane` as the tests call it: in this process, or as a process of its own where
+the process is the matter.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,18 @@ from unittest import mock
 from reports.cli import main
 
 ROOT = Path(__file__).parents[1]
-# The coarsest mesh and steps that still go through both engines: a second, and far outside every tolerance.
-COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
+# The coarsest mesh and steps that still go through both engines: a second, and far outside every
+# tolerance.
+COARSE = (
+    "--order",
+    "1",
+    "--element-size",
+    "0.25",
+    "--edge-element-size",
+    "0.25",
+    "--steps-per-cycle",
+    "8",
+)
 
 
 @dataclass(frozen=True)
@@ -37,7 +49,9 @@ class Done:
 
 
 def environment(**own: str) -> dict[str, str]:
-    """This checkout on the path, whether it is installed or not; tables so wide that no line is broken."""
+    """This checkout on the path, whether it is installed or not; tables so wide that no line is
+    broken.
+    """
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     return os.environ | {"PYTHONPATH": path, "COLUMNS": "400", "NO_COLOR": "1"} | own
 
@@ -46,7 +60,12 @@ def halfplane(folder: Path, *words: str, **own: str) -> Done:
     """A command in this process, its current folder `folder`, with variables of its own."""
     out, errors = io.StringIO(), io.StringIO()
     streams = (contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors))
-    with contextlib.chdir(folder), mock.patch.dict(os.environ, environment(**own)), streams[0], streams[1]:
+    with (
+        contextlib.chdir(folder),
+        mock.patch.dict(os.environ, environment(**own)),
+        streams[0],
+        streams[1],
+    ):
         code = main(list(words))
     return Done(code, out.getvalue(), errors.getvalue())
 
@@ -62,23 +81,37 @@ def forked(
     memory: int = resource.RLIM_INFINITY,
     **own: str,
 ) -> Done:
-    """A command in a copy of this process that has the streams, signals, variables and limits of a new one, and imports nothing.
+    """A command in a copy of this process that has the streams, signals, variables and limits of a
+    new one, and imports nothing.
 
-    Streams given or closed, the others kept; its files limited, in bytes, and what it takes in memory beyond what is there. With
-    `act` that is done instead. The exit code is minus the signal that ended it.
+    Streams given or closed, the others kept; its files limited, in bytes, and what it takes in
+    memory beyond what is there. With `act` that is done instead. The exit code is minus the signal
+    that ended it.
     """
 
     def as_a_process() -> None:
         os.chdir(folder)
         os.environ.update(environment(**own))
-        for stream, handle in enumerate((os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())):
+        for stream, handle in enumerate(
+            (os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())
+        ):
             os.dup2(handle, stream)
             name, sign = ("stdin", "stdout", "stderr")[stream], own.get("PYTHONIOENCODING", "utf-8")
-            setattr(sys, name, None if closed else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False))
+            setattr(
+                sys,
+                name,
+                (
+                    None
+                    if closed
+                    else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False)
+                ),
+            )
             if closed:
                 os.close(stream)
         for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL)
+            signal.signal(
+                which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL
+            )
         signal.alarm(600)
         resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
         if memory != resource.RLIM_INFINITY:
@@ -99,9 +132,12 @@ def forked(
 
 
 def child(act: Callable[[], object]) -> int:
-    """The number of a copy of this process that does `act` and ends with its exit code, 1 where something was raised."""
+    """The number of a copy of this process that does `act` and ends with its exit code, 1 where
+    something was raised.
+    """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside the threads of pytest's own workers
+        # of a fork beside the threads of pytest's own workers
+        warnings.simplefilter("ignore", DeprecationWarning)
         number = os.fork()
     if number:
         return number
@@ -120,16 +156,28 @@ def child(act: Callable[[], object]) -> int:
 
 
 def start(
-    folder: Path, *words: str, program: tuple[str, ...] = ("-m", "reports"), session: bool = False, **how: Any
+    folder: Path,
+    *words: str,
+    program: tuple[str, ...] = ("-m", "reports"),
+    session: bool = False,
+    **how: Any,
 ) -> subprocess.Popen[str]:
-    """A command as a process, its streams kept unless `how` says where they go, with variables that are named in capitals.
+    """A command as a process, its streams kept unless `how` says where they go, with variables that
+    are named in capitals.
 
     With `session` in a session of its own, so that its workers can be killed with it.
     """
     own = {name: how.pop(name) for name in list(how) if name.isupper()}
-    streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | how
+    streams = {
+        "stdin": subprocess.DEVNULL,
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+        "text": True,
+    } | how
     command = [sys.executable, *program, *words]
-    return subprocess.Popen(command, cwd=folder, env=environment(**own), start_new_session=session, **streams)
+    return subprocess.Popen(
+        command, cwd=folder, env=environment(**own), start_new_session=session, **streams
+    )
 
 
 def everything(folder: Path) -> set[str]:
@@ -146,7 +194,9 @@ def sentence(done: Done) -> str:
 
 
 def refused(folder: Path, *words: str) -> str:
-    """The one sentence on stderr of a command that must end with 2, print nothing else and leave no new file."""
+    """The one sentence on stderr of a command that must end with 2, print nothing else and leave no
+    new file.
+    """
     before = everything(folder)
     line = sentence(halfplane(folder, *words))
     assert everything(folder) == before
@@ -155,7 +205,9 @@ def refused(folder: Path, *words: str) -> str:
 
 def answer_schema() -> dict[str, Any]:
     """The JSON schema of every answer: the envelope, and for each command what `result` holds."""
-    schema: dict[str, Any] = json.loads((resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8"))
+    schema: dict[str, Any] = json.loads(
+        (resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8")
+    )
     return schema
 
 

@@ -1,4 +1,6 @@
-"""What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend without a screen."""
+"""What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend
+without a screen.
+"""
 
 import os
 import signal
@@ -13,23 +15,26 @@ from hypothesis.configuration import set_hypothesis_home_dir
 
 from halfplane_fe.condensed_bodies import BODIES
 
-# A shell that starts the tests in the background has Ctrl-C ignored, here and in every process started from here.
+# A shell that starts the tests in the background has Ctrl-C ignored, here and in every process
+# started from here.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Work counts are asserted: no condensed body may come from an earlier test. The tests of the cache have caches of their own.
+# Work counts are asserted: no condensed body may come from an earlier test. The tests of the cache
+# have caches of their own.
 BODIES.bound_bytes = 0
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
-# Cases of families that stay among the fast tests, of two seconds and more each: `make test` takes minutes less without them.
+# Cases of families that stay among the fast tests, of two seconds and more each: `make test` takes
+# minutes less without them.
 COSTLY = frozenset(Path(__file__).with_name("costly.txt").read_text(encoding="utf-8").splitlines())
 SLOW_REASON = "slow: run by make slow, --slow or -m slow"
 
 matplotlib.use("Agg")
 set_hypothesis_home_dir(Path(__file__).parents[1] / ".cache" / "hypothesis")
-# A deadline would fail on a busy machine, not on a wrong program. In CI the examples are the same each time: a red run
-# can be repeated.
+# A deadline would fail on a busy machine, not on a wrong program. In CI the examples are the same
+# each time: a red run can be repeated.
 settings.register_profile("local", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("ci" if IN_CI else "local")
@@ -55,7 +60,9 @@ def _slow_wanted(config: pytest.Config) -> bool:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     report = yield
     return _refuse_skip(report) if report.skipped and not _may_skip(item, report) else report
 
@@ -72,7 +79,9 @@ def _may_skip(item: pytest.Item, report: pytest.TestReport) -> bool:
 
 
 def _refuse_skip(report: Report) -> Report:
-    """In CI a test that can't run is a failure: nothing may pass by being skipped, save slow tests that are not asked for."""
+    """In CI a test that can't run is a failure: nothing may pass by being skipped, save slow tests
+    that are not asked for.
+    """
     reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
     report.outcome = "failed"
     report.longrepr = f"skipped in CI, where only slow tests may be, and only unasked: {reason}"

@@ -1,4 +1,6 @@
-"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz tests and benchmarks/jobs.py."""
+"""Doors of the program, good files for each, and how a good file is spoilt: shared by the fuzz
+tests and benchmarks/jobs.py.
+"""
 
 from __future__ import annotations
 
@@ -29,18 +31,69 @@ from scenes.profiles import FitKind
 from score_results import exact, mesh, pressure_at, rows, shear_at, written
 
 DATA = Path(__file__).parent / "data"
-# What breaks parsers: signs of their grammars, numbers at the ends, bytes that are no text, paths, markup, depth.
+# What breaks parsers: signs of their grammars, numbers at the ends, bytes that are no text, paths,
+# markup, depth.
 TOKENS = (
-    *(b"nan", b"inf", b"-inf", b"1e999", b"-1", b"0", b"1e-320", b"9" * 400, b"1e308", b"99999999999999999999", b"0x7", b"1_0"),
-    *(b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"\r", b"\n\n", b",", b";", b"\t", b"=", b'"', b"'", b"#", b"{", b"}", b"[", b"]"),
-    *(b"[" * 3000, b'{"a":' * 2000, b"a." * 3000, b"../../x", b"/dev/zero", b"=HYPERLINK(1)", b"<script>", b"&x;", b"true"),
-    *(b"<!DOCTYPE a [<!ENTITY b 'b'>]>", b" -1", b" -3\n", b"9999\n", b"1.46685-100", b"\xd9\xa1", b"1979-05-27", b"-0.0", b"null"),
+    *(
+        b"nan",
+        b"inf",
+        b"-inf",
+        b"1e999",
+        b"-1",
+        b"0",
+        b"1e-320",
+        b"9" * 400,
+        b"1e308",
+        b"99999999999999999999",
+        b"0x7",
+        b"1_0",
+    ),
+    *(
+        b"\x00",
+        b"\xff\xfe",
+        b"\xef\xbb\xbf",
+        b"\r",
+        b"\n\n",
+        b",",
+        b";",
+        b"\t",
+        b"=",
+        b'"',
+        b"'",
+        b"#",
+        b"{",
+        b"}",
+        b"[",
+        b"]",
+    ),
+    *(
+        b"[" * 3000,
+        b'{"a":' * 2000,
+        b"a." * 3000,
+        b"../../x",
+        b"/dev/zero",
+        b"=HYPERLINK(1)",
+        b"<script>",
+        b"&x;",
+        b"true",
+    ),
+    *(
+        b"<!DOCTYPE a [<!ENTITY b 'b'>]>",
+        b" -1",
+        b" -3\n",
+        b"9999\n",
+        b"1.46685-100",
+        b"\xd9\xa1",
+        b"1979-05-27",
+        b"-0.0",
+        b"null",
+    ),
 )
 NUMBERS = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 ACCIDENTS = ("cut", "lose", "twice", "insert", "flip", "number", "number", "lines")
 
 
-# ------------------------------------------------------------------------------------------------------------- accidents
+# ---------------------------------------------------------------------------------------- accidents
 def spoilt(seed: bytes, chance: random.Random) -> bytes:
     """`seed` after one to four accidents; one time in twenty, nothing but noise."""
     if chance.random() < 0.05:
@@ -78,7 +131,7 @@ def _accident(kind: str, seed: bytes, chance: random.Random) -> bytes:
     return seed[: one.start()] + other + seed[one.end() :]
 
 
-# ----------------------------------------------------------------------------------------------------------------- doors
+# -------------------------------------------------------------------------------------------- doors
 @dataclass(frozen=True)
 class Door:
     """Where a file comes in: its name there, and what takes it."""
@@ -92,13 +145,17 @@ class Door:
 
 
 def outcome(door: Door, path: Path) -> str:
-    """ "read", or the sentence of the refusal; any other error passes through. A sentence is one line of decent length."""
+    """ "read", or the sentence of the refusal; any other error passes through. A sentence is one
+    line of decent length.
+    """
     try:
         door.enter(path)
     except InputError as refusal:
         sentence = str(refusal)
         assert sentence.strip(), f"{door.name}: an empty sentence"
-        assert len(sentence) - len(str(path)) * sentence.count(str(path)) < 2100, f"{door.name}: {len(sentence)} characters"
+        assert len(sentence) - len(str(path)) * sentence.count(str(path)) < 2100, (
+            f"{door.name}: {len(sentence)} characters"
+        )
         return sentence
     return "read"
 
@@ -119,7 +176,9 @@ def _scene(path: Path) -> object:
 
 
 def _beside_a_scene(table: str, *fits: str) -> Callable[[Path], Scene]:
-    """A scene with the file beside it as its profile or load; one of `fits`, by the file's first bytes, goes through its rows."""
+    """A scene with the file beside it as its profile or load; one of `fits`, by the file's first
+    bytes, goes through its rows.
+    """
     kind = {"profile": "tabulated", "load": "time_series"}[table]
 
     def enter(path: Path) -> Scene:
@@ -127,8 +186,15 @@ def _beside_a_scene(table: str, *fits: str) -> Callable[[Path], Scene]:
         start = text.index(f"[{table}]")
         end = text.find("\n[", start + 1)
         scene = path.with_name("beside.toml")
-        fit = f'\nfit = {{kind = "{fits[zlib.crc32(_first_bytes(path)) % len(fits)]}"}}' if fits else ""
-        scene.write_text(f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{fit}{text[end:]}', encoding="utf-8")
+        fit = (
+            f'\nfit = {{kind = "{fits[zlib.crc32(_first_bytes(path)) % len(fits)]}"}}'
+            if fits
+            else ""
+        )
+        scene.write_text(
+            f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{fit}{text[end:]}',
+            encoding="utf-8",
+        )
         return load_scene(scene)
 
     return enter
@@ -140,7 +206,9 @@ def _first_bytes(path: Path) -> bytes:
 
 
 def _fitted(path: Path) -> object:
-    """What a fit leaves: a curve of finite numbers that rises from its middle on, words about it, a scene that is read again."""
+    """What a fit leaves: a curve of finite numbers that rises from its middle on, words about it, a
+    scene that is read again.
+    """
     scene = _beside_a_scene("profile", *get_args(FitKind))(path)
     assert scene.profile.fitted is not None
     x = np.linspace(0.0, scene.profile.fitted.extent, 50)
@@ -163,7 +231,9 @@ def _scored(path: Path) -> object:
 def _stored_result(path: Path) -> object:
     folder = path.parent / "store"
     (folder / "results").mkdir(parents=True, exist_ok=True)
-    (folder / "sweep.json").write_text(json.dumps({"study": STUDY, "points": POINTS}), encoding="utf-8")
+    (folder / "sweep.json").write_text(
+        json.dumps({"study": STUDY, "points": POINTS}), encoding="utf-8"
+    )
     (folder / "results" / f"{ADDRESS}.json").write_bytes(path.read_bytes())
     return read_index(folder)
 
@@ -176,7 +246,9 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "fit.csv": _fitted,
     "mapping.toml": load_mapping,
     "result.csv": _scored,
-    **dict.fromkeys((*(f"result.{kind}" for kind in ("vtu", "vtk", "pvd", "frd", "rpt")), "printed.dat"), _read),
+    **dict.fromkeys(
+        (*(f"result.{kind}" for kind in ("vtu", "vtk", "pvd", "frd", "rpt")), "printed.dat"), _read
+    ),
     "result.nc": lambda path: own_solution(path, load_scene("hertz-paper")),
     "study.toml": load_study,
     "study.json": load_study,
@@ -192,18 +264,26 @@ DOORS = {name: Door(name, enter) for name, enter in ENTRANCES.items()}
 APART = ("result.vtu", "result.vtk", "result.pvd")
 
 
-# ------------------------------------------------------------------------------------------------------------ good files
+# --------------------------------------------------------------------------------------- good files
 ADDRESS = "0" * 64
 AXIS = {"name": "f", "key": "friction.coefficient", "values": [0.5, 1.0]}
-STUDY = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [AXIS]}
+STUDY = {
+    "scene": "hertz-paper",
+    "engines": ["exact"],
+    "figures": ["exact.dissipation"],
+    "axes": [AXIS],
+}
 POINTS = [{"number": 0, "address": ADDRESS, "coordinates": {"f": 0.5}}]
 # Field output of Abaqus: four nodes, two of them in contact, at two frames.
 REPORT = "\n".join(
-    f"{'*' * 80}\nField Output Report, written Tue Feb  3 2026\n\n   Step: Step-1\n   Frame: Increment {k}: Step Time = {k}.5\n\n"
-    "Field Output reported at nodes for part: BLOCK-1\n\n"
+    f"{'*' * 80}\nField Output Report, written Tue Feb  3 2026\n\n   Step: Step-1\n   Frame:"
+    f" Increment {k}: Step Time = {k}.5\n\nField Output reported at nodes for part: BLOCK-1\n\n"
     + "".join(f"{head:>16}" for head in ("Node", "COORD.COORD1", "CPRESS", "CSHEAR1"))
     + f"\n           Label{'@Loc 1':>16}{'@Loc 1':>16}{'@Loc 1':>16}\n{'-' * 64}\n"
-    + "".join(f"{n:>16}{n / 4:>16}{(n in (1, 2)) * 9.5e01:>16}{k * (n == 1) * 1.5:>16}\n" for n in range(4))
+    + "".join(
+        f"{n:>16}{n / 4:>16}{(n in (1, 2)) * 9.5e01:>16}{k * (n == 1) * 1.5:>16}\n"
+        for n in range(4)
+    )
     for k in (1, 2)
 )
 # Those that are the same every time.
@@ -215,22 +295,45 @@ PLAIN = {
     "result.rpt": [REPORT],
     "profile.csv": ["x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", "-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"],
     "fit.csv": [
-        "".join(["x [mm];h [um]\n", *(f"{0.1 * k:.1f};{5.0 * k * k + k % 3:.0f}\n" for k in range(-12, 13))]),
-        "".join(["x,h\n", *(f"{0.05 * k:.4g},{0.005 * max(k - 4, 0) ** 2 + 1e-5 * (k % 2):.5g}\n" for k in range(20))]),
-        "".join(["x;h\n", *(f"{k // 2 / 10:.1f};{(k // 2) ** 2 + k % 2}\n" for k in range(-24, 25))]),  # few digits of x
+        "".join(
+            [
+                "x [mm];h [um]\n",
+                *(f"{0.1 * k:.1f};{5.0 * k * k + k % 3:.0f}\n" for k in range(-12, 13)),
+            ]
+        ),
+        "".join(
+            [
+                "x,h\n",
+                *(
+                    f"{0.05 * k:.4g},{0.005 * max(k - 4, 0) ** 2 + 1e-5 * (k % 2):.5g}\n"
+                    for k in range(20)
+                ),
+            ]
+        ),
+        # few digits of x
+        "".join(
+            ["x;h\n", *(f"{k // 2 / 10:.1f};{(k // 2) ** 2 + k % 2}\n" for k in range(-24, 25))]
+        ),
     ],
     "mapping.toml": [
-        'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n'
-        '[signs]\nshear = "on upper"\n[element_sizes]\n"a.csv" = 0.5\n'
+        'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure ='
+        ' "p"\n[factors]\nlength = 1000\n[signs]\nshear = "on upper"\n[element_sizes]\n"a.csv" ='
+        " 0.5\n"
     ],
     "study.toml": [
-        'scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation"]\n[set]\n"mesh.order" = 1\n'
-        '[derived]\nradius = "2 * f ** 2"\n[[axes]]\nname = "f"\nkey = "friction.coefficient"\n'
-        'linear = {start = 1.0, stop = 2.0, count = 12}\n[[axes]]\nname = "g"\nkey = "cycles"\nvalues = [1, 2]\n'
+        'scene = "hertz-paper"\nengines = ["exact"]\nfigures ='
+        ' ["exact.dissipation"]\n[set]\n"mesh.order" = 1\n[derived]\nradius = "2 * f **'
+        ' 2"\n[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop ='
+        ' 2.0, count = 12}\n[[axes]]\nname = "g"\nkey = "cycles"\nvalues = [1, 2]\n'
     ],
     "study.json": [json.dumps(STUDY)],
-    "result.pvd": ['<VTKFile type="Collection"><Collection><DataSet timestep="1.0" file="field.vtu"/></Collection></VTKFile>'],
-    MANIFEST: ['{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'],
+    "result.pvd": [
+        '<VTKFile type="Collection"><Collection><DataSet timestep="1.0"'
+        ' file="field.vtu"/></Collection></VTKFile>'
+    ],
+    MANIFEST: [
+        '{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'
+    ],
 }
 
 
@@ -238,19 +341,32 @@ def good_files(name: str, folder: Path) -> list[bytes]:
     """What the door of that name reads."""
 
     def field(file: str, **how: object) -> bytes:
-        mesh(pressure=lambda p: pressure_at(p[:, 0]), shear=lambda p: shear_at(p[:, 0])).write(folder / file, **how)
+        mesh(pressure=lambda p: pressure_at(p[:, 0]), shear=lambda p: shear_at(p[:, 0])).write(
+            folder / file, **how
+        )
         return (folder / file).read_bytes()
 
     solution = exact(steps=3, points=5)
-    content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}
+    content = {
+        **strict(solution_content(solution, ())),
+        "scene": solution.scene.model_dump(mode="json"),
+    }
     match name:
         case "result.pvd":
             field("field.vtu")
         case "scene.toml":
-            names = ("hertz-paper", "blocks", "harmonics", "unlike-beta-fifth", "compound-curvature")
+            names = (
+                "hertz-paper",
+                "blocks",
+                "harmonics",
+                "unlike-beta-fifth",
+                "compound-curvature",
+            )
             return [scene_text(one).encode() for one in names]
         case "scene.json":
-            return [load_scene(one).model_dump_json().encode() for one in ("hertz-paper", "time-series")]
+            return [
+                load_scene(one).model_dump_json().encode() for one in ("hertz-paper", "time-series")
+            ]
         case "result.csv":
             return [written(rows(exact(steps=9, points=15)), folder / "seed.csv").read_bytes()]
         case "result.vtu":
@@ -267,18 +383,44 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             return [(folder / "seed.nc").read_bytes()]
         case "sweep.json":
             study = json.loads(study_of(STUDY, "seed").model_dump_json())
-            return [json.dumps({"format": "halfplane sweep 1", "study": study, "points": POINTS}).encode()]
+            return [
+                json.dumps(
+                    {"format": "halfplane sweep 1", "study": study, "points": POINTS}
+                ).encode()
+            ]
         case "stored.json":
-            result = {"address": ADDRESS, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
-            stored = {"format": "halfplane sweep 1", "sha256": checksum(canonical(result)), "result": result}
+            result = {
+                "address": ADDRESS,
+                "status": "done",
+                "figures": {"exact.dissipation": 1.0},
+                "seconds": 1.0,
+                "reason": "",
+            }
+            stored = {
+                "format": "halfplane sweep 1",
+                "sha256": checksum(canonical(result)),
+                "result": result,
+            }
             return [json.dumps(stored).encode()]
         case "baseline.json":
-            findings.write_baseline(findings.of_solution(solution, "seed"), folder / "seed.json", {"semi_analytic.*": 1e-9})
+            findings.write_baseline(
+                findings.of_solution(solution, "seed"),
+                folder / "seed.json",
+                {"semi_analytic.*": 1e-9},
+            )
             return [(folder / "seed.json").read_bytes()]
         case "solution.json":
             return [json.dumps({"format": findings.SOLUTION, **content}).encode()]
         case "comparison.json":
-            parts = {"reference": content, "result": {**content, "engine": "other"}, "scene": content["scene"]}
+            parts = {
+                "reference": content,
+                "result": {**content, "engine": "other"},
+                "scene": content["scene"],
+            }
             metrics = {"dissipation": {"value": 0.1, "finite": True}}
-            return [json.dumps({"format": "halfplane comparison 2", "metrics": metrics, **parts}).encode()]
+            return [
+                json.dumps(
+                    {"format": "halfplane comparison 2", "metrics": metrics, **parts}
+                ).encode()
+            ]
     return [text.encode() for text in PLAIN[name]]

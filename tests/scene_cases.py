@@ -1,4 +1,5 @@
-"""Scenes that only tests ask: one load history or one body more, each with its expected numbers and their sources.
+"""Scenes that only tests ask: one load history or one body more, each with its expected numbers and
+their sources.
 
 They are files of tests/scenes, in the form of the library's.
 """

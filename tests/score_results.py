@@ -1,4 +1,6 @@
-"""Results to score: half-plane theory's answer, what CalculiX really wrote (tests/data/README.md), bodies with known tractions."""
+"""Results to score: half-plane theory's answer, what CalculiX really wrote (tests/data/README.md),
+bodies with known tractions.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +71,7 @@ def edited(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
     return folder / name
 
 
-# ------------------------------------------------------------------------------------------- bodies with known tractions
+# ---------------------------------------------------------------------- bodies with known tractions
 def pressure_at(x: np.ndarray) -> np.ndarray:
     return 300 * np.sqrt(np.maximum(1 - x**2, 0.0))
 
@@ -79,12 +81,24 @@ def shear_at(x: np.ndarray) -> np.ndarray:
 
 
 def bodies(deep: float = 0.0) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]:
-    """A block below y = 0 and a pad above, of quadrangles or, where deep, of one layer of bricks; nodes shuffled."""
+    """A block below y = 0 and a pad above, of quadrangles or, where deep, of one layer of bricks;
+    nodes shuffled.
+    """
     x, planes = np.linspace(-HALF, HALF, 41), (0.0, deep) if deep else (0.0,)
-    points = np.array([(place, y, z) for low in (-0.5, 0.0) for z in planes for y in (low, low + 0.5) for place in x])
+    points = np.array(
+        [
+            (place, y, z)
+            for low in (-0.5, 0.0)
+            for z in planes
+            for y in (low, low + 0.5)
+            for place in x
+        ]
+    )
     corners = np.array([[k, k + 1, k + 42, k + 41] for k in range(40)])
     layers = [82 * len(planes) * body + 82 * np.arange(len(planes)) for body in (0, 1)]
-    cells = np.concatenate([np.concatenate([corners + start for start in starts], axis=1) for starts in layers])
+    cells = np.concatenate(
+        [np.concatenate([corners + start for start in starts], axis=1) for starts in layers]
+    )
     order = np.random.default_rng(1).permutation(len(points))
     return points[np.argsort(order)], [("hexahedron" if deep else "quad", order[cells])]
 
@@ -103,10 +117,14 @@ def tractions(points: np.ndarray, scale: float = 1.0) -> dict[str, np.ndarray]:
 def mesh(deep: float = 0.0, **named: Any) -> meshio.Mesh:
     """The bodies, with tractions at their points unless others are named."""
     points, cells = bodies(deep)
-    return meshio.Mesh(points, cells, {name: make(points) for name, make in named.items()} or tractions(points))
+    return meshio.Mesh(
+        points, cells, {name: make(points) for name, make in named.items()} or tractions(points)
+    )
 
 
 def check(found: SurfaceResult, scale: float = 1.0) -> None:
     np.testing.assert_allclose(found.x, np.linspace(-HALF, HALF, 41), atol=1e-12)
-    np.testing.assert_allclose(found.pressure[-1], scale * pressure_at(found.x), rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(
+        found.pressure[-1], scale * pressure_at(found.x), rtol=1e-12, atol=1e-9
+    )
     np.testing.assert_allclose(found.shear[-1], scale * shear_at(found.x), rtol=1e-12, atol=1e-9)

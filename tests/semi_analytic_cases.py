@@ -1,4 +1,6 @@
-"""Scenes made from numbers, profiles and loads at the ends of what the half-plane engine is asked, and stored reference values."""
+"""Scenes made from numbers, profiles and loads at the ends of what the half-plane engine is asked,
+and stored reference values.
+"""
 
 import json
 import math
@@ -27,7 +29,11 @@ from scenes import (
 )
 
 UNIT = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # two of these have E* = 1
-_TABLE = json.loads((Path(__file__).parents[1] / "benchmarks" / "semi_analytic_reference.json").read_text(encoding="utf-8"))
+_TABLE = json.loads(
+    (Path(__file__).parents[1] / "benchmarks" / "semi_analytic_reference.json").read_text(
+        encoding="utf-8"
+    )
+)
 REFERENCE = [row for row in _TABLE if not row.get("radians")]
 EXTREMES = [row for row in _TABLE if row.get("radians")]
 
@@ -68,7 +74,12 @@ def mindlin(share, friction, load):
     """
     with mpmath.workdps(60):
         k = mpmath.mpf(share)
-        return 4 * (mpmath.mpf(friction) * load) ** 2 / mpmath.pi * ((1 - k) * mpmath.log(1 - k) + k - k * k / 2)
+        return (
+            4
+            * (mpmath.mpf(friction) * load) ** 2
+            / mpmath.pi
+            * ((1 - k) * mpmath.log(1 - k) + k - k * k / 2)
+        )
 
 
 def reference_scene(row):
@@ -108,7 +119,9 @@ def waves(least):
     wave = 0.7 * np.cos(t + math.pi / 4) + 0.3 * np.cos(2 * t - 1)
     force = 0.45 * float(np.min((1 + (1 - least) * np.cos(t)) / np.maximum(np.abs(wave), 1e-9)))
     tangential = [(0.7 * force, -45.0), (0.3 * force, math.degrees(1.0))]
-    return HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(1 - least, 0.0)], tangential_harmonics=tangential)
+    return HarmonicLoad(
+        mean_normal_load=1.0, normal_harmonics=[(1 - least, 0.0)], tangential_harmonics=tangential
+    )
 
 
 LOADS = {
@@ -116,7 +129,9 @@ LOADS = {
     "ellipse to 1e-4": steep(1e-4),
     "tilted ellipse": ellipse(1.0, 0.99, 0.0, 0.0015, 33.34),
     "polygon": polygon(CORNERS[:1], CORNERS[1:]),
-    "rows": TimeSeriesLoad(rows=[[float(k), *corner] for k, corner in enumerate([*CORNERS, CORNERS[0]])], repeats=True),
+    "rows": TimeSeriesLoad(
+        rows=[[float(k), *corner] for k, corner in enumerate([*CORNERS, CORNERS[0]])], repeats=True
+    ),
     "harmonics": waves(0.3),
     "harmonics to 1e-3": waves(1e-3),
 }
@@ -128,7 +143,13 @@ def extreme(profile, load):
 
 
 # Bulk stress and tilt: E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
-PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
+PAPER = {
+    "mean_normal_load": 3,
+    "normal_amplitude": 1,
+    "mean_tangential_load": 1.1,
+    "tangential_amplitude": 1,
+    "phase_degrees": 90,
+}
 
 
 def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
@@ -139,10 +160,25 @@ def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
 
 
 def leaning(kappa, tilt=0.0, mirror=1, **more):
-    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
+    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image;
+    the upper body is pulled.
+    """
     turned = math.copysign(90, mirror)
-    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
-    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
-    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
+    stress = {
+        "mean": -2.2 * kappa,
+        "amplitude": 2 * abs(kappa),
+        "phase_degrees": -90 if kappa > 0 else 90,
+        "initial_loading": [0],
+    }
+    turn = {
+        "mean": mirror * (tilt + 3 * kappa),
+        "amplitude": abs(kappa),
+        "phase_degrees": 0 if kappa * mirror > 0 else 180,
+    }
+    loads = PAPER | {
+        "phase_degrees": turned,
+        "mean_tangential_load": mirror * 1.1,
+        "initial_loading": [(2, 0)],
+    }
     turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
     return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))

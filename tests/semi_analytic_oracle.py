@@ -1,17 +1,22 @@
-"""Fields, friction work, edges of slip and memory of any scene by brute force in extended precision, without the engine's rules.
+"""Fields, friction work, edges of slip and memory of any scene by brute force in extended
+precision, without the engine's rules.
 
-# notation: alpha half-width of a punch, g = dP/d alpha, M(eta) memory, A = 2/E*; s = +1 forward, -1 reverse slip; low = s Q - f P,
-#           high = s Q + f P; P_c load at the edge of the slip zone; P_x load at which a = |x|
+# notation: alpha half-width of a punch, g = dP/d alpha, M(eta) memory, A = 2/E*; s = +1 forward, -1
+#           reverse slip; low = s Q - f P, high = s Q + f P; P_c load at the edge of the slip zone;
+#           P_x load at which a = |x|
 
-Fields:  p = (1/pi) int g/sqrt(alpha^2 - x^2), q the same with M', s = (A/pi) int M' g arccosh(|x|/alpha),
+Fields:  p = (1/pi) int g/sqrt(alpha^2 - x^2), q the same with M', s = (A/pi) int M' g
+arccosh(|x|/alpha),
          U = (A/pi) int M' g ln(2 L/alpha).
-Memory:  Coulomb's law asks low + f eta <= s M(eta) <= high - f eta of every punch; both bounds meet while P passes eta. So
-         M(eta, t) is where the largest lower and the least upper bound meet, looking back, and
-         P_c(t) = [min of high over (tau, t) - low(t)]/(2 f), tau being the last time at which low was above low(t).
+Memory:  Coulomb's law asks low + f eta <= s M(eta) <= high - f eta of every punch; both bounds meet
+         while P passes eta. So M(eta, t) is where the largest lower and the least upper bound meet,
+         looking back, and
+         P_c(t) = [min of high over (tau, t) - low(t)]/(2 f), tau being the last time at which low
+         was above low(t).
 Work:    W(x) = (f A/pi) int p(x, P) low' arccosh(|x|/c) dt,    W = (f A/pi) int low' int_{P_c}^P ln(a(eta)/c) d eta dt.
 
-Each integral by one rule for singular ends between all knots and corners. Of the fields the knots of the memory are the
-engine's own.
+Each integral by one rule for singular ends between all knots and corners. Of the fields the knots
+of the memory are the engine's own.
 """
 
 import math
@@ -48,12 +53,16 @@ def integrate(function, marks, step=0.2):
     for begin, end in pairwise(marks):
         if end > begin:
             length = end - begin
-            total += length * np.sum(weight * function(np.where(lower, begin + length * near, end - length * near)))
+            total += length * np.sum(
+                weight * function(np.where(lower, begin + length * near, end - length * near))
+            )
     return total
 
 
 def _flat(half, b):
-    """P of a flat of half-length b whose edges have h'' = 1: (alpha^2 arccos(b/alpha) - b sqrt(alpha^2 - b^2))/2."""
+    """P of a flat of half-length b whose edges have h'' = 1: (alpha^2 arccos(b/alpha) - b
+    sqrt(alpha^2 - b^2))/2.
+    """
     if b == 0:
         return PI / 4 * half * half
     tau = np.sqrt(np.maximum((half - b) * (half + b), 0)) / b
@@ -74,7 +83,9 @@ def _flat_rate(half, b):
 
 @dataclass(frozen=True)
 class Bends:
-    """h'' that jumps by `jumps` at `knots`: Hertz, flat and rounded, compound, wedge, tables. E* = 1."""
+    """h'' that jumps by `jumps` at `knots`: Hertz, flat and rounded, compound, wedge, tables. E* =
+    1.
+    """
 
     knots: tuple
     jumps: tuple
@@ -87,7 +98,9 @@ class Bends:
         return sum(jump * _flat(half, b) for b, jump in zip(self.knots, self.jumps, strict=True))
 
     def rate(self, half):
-        return sum(jump * _flat_rate(half, b) for b, jump in zip(self.knots, self.jumps, strict=True))
+        return sum(
+            jump * _flat_rate(half, b) for b, jump in zip(self.knots, self.jumps, strict=True)
+        )
 
 
 @cache
@@ -130,22 +143,31 @@ def law_of(profile):
             one, two = 1 / LONG(profile.inner_radius), 1 / LONG(profile.outer_radius)
             return Bends((LONG(0), LONG(profile.inner_half_length)), (one, two - one))
         case "wedge":
-            return Bends((LONG(0), LONG(profile.tip_half_length)), (1 / LONG(profile.tip_radius), -1 / LONG(profile.tip_radius)))
+            return Bends(
+                (LONG(0), LONG(profile.tip_half_length)),
+                (1 / LONG(profile.tip_radius), -1 / LONG(profile.tip_radius)),
+            )
         case "power_law":
             assert isinstance(profile, PowerLaw)
             n = float(profile.exponent)
             return Powers(((n, LONG(profile.rise) / LONG(profile.length) ** LONG(n)),))
         case "polynomial":
             length = LONG(profile.length)
-            return Powers(tuple((2.0 * k, LONG(c) / length ** (2 * k)) for k, c in enumerate(profile.rises, 1)))
+            return Powers(
+                tuple(
+                    (2.0 * k, LONG(c) / length ** (2 * k)) for k, c in enumerate(profile.rises, 1)
+                )
+            )
         case "tabulated":
             spline = profile.spline()
             bends = np.concatenate([[0.0], spline.curvature]).astype(LONG)
             jumps = np.diff(bends)
             first = int(np.flatnonzero(jumps)[0])
             return Bends(tuple(LONG(v) for v in spline.x[first:-1]), tuple(jumps[first:]))
-    part = LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9))  # a slope by differences has ten digits
-    return Powers(tuple((2.0 * k, part / LONG(math.factorial(2 * k))) for k in range(1, 31)))  # part (cosh x - 1)
+    # a slope by differences has ten digits
+    part = LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9))
+    # part (cosh x - 1)
+    return Powers(tuple((2.0 * k, part / LONG(math.factorial(2 * k))) for k in range(1, 31)))
 
 
 def half_width(law, load, guess):
@@ -166,7 +188,9 @@ def half_width(law, load, guess):
 
 
 class Punches:
-    """Integrals over the superposition of flat punches of a profile, E* = 1, each weighted by a function of the half-width."""
+    """Integrals over the superposition of flat punches of a profile, E* = 1, each weighted by a
+    function of the half-width.
+    """
 
     def __init__(self, profile, step=0.2):
         self.law, self.datum, self.step = law_of(profile), LONG(profile.datum_length), step
@@ -185,18 +209,29 @@ class Punches:
             alpha = np.sqrt(x * x + w * w)
             return (1 if weight is None else weight(alpha)) * self.law.rate(alpha) / alpha / PI
 
-        return integrate(strip, [np.sqrt((m - x) * (m + x)) for m in self._marks(low, high)], self.step)
+        return integrate(
+            strip, [np.sqrt((m - x) * (m + x)) for m in self._marks(low, high)], self.step
+        )
 
     def total(self, kernel, low, high, weight=None):
         """int kernel(alpha) dP."""
         if not high > low:
             return LONG(0)
-        strip = lambda alpha: (1 if weight is None else weight(alpha)) * self.law.rate(alpha) * kernel(alpha)  # noqa: E731
+
+        def strip(alpha):
+            factor = 1 if weight is None else weight(alpha)
+            return factor * self.law.rate(alpha) * kernel(alpha)
+
         return integrate(strip, self._marks(low, high), self.step)
 
     def slip(self, x, low, high, weight=None):
         """int arccosh(x/alpha) dP."""
-        return self.total(lambda alpha: np.arcsinh(np.sqrt((x - alpha) * (x + alpha)) / alpha), low, min(high, x), weight)
+        return self.total(
+            lambda alpha: np.arcsinh(np.sqrt((x - alpha) * (x + alpha)) / alpha),
+            low,
+            min(high, x),
+            weight,
+        )
 
     def log(self, low, high, weight=None):
         """int ln(2 L/alpha) dP."""
@@ -214,7 +249,10 @@ def _slope_on(piece):
 
         def slope(eta):
             # At an end of the arc the difference may round to 0, where M' has no bound.
-            up, down = (np.maximum(way / (2 * p1), LONG(1e-40)) for way in (eta - (p0 - p1), (p0 + p1) - eta))
+            up, down = (
+                np.maximum(way / (2 * p1), LONG(1e-40))
+                for way in (eta - (p0 - p1), (p0 + p1) - eta)
+            )
             return q1 / p1 * (cosine + sine * (up - down) / (2 * np.sqrt(up * down)))
 
         return slope
@@ -232,7 +270,12 @@ class Oracle(Punches):
     """Every field of one scene; `at` gives those of one of `times` at points x."""
 
     def __init__(self, scene, times):
-        history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles, np.array(times, dtype=float))
+        history = history_of(
+            scene.load.path(),
+            scene.friction.coefficient,
+            scene.cycles,
+            np.array(times, dtype=float),
+        )
         super().__init__(scene.profile)
         self.snapshot = history.snapshot(np.array(times, dtype=float))
         self.contact = contact_of(scene.profile, scene.material)
@@ -241,7 +284,9 @@ class Oracle(Punches):
         return half_width(self.law, load, float(self.contact.half_width(load))).item()
 
     def parts(self, k):
-        """(lower, upper half-width, M') of the curve of instant k, M' as a function of the half-width."""
+        """(lower, upper half-width, M') of the curve of instant k, M' as a function of the
+        half-width.
+        """
         s, load = self.snapshot, self.law.load
         front = float(s.load[k] - s.slipped[k])
         if s.slipped[k]:
@@ -251,18 +296,26 @@ class Oracle(Punches):
         for piece in pieces(s.actives[s.which[k]]):
             # What an arc starts from is its time: P0 + P1 cos t may have few digits of a small P.
             leg, slope = piece.anchor.leg, _slope_on(piece)
-            bottom = piece.bottom if piece.arc is None else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc[0]))[0]
+            bottom = (
+                piece.bottom
+                if piece.arc is None
+                else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc[0]))[0]
+            )
             yield self.half(bottom), self.half(upper), lambda alpha, slope=slope: slope(load(alpha))
             upper = piece.bottom
 
     def at(self, k, x):
-        """pressure, shear and slip at |x| (m,), and shift, approach, contact and stick half-width, of instant k."""
+        """pressure, shear and slip at |x| (m,), and shift, approach, contact and stick half-width,
+        of instant k.
+        """
         half = self.half(float(self.snapshot.load[k]))
         parts, points = list(self.parts(k)), np.abs(np.asarray(x, dtype=float)).astype(LONG)
         return {
             "pressure": np.array([self.traction(at, self.least, half) for at in points]),
             "shear": np.array([sum(self.traction(at, *part) for part in parts) for at in points]),
-            "slip": 2 / PI * np.array([sum(self.slip(at, *part) for part in parts) for at in points]),
+            "slip": (
+                2 / PI * np.array([sum(self.slip(at, *part) for part in parts) for at in points])
+            ),
             "tangential_displacement": 2 / PI * sum(self.log(*part) for part in parts),
             "normal_approach": 2 / PI * self.log(self.least, half),
             "contact_half_width": half,
@@ -270,7 +323,7 @@ class Oracle(Punches):
         }
 
 
-# ------------------------------------------------------------------------------------ the path, its edges of slip and its memory
+# ------------------------------------------------------- the path, its edges of slip and its memory
 
 
 TURN = LONG("6.28318530717958647692528676655900577")
@@ -278,7 +331,9 @@ _SAMPLES = 2001
 
 
 def root(function, value, low, high):
-    """Times in [low, high] at which function = (values, rates), monotone there, has `value`, any shape: Newton inside a bracket."""
+    """Times in [low, high] at which function = (values, rates), monotone there, has `value`, any
+    shape: Newton inside a bracket.
+    """
     value = np.asarray(value, dtype=LONG)
     a, b = np.full(value.shape, LONG(low)), np.full(value.shape, LONG(high))
     rising = np.sign(function(b)[0] - function(a)[0])
@@ -306,7 +361,9 @@ def _load_and_rate(waves, mean, t):
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """A stretch of one leg on which neither P nor Q - f P nor Q + f P turns round; `first`, `last`: ends of a straight leg."""
+    """A stretch of one leg on which neither P nor Q - f P nor Q + f P turns round; `first`, `last`:
+    ends of a straight leg.
+    """
 
     leg: object
     begin: LONG
@@ -330,7 +387,9 @@ class Phase:
             rates = [chebyshev.chebval(u, chebyshev.chebder(part)) * scale for part in series]
             return (*(chebyshev.chebval(u, part) for part in series), *rates)
         waves = [leg.normal, leg.tangential]
-        (p, p_rate), (q, q_rate) = (_load_and_rate(wave, mean, t) for wave, mean in zip(waves, leg.mean, strict=True))
+        (p, p_rate), (q, q_rate) = (
+            _load_and_rate(wave, mean, t) for wave, mean in zip(waves, leg.mean, strict=True)
+        )
         return p, q, p_rate, q_rate
 
     def of(self, normal, tangential):
@@ -361,14 +420,22 @@ def _phases(whole, friction):
                 low, high = times[left], times[right]
                 for _ in range(90):
                     middle = (low + high) / 2
-                    low, high = (middle, high) if np.sign(rate(middle)) == sign[left] else (low, middle)
+                    low, high = (
+                        (middle, high) if np.sign(rate(middle)) == sign[left] else (low, middle)
+                    )
                 marks.append((low + high) / 2)
     marks = sorted(marks)
-    return [replace(whole, begin=a, end=b) for a, b in pairwise(marks) if b - a > 1e-17 * max(abs(a), abs(b))]
+    return [
+        replace(whole, begin=a, end=b)
+        for a, b in pairwise(marks)
+        if b - a > 1e-17 * max(abs(a), abs(b))
+    ]
 
 
 def phases_of(path, friction, cycles):
-    """All phases of the initial loading and of `cycles` revolutions, and the number of the first phase of the last revolution."""
+    """All phases of the initial loading and of `cycles` revolutions, and the number of the first
+    phase of the last revolution.
+    """
     friction, groups = LONG(friction), []
     if path.period is None:
         groups.append(path.initial_loading)
@@ -383,7 +450,9 @@ def phases_of(path, friction, cycles):
         wholes[id(leg)] = Phase(leg, begin, end, *ends)
     if path.cycle:
         joint = wholes[id(path.initial_loading[-1])]
-        wholes[id(path.initial_loading[-1])] = replace(joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2])
+        wholes[id(path.initial_loading[-1])] = replace(
+            joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2]
+        )
     cut = {key: _phases(whole, friction) for key, whole in wholes.items()}
     listed = [[phase for leg in group for phase in cut[id(leg)]] for group in groups]
     return [phase for group in listed for phase in group], sum(len(group) for group in listed[:-1])
@@ -391,7 +460,9 @@ def phases_of(path, friction, cycles):
 
 @dataclass(frozen=True, eq=False)
 class Slip:
-    """A span of time of a phase in which slip in one direction has its front on a line, or on an earlier phase `past`."""
+    """A span of time of a phase in which slip in one direction has its front on a line, or on an
+    earlier phase `past`.
+    """
 
     phase: Phase
     sign: int
@@ -422,7 +493,9 @@ def slips_of(phases, number, friction):
 
 
 def _slips(phases, number, sign, friction):
-    """Looking back from a phase in which low rises: every phase in which low was higher gives one or two fronts."""
+    """Looking back from a phase in which low rises: every phase in which low was higher gives one
+    or two fronts.
+    """
     phase = phases[number]
     first, last = phase.ends(-friction, sign)
     if not last > first:
@@ -439,7 +512,9 @@ def _slips(phases, number, sign, friction):
         if low > reach:
             turn = reach  # low at which high comes below what it was later
             if high < least:
-                turn = past.of(-friction, sign)(root(past.of(friction, sign), least, past.begin, past.end))[0]
+                turn = past.of(-friction, sign)(
+                    root(past.of(friction, sign), least, past.begin, past.end)
+                )[0]
                 turn = max(turn, reach)
             else:
                 turn = low
@@ -450,18 +525,24 @@ def _slips(phases, number, sign, friction):
 
 
 def _held(slip, phase):
-    """The slip with times in place of values of low, where there is any; where P falls the path may come to the other side."""
+    """The slip with times in place of values of low, where there is any; where P falls the path may
+    come to the other side.
+    """
     if not slip.end > slip.begin:
         return
     marks = np.array([slip.begin, slip.end])
     lows = slip.growth(np.array([phase.begin, phase.end]))[0]
     times = np.where(marks == lows[1], phase.end, root(slip.growth, marks, phase.begin, phase.end))
-    begin, end = np.where(marks == lows[0], phase.begin, times)  # half the digits of a root are lost where low turns
+    # half the digits of a root are lost where low turns
+    begin, end = np.where(marks == lows[0], phase.begin, times)
     if not end > begin:
         return
     found = replace(slip, begin=begin, end=end)
-    # Crowded to both ends: what lies between an end and the first of them is lost, with the cube of its length.
-    inner = begin + (end - begin) * np.sin((np.arange(129).astype(LONG) + LONG(0.5)) * PI / 258) ** 2
+    # Crowded to both ends: what lies between an end and the first of them is lost, with the cube of
+    # its length.
+    inner = (
+        begin + (end - begin) * np.sin((np.arange(129).astype(LONG) + LONG(0.5)) * PI / 258) ** 2
+    )
     load = phase.loads(inner)[0]
     ahead = load - found.front(inner) > 1e-17 * load
     if np.all(ahead):
@@ -483,7 +564,9 @@ def _held(slip, phase):
 
 
 def memory(phases, number, time, eta, friction):
-    """M(eta) at `time` of phase `number`, 0 < eta <= P: where the largest lower and the least upper bound meet, looking back."""
+    """M(eta) at `time` of phase `number`, 0 < eta <= P: where the largest lower and the least upper
+    bound meet, looking back.
+    """
     friction, eta, time = LONG(friction), LONG(eta), LONG(time)
     lowest, highest = -LONG(np.inf), LONG(np.inf)
     for past in [replace(phases[number], end=time), *reversed(phases[:number])]:
@@ -515,18 +598,26 @@ def _meeting(past, below, above, half, lowest, highest):
     return (a + b) / 2
 
 
-# ------------------------------------------------------------------------------------------------------------- friction work
+# ------------------------------------------------------------------------------------ friction work
 
 
 class Work:
-    """W(x) at |x| and W of revolution number `cycle`, of a scene with E* = 1; every span of slip in `parts`."""
+    """W(x) at |x| and W of revolution number `cycle`, of a scene with E* = 1; every span of slip in
+    `parts`.
+    """
 
     def __init__(self, scene, cycle, step=0.3, parts=1):
         self.friction = LONG(scene.friction.coefficient)
-        self.phases, self.first = phases_of(scene.load.path(), scene.friction.coefficient, cycle + 1)
+        self.phases, self.first = phases_of(
+            scene.load.path(), scene.friction.coefficient, cycle + 1
+        )
         numbers = range(self.first, len(self.phases))
         self.slips = [slip for k in numbers for slip in slips_of(self.phases, k, self.friction)]
-        self.law, self.parts, self.contact = law_of(scene.profile), parts, contact_of(scene.profile, scene.material)
+        self.law, self.parts, self.contact = (
+            law_of(scene.profile),
+            parts,
+            contact_of(scene.profile, scene.material),
+        )
         self.lower, self.near, self.weight = _rule(step)
         self.corners = [b for b in self.law.breaks if b > 0]
         self.corner_loads = [LONG(self.law.load(b)) for b in self.corners]
@@ -535,7 +626,10 @@ class Work:
         """Nodes and weights on [begin, end]."""
         length = np.asarray(end - begin)[..., None]
         begin, end = np.asarray(begin)[..., None], np.asarray(end)[..., None]
-        return np.where(self.lower, begin + length * self.near, end - length * self.near), length * self.weight
+        return (
+            np.where(self.lower, begin + length * self.near, end - length * self.near),
+            length * self.weight,
+        )
 
     def half(self, load):
         """a(P), (n,)."""
@@ -543,18 +637,28 @@ class Work:
         return half_width(self.law, load, self.contact.half_width(load.astype(float)))
 
     def _marks(self, slip, begin, end):
-        """Times between `begin` and `end` at which an edge of contact or of stick passes a corner, and those of `parts`."""
+        """Times between `begin` and `end` at which an edge of contact or of stick passes a corner,
+        and those of `parts`.
+        """
         marks = [begin, end]
         for corner in self.corner_loads:
-            marks += [t for t in (self._passes(slip.phase.of(LONG(1), 0), corner, begin, end),) if t is not None]
+            marks += [
+                t
+                for t in (self._passes(slip.phase.of(LONG(1), 0), corner, begin, end),)
+                if t is not None
+            ]
             marks += [t for t in (self._meets(slip, corner, begin, end),) if t is not None]
         marks = sorted(marks)
-        return [a + (b - a) * k / self.parts for a, b in pairwise(marks) for k in range(self.parts)] + [end]
+        return [
+            a + (b - a) * k / self.parts for a, b in pairwise(marks) for k in range(self.parts)
+        ] + [end]
 
     @staticmethod
     def _passes(load, value, begin, end):
         ends = load(np.array([begin, end]))[0]
-        return root(load, value, begin, end)[()] if (ends[0] - value) * (ends[1] - value) < 0 else None
+        return (
+            root(load, value, begin, end)[()] if (ends[0] - value) * (ends[1] - value) < 0 else None
+        )
 
     @staticmethod
     def _meets(slip, value, begin, end):
@@ -572,20 +676,35 @@ class Work:
     def times_at(self, slip, edge_load):
         """(begin, end) of the slip at points of that edge load, None if there is none."""
         begin, end = slip.begin, slip.end
-        loads, fronts = slip.phase.loads(np.array([begin, end]))[0], slip.front(np.array([begin, end]))
+        loads, fronts = (
+            slip.phase.loads(np.array([begin, end]))[0],
+            slip.front(np.array([begin, end])),
+        )
         if fronts[1] >= edge_load or max(loads) <= edge_load:
             return None
         meets = self._meets(slip, edge_load, begin, end)
         passes = self._passes(slip.phase.of(LONG(1), 0), edge_load, begin, end)
         begin = begin if meets is None else meets
         if passes is not None:
-            begin, end = (max(begin, passes), end) if loads[1] > loads[0] else (begin, min(end, passes))
+            begin, end = (
+                (max(begin, passes), end) if loads[1] > loads[0] else (begin, min(end, passes))
+            )
         return (begin, end) if end > begin else None
 
     def pressure(self, x, half):
-        """p(x, P) at the half-widths (n,) >= x, all between the same two corners: alpha^2 = x^2 + w^2."""
+        """p(x, P) at the half-widths (n,) >= x, all between the same two corners: alpha^2 = x^2 +
+        w^2.
+        """
         total, edge = 0 * half, np.sqrt((half - x) * (half + x))
-        marks = [0 * half, *(np.sqrt((b - x) * (b + x)) + 0 * half for b in self.law.breaks if x < b < half[len(half) // 2]), edge]
+        marks = [
+            0 * half,
+            *(
+                np.sqrt((b - x) * (b + x)) + 0 * half
+                for b in self.law.breaks
+                if x < b < half[len(half) // 2]
+            ),
+            edge,
+        ]
         for low, high in pairwise(marks):
             w, weight = self.nodes(low, np.maximum(low, high))
             at = np.sqrt(x * x + w * w)
@@ -594,7 +713,12 @@ class Work:
 
     def density(self, x):
         """W(x) at |x| (m,), forward and in reverse: (2, m)."""
-        return np.array([[self._at(LONG(at), sign) for at in np.abs(np.asarray(x, dtype=float))] for sign in (1, -1)])
+        return np.array(
+            [
+                [self._at(LONG(at), sign) for at in np.abs(np.asarray(x, dtype=float))]
+                for sign in (1, -1)
+            ]
+        )
 
     def _at(self, x, sign):
         edge_load = LONG(self.law.load(x)) if x > self.law.breaks[0] else LONG(0)
@@ -603,7 +727,11 @@ class Work:
             span = self.times_at(slip, edge_load) if slip.sign == sign else None
             for begin, end in pairwise(self._marks(slip, *span)) if span else ():
                 times, weight = self.nodes(begin, end)
-                p, front, growth = slip.phase.loads(times)[0], slip.front(times), slip.growth(times)[1]
+                p, front, growth = (
+                    slip.phase.loads(times)[0],
+                    slip.front(times),
+                    slip.growth(times)[1],
+                )
                 a, c = self.half(p), self.half(front)
                 reach = np.arcsinh(np.sqrt(np.maximum((x - c) * (x + c), 0)) / c)
                 total += np.sum(weight * self.pressure(x, np.maximum(a, x)) * growth * reach)
@@ -615,13 +743,17 @@ class Work:
         for slip in self.slips:
             for begin, end in pairwise(self._marks(slip, slip.begin, slip.end)):
                 times, weight = self.nodes(begin, end)
-                a, c = self.half(slip.phase.loads(times)[0]), self.half(np.maximum(slip.front(times), 0))
+                a, c = (
+                    self.half(slip.phase.loads(times)[0]),
+                    self.half(np.maximum(slip.front(times), 0)),
+                )
                 total[slip.sign] += np.sum(weight * slip.growth(times)[1] * self._area(a, c))
         return 2 / PI * self.friction * np.array([total[1], total[-1]])
 
     def _area(self, half, stick):
         """int_{P_c}^P ln(a/c) d eta at half-widths (n,), the same corners between them."""
-        # Of a contact that is about to be unloaded P_c is 0 to the last digit, and ln(a/c) an end of the rule.
+        # Of a contact that is about to be unloaded P_c is 0 to the last digit, and ln(a/c) an end
+        # of the rule.
         stick = np.maximum(stick, LONG(1e-300))
         inside = [b for b in self.law.breaks if stick[len(stick) // 2] < b < half[len(half) // 2]]
         marks = [stick, *(np.full(half.shape, b) for b in inside), half]

@@ -1,4 +1,6 @@
-"""The benchmarks themselves: the regression table, blame for planted faults, pages of numbers and performance."""
+"""The benchmarks themselves: the regression table, blame for planted faults, pages of numbers and
+performance.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ Tool = Callable[[str], ModuleType]
 
 @pytest.fixture(scope="module")
 def tool() -> Iterator[Tool]:
-    """A module of the benchmarks by its name; afterwards none of these short names shadows another."""
+    """A module of the benchmarks by its name; afterwards none of these short names shadows
+    another.
+    """
     before = set(sys.modules)
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(BENCHMARKS))
@@ -46,7 +50,7 @@ def regress(tool: Tool) -> ModuleType:
     return tool("regress")
 
 
-# -------------------------------------------------- the regression table: complete, good now, and able to fail in either column
+# ---------------------- the regression table: complete, good now, and able to fail in either column
 def stored() -> dict[str, dict]:
     return json.loads((BENCHMARKS / "regress.json").read_text(encoding="utf-8"))
 
@@ -55,21 +59,36 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(regress: ModuleType
     lines, names = regress.lines(stored()), set(regress.NAMES)
 
     def scenes(quantity: str, known: bool) -> set[str]:
-        return {one.scene for one in lines if one.quantity.startswith(quantity) and (one.reference is not None or not known)}
+        return {
+            one.scene
+            for one in lines
+            if one.quantity.startswith(quantity) and (one.reference is not None or not known)
+        }
 
-    # Each scene's dissipation has a 30-digit reference, of somebody else's making; W(x) where the table says so.
+    # Each scene's dissipation has a 30-digit reference, of somebody else's making; W(x) where the
+    # table says so.
     assert scenes("dissipation", known=True) == {line.scene for line in lines} == names
     assert scenes("density", known=True) == set(regress.POINTWISE)
-    # Each field is frozen in each scene, and has a reference in the Hertz scenes with friction that are no rows.
+    # Each field is frozen in each scene, and has a reference in the Hertz scenes with friction that
+    # are no rows.
     known = {
         scene.name
         for scene in map(load_scene, names)
-        if scene.profile.kind == "hertz" and scene.friction.coefficient > 0 and scene.load.kind != "time_series"
+        if scene.profile.kind == "hertz"
+        and scene.friction.coefficient > 0
+        and scene.load.kind != "time_series"
     }
     assert len(known) >= 12
-    assert all(scenes(one, known=False) == names and scenes(one, known=True) == known for one in regress.FIELDS)
+    assert all(
+        scenes(one, known=False) == names and scenes(one, known=True) == known
+        for one in regress.FIELDS
+    )
     # Other processors round otherwise: the table itself asks for less than this test.
-    assert not [line for line in lines if line.drift is None or line.drift > 1e-11 or (line.error or 0.0) > 1e-12]
+    assert not [
+        line
+        for line in lines
+        if line.drift is None or line.drift > 1e-11 or (line.error or 0.0) > 1e-12
+    ]
 
 
 def hertz(name: str) -> Callable[[pytest.MonkeyPatch], None]:
@@ -107,7 +126,11 @@ def a_field(patch: pytest.MonkeyPatch, name: str) -> None:
     def wrong(*asked, **named):
         answer = right(*asked, **named)
         values = getattr(answer, name)
-        return answer if values is None else dataclasses.replace(answer, **{name: freeze(1.01 * values)})
+        return (
+            answer
+            if values is None
+            else dataclasses.replace(answer, **{name: freeze(1.01 * values)})
+        )
 
     patch.setattr(semi_analytic, "solve", wrong)
 
@@ -118,17 +141,27 @@ FAULTS = {
     "slip kernel": (hertz("slip_integral"), "cattaneo-mindlin", ["slip at 3", "rms slip"]),
     "moment of the pressure": (hertz("pressure_moment"), "hertz-paper", ["shear at 1"]),
     "moment of the log": (hertz("log_moment"), "hertz-paper", ["tangential displacement"]),
-    "log of the distance": (hertz("log_distance"), "unload-reload", ["tangential displacement", "rms displacement"]),
+    "log of the distance": (
+        hertz("log_distance"),
+        "unload-reload",
+        ["tangential displacement", "rms displacement"],
+    ),
     "stick edge": (a_later_edge, "unload-reload", ["stick half-width"]),
     "shear of an arc": (partial(an_arc, kernel="shear"), "hertz-paper", ["rms shear"]),
     "slip of an arc": (partial(an_arc, kernel="slip"), "hertz-paper", ["rms slip"]),
     "slip as a whole": (partial(a_field, name="slip"), "hertz-paper", ["slip at 3", "rms slip"]),
-    "shear as a whole": (partial(a_field, name="shear"), "flat-rounded-paper", ["shear at 2", "rms shear"]),
+    "shear as a whole": (
+        partial(a_field, name="shear"),
+        "flat-rounded-paper",
+        ["shear at 2", "rms shear"],
+    ),
 }
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_field_that_is_wrong_by_a_hundredth_is_seen(regress: ModuleType, monkeypatch: pytest.MonkeyPatch, fault: str) -> None:
+def test_a_field_that_is_wrong_by_a_hundredth_is_seen(
+    regress: ModuleType, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
     """The dissipation moves with none of these; a value that has a reference leaves that too."""
     plant, scene, quantities = FAULTS[fault]
     plant(monkeypatch)
@@ -141,15 +174,23 @@ def test_a_field_that_is_wrong_by_a_hundredth_is_seen(regress: ModuleType, monke
         assert not lines[quantity].good
 
 
-def test_each_column_sees_its_own_fault_only(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_column_sees_its_own_fault_only(
+    regress: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(regress, "NAMES", ("hertz-paper",))
     drifted, wrong = stored(), stored()
     drifted["hertz-paper"]["frozen"]["dissipation"] *= 1 + 1e-10
     wrong["hertz-paper"]["reference"] = "0.0020575001840"
-    for table, error, drift in ((drifted, (0, 1e-13), (0.99e-10, 1.01e-10)), (wrong, (1e-11, 1), (0, 1e-11)), ({}, None, None)):
+    for table, error, drift in (
+        (drifted, (0, 1e-13), (0.99e-10, 1.01e-10)),
+        (wrong, (1e-11, 1), (0, 1e-11)),
+        ({}, None, None),
+    ):
         line = next(line for line in regress.lines(table) if line.quantity == "dissipation")
         assert not line.good  # a scene that is new is not good until it is accepted
-        assert error is None or (error[0] <= line.error <= error[1] and drift[0] <= line.drift <= drift[1])
+        assert error is None or (
+            error[0] <= line.error <= error[1] and drift[0] <= line.drift <= drift[1]
+        )
 
 
 @pytest.mark.slow
@@ -160,12 +201,19 @@ def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType) ->
     exact = regress.mp.mpf(stored()["time-series"]["reference"])
     assert abs(regress.truth(scene) / exact - 1) < 1e-15
     rows = [(t, p, q * (1 + 1e-9)) for t, p, q in scene.load.series().tolist()]
-    for beside in ({"friction": scene.friction.coefficient * (1 + 1e-9)}, {"load": TimeSeriesLoad(rows=rows)}):
+    for beside in (
+        {"friction": scene.friction.coefficient * (1 + 1e-9)},
+        {"load": TimeSeriesLoad(rows=rows)},
+    ):
         assert abs(regress.truth(scene.vary(**beside)) / exact - 1) > 1e-10
 
 
 @pytest.mark.parametrize(
-    "name", ["cattaneo-mindlin", *(pytest.param(one, marks=pytest.mark.slow) for one in ("harmonics", "near-sliding"))]
+    "name",
+    [
+        "cattaneo-mindlin",
+        *(pytest.param(one, marks=pytest.mark.slow) for one in ("harmonics", "near-sliding")),
+    ],
 )
 def test_references_evaluated_again_are_those_that_are_stored(
     regress: ModuleType, monkeypatch: pytest.MonkeyPatch, name: str
@@ -177,15 +225,21 @@ def test_references_evaluated_again_are_those_that_are_stored(
     assert table == stored()
     table[name]["density"][1] = table[name]["fields"]["references"][0] = "1e-3"
     regress.references([name], table)
-    again, right = (one[name]["density"] + one[name]["fields"]["references"] for one in (table, stored()))
+    again, right = (
+        one[name]["density"] + one[name]["fields"]["references"] for one in (table, stored())
+    )
     assert list(map(float, again)) == pytest.approx(list(map(float, right)), rel=1e-14, abs=0)
     with pytest.raises(ArithmeticError, match="no number: nan"):
         regress.renewed(["1.0"], ["nan"])
 
 
-@pytest.mark.parametrize("row", [ELLIPSES[0], *(pytest.param(one, marks=pytest.mark.slow) for one in ELLIPSES[20:41:20])])
+@pytest.mark.parametrize(
+    "row", [ELLIPSES[0], *(pytest.param(one, marks=pytest.mark.slow) for one in ELLIPSES[20:41:20])]
+)
 def test_the_table_of_ellipses_has_its_digits_by_two_routes(tool: Tool, row: dict) -> None:
-    """W in closed phases of slip, to 28 digits; W(x) by brute force. Of the extremes W takes 90 digits and minutes."""
+    """W in closed phases of slip, to 28 digits; W(x) by brute force. Of the extremes W takes 90
+    digits and minutes.
+    """
     truth, half_plane = tool("regress_truth"), tool("half_plane")
     with truth.mp.workdps(38):
         exact = truth.ellipse_dissipation(truth.Case(*(row[name] for name in truth.Case._fields)))
@@ -197,18 +251,26 @@ def test_the_table_of_ellipses_has_its_digits_by_two_routes(tool: Tool, row: dic
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "within"), [("square wave", 1e-6), ("near sliding", 1e-13)])
-def test_the_harmonics_of_the_other_table_are_repeated_by_brute_force(tool: Tool, name: str, within: float) -> None:
-    """W(x) to 1e-12. W of the square wave converges slowly: the stick edge has ripples at no corner of the path."""
+def test_the_harmonics_of_the_other_table_are_repeated_by_brute_force(
+    tool: Tool, name: str, within: float
+) -> None:
+    """W(x) to 1e-12. W of the square wave converges slowly: the stick edge has ripples at no corner
+    of the path.
+    """
     truth = tool("regress_truth")
     case = json.loads(truth.NASTY_FILE.read_text("utf-8"))[name]
     means = dict(zip(("mean_normal_load", "mean_tangential_load"), case["mean"], strict=True))
-    load = HarmonicLoad(**means, normal_harmonics=case["normal"], tangential_harmonics=case["tangential"])
+    load = HarmonicLoad(
+        **means, normal_harmonics=case["normal"], tangential_harmonics=case["tangential"]
+    )
     scene, exact = make_scene(load, case["friction"]), list(map(float, case["density"]))
     assert float(truth.truth(scene)) == pytest.approx(float(case["dissipation"]), rel=within, abs=0)
-    assert list(map(float, truth.density_truth(scene, case["x"]))) == pytest.approx(exact, rel=0, abs=1e-12 * max(exact))
+    assert list(map(float, truth.density_truth(scene, case["x"]))) == pytest.approx(
+        exact, rel=0, abs=1e-12 * max(exact)
+    )
 
 
-# ----------------------------- faults planted in either engine: seen by a metric, and the right term of the error budget blamed
+# - faults planted in either engine: seen by a metric, and the right term of the error budget blamed
 @pytest.fixture
 def blame(tool: Tool) -> ModuleType:
     return tool("covered")
@@ -225,7 +287,8 @@ def mesh(value: float | None, uncertainty: float) -> Term:
 
 SOLVER, LOUD = (Term("solver", None, size, "planted", bound=True) for size in (1e-12, 0.5))
 HEALTHY = (1e-3, mesh(0.9e-3, 0.2e-3), SOLVER)
-# value and terms, and what is blamed: what is large, and the model only beyond doubt; within its band a metric sees nothing.
+# value and terms, and what is blamed: what is large, and the model only beyond doubt; within its
+# band a metric sees nothing.
 BLAMED = [
     (HEALTHY, None),
     ((1.1e-3, mesh(1e-3, 0.2e-3), SOLVER), None),
@@ -237,12 +300,16 @@ BLAMED = [
 
 
 @pytest.mark.parametrize(("faulty", "blamed"), BLAMED)
-def test_blamed_is_what_is_large_and_steps_are_a_metric_by_themselves(blame: ModuleType, faulty: Any, blamed: str | None) -> None:
+def test_blamed_is_what_is_large_and_steps_are_a_metric_by_themselves(
+    blame: ModuleType, faulty: Any, blamed: str | None
+) -> None:
     bad, good = found(blame, *faulty), found(blame, *HEALTHY)
     assert list(blame.seen(bad, good)) == (["dissipation"] if blamed else [])
     assert blamed is None or bad.blamed("dissipation") == blamed
     long = blame.Found({blame.STEP: -1e-2}, {})
-    assert blame.seen(long, blame.Found({blame.STEP: -1e-4}, {})) == {blame.STEP: pytest.approx(50.0)}
+    assert blame.seen(long, blame.Found({blame.STEP: -1e-4}, {})) == {
+        blame.STEP: pytest.approx(50.0)
+    }
     assert long.blamed(blame.STEP) == "step"
 
 
@@ -253,7 +320,7 @@ def test_every_planted_fault_is_seen_and_blamed_on_the_right_term(blame: ModuleT
     assert [row.what for row in rows if row.met is not True] == []
 
 
-# ------------------------------------------------------------- the page of numbers says what docs/numbers.json holds, in few rows
+# ------------------------------- the page of numbers says what docs/numbers.json holds, in few rows
 def body(page: str) -> str:
     """The page below its head, which names the machine."""
     return page.partition("\n\n## ")[2]
@@ -263,7 +330,9 @@ def rows_of(page: str) -> int:
     return sum(line.startswith("| ") for line in page.splitlines()) - page.count("|---|\n")
 
 
-def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_missed_is_seen(tool: Tool) -> None:
+def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_missed_is_seen(
+    tool: Tool,
+) -> None:
     claims = tool("claims")
     kept, page = json.loads(claims.STORE.read_text("utf-8")), claims.PAGE.read_text("utf-8")
     assert body(page) == body(claims.page_of(kept))
@@ -283,15 +352,38 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
         section["rows"] = [row | {"measured": 2.0, "limit": 1.0} for row in section["rows"]]
     forged, count = claims.page_of(kept), sum(len(section["rows"]) for section in kept.values())
     assert rows_of(forged) == claims.MOST_ROWS
-    assert f"Missed, {count} in all, the first {claims.MOST_ROWS - len(claims.TEN) - len(claims.SECTIONS)}" in forged
+    assert (
+        f"Missed, {count} in all, the first"
+        f" {claims.MOST_ROWS - len(claims.TEN) - len(claims.SECTIONS)}" in forged
+    )
 
 
-def test_words_choose_cases_and_a_word_that_fits_none_is_refused(tool: Tool, tmp_path: Path) -> None:
+def test_words_choose_cases_and_a_word_that_fits_none_is_refused(
+    tool: Tool, tmp_path: Path
+) -> None:
     """Each case is stored when it is measured; the others stay."""
-    claims, cases = tool("claims"), {"Finite": lambda: 1, "Finite, again": lambda: 2, "Theory": lambda: 3}
-    assert claims.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {"Finite": 1, "Finite, again": 2, "Theory": 3}
-    assert claims.measure(tmp_path / "one.json", cases | {"Theory": lambda: 4}, ["Theory"])["Theory"] == 4
-    assert claims.measure(tmp_path / "one.json", cases, ["--pages"]) == {"Finite": 1, "Finite, again": 2, "Theory": 4}
+    claims, cases = (
+        tool("claims"),
+        {
+            "Finite": lambda: 1,
+            "Finite, again": lambda: 2,
+            "Theory": lambda: 3,
+        },
+    )
+    assert claims.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {
+        "Finite": 1,
+        "Finite, again": 2,
+        "Theory": 3,
+    }
+    assert (
+        claims.measure(tmp_path / "one.json", cases | {"Theory": lambda: 4}, ["Theory"])["Theory"]
+        == 4
+    )
+    assert claims.measure(tmp_path / "one.json", cases, ["--pages"]) == {
+        "Finite": 1,
+        "Finite, again": 2,
+        "Theory": 4,
+    }
     with pytest.raises(SystemExit) as refused:
         claims.chosen(["Sweeps"], cases)
     assert refused.value.code == 2
@@ -301,10 +393,15 @@ def test_the_pages_of_stress_and_calculix_have_their_cases(tool: Tool) -> None:
     stress, third = tool("stress"), tool("third")
     kept = json.loads(stress.STORE.read_text("utf-8"))
     assert set(kept) == set(stress.cases())
-    assert stress.PAGE.read_text("utf-8") == stress.page({name: stress.Outcome(**one) for name, one in kept.items()})
+    assert stress.PAGE.read_text("utf-8") == stress.page(
+        {name: stress.Outcome(**one) for name, one in kept.items()}
+    )
     stored = json.loads(third.STORED.read_text("utf-8"))
     assert set(stored) == set(third.CASES)
-    assert all(case["code"].startswith("CalculiX ") and case["day"] and case["errors"] for case in stored.values())
+    assert all(
+        case["code"].startswith("CalculiX ") and case["day"] and case["errors"]
+        for case in stored.values()
+    )
 
 
 # ----------------------------------------------- the page of performance: its judges are right
@@ -322,9 +419,19 @@ def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Tool) -> None:
     assert [tenth[key] for key in ("p", "q", "peak")] == pytest.approx([0.1] * 3)
 
 
-def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files_hold(tool: Tool) -> None:
+def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files_hold(
+    tool: Tool,
+) -> None:
     found, performance = tool("peers").lines_by_hand(), tool("performance")
-    assert found.keys() == {"tamaas", "contactmechanics", "getfem", "kratos", "naive", "ours", "calculix"}
+    assert found.keys() == {
+        "tamaas",
+        "contactmechanics",
+        "getfem",
+        "kratos",
+        "naive",
+        "ours",
+        "calculix",
+    }
     assert (found["tamaas"], found["contactmechanics"]) == (8, 6)
     assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
 
@@ -332,11 +439,24 @@ def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files
 def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(tool: Tool) -> None:
     performance = tool("performance")
     default = {"text": "default", "seconds": 1.0, "work": 1.0, "shear": None, "loop": 1.0}
-    for seconds, error, rivals in ((0.5, 0.5, 1), (0.7, 1.0, 1), (1.0, 0.7, 1), (0.9, 0.9, 0), (0.1, 1.1, 0), (2.0, 0.1, 0)):
+    for seconds, error, rivals in (
+        (0.5, 0.5, 1),
+        (0.7, 1.0, 1),
+        (1.0, 0.7, 1),
+        (0.9, 0.9, 0),
+        (0.1, 1.1, 0),
+        (2.0, 0.1, 0),
+    ):
         other = {"text": "other", "seconds": seconds, "work": error, "shear": None, "loop": 1.2}
         found = {"series": {"named settings": [default], "else": [other]}}
         assert len(performance.better(found, default, ["work", "shear"])) == rivals
         assert performance.better(found, default, ["work", "shear", "loop"]) == []
     exact = {"text": "exact", "seconds": 1.0, "work": 2e-5, "shear": None, "loop": 2e-5}
-    found = {"series": {"named settings": [exact], "else": [exact | {"text": "by chance", "work": 1e-6, "loop": 1e-6}]}}
-    assert performance.better(found, exact, ["work", "loop"]) == []  # both are within the scatter of W
+    found = {
+        "series": {
+            "named settings": [exact],
+            "else": [exact | {"text": "by chance", "work": 1e-6, "loop": 1e-6}],
+        }
+    }
+    # both are within the scatter of W
+    assert performance.better(found, exact, ["work", "loop"]) == []

@@ -1,4 +1,6 @@
-"""The manual and the README: examples run and print what pages say, made pages are current, what pages name exists, plain words."""
+"""The manual and the README: examples run and print what pages say, made pages are current, what
+pages name exists, plain words.
+"""
 
 from __future__ import annotations
 
@@ -57,10 +59,15 @@ HUNDREDTH = 0.02  # of a point; another processor turns a last digit round
 RENEW = "run `make pages`, and look at what moved"
 
 
-# -------------------------------------------------------------------------------------------------------------- examples
+# ----------------------------------------------------------------------------------------- examples
 def same_drawing(one: str, other: str) -> bool:
-    """Whether two drawings have the same elements and words, with numbers that differ by no more than is seen."""
-    words = [[(element.tag, element.text) for element in ET.fromstring(text).iter()] for text in (one, other)]
+    """Whether two drawings have the same elements and words, with numbers that differ by no more
+    than is seen.
+    """
+    words = [
+        [(element.tag, element.text) for element in ET.fromstring(text).iter()]
+        for text in (one, other)
+    ]
     plain = [re.sub(r'(id|href)="[^"]*"|url\([^)]*\)', "", text) for text in (one, other)]
     numbers = [np.array([float(word) for word in NUMBER.findall(text)]) for text in plain]
     same = words[0] == words[1] and len(numbers[0]) == len(numbers[1])
@@ -72,20 +79,39 @@ def test_a_page_says_what_its_blocks_print(name: str, tmp_path: Path) -> None:
     assert executed.run(TEXTS[name], tmp_path) == TEXTS[name], f"docs/{name} is stale: {RENEW}"
     for picture in tmp_path.glob("*.svg"):
         kept = (DOCS / "figures" / picture.name).read_text(encoding="utf-8")
-        assert same_drawing(kept, picture.read_text(encoding="utf-8")), f"docs/figures/{picture.name} is stale: {RENEW}"
+        assert same_drawing(kept, picture.read_text(encoding="utf-8")), (
+            f"docs/figures/{picture.name} is stale: {RENEW}"
+        )
         assert f"figures/{picture.name}" in TEXTS[name]
 
 
 def test_how_tos_have_examples_and_every_picture_and_figure_is_shown() -> None:
-    wanted = {"quick-start", "tutorial", "theory", "score-abaqus", "own-profile", "measured-loads", "sweeps"}
-    assert {f"{name}.md" for name in (*wanted, "read-the-error-budget", "penalty-or-lagrangian")} <= set(RUNNABLE)
-    shown = {target for name, text in TEXTS.items() if "/" not in name for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)}
+    wanted = {
+        "quick-start",
+        "tutorial",
+        "theory",
+        "score-abaqus",
+        "own-profile",
+        "measured-loads",
+        "sweeps",
+    }
+    assert {
+        f"{name}.md" for name in (*wanted, "read-the-error-budget", "penalty-or-lagrangian")
+    } <= set(RUNNABLE)
+    shown = {
+        target
+        for name, text in TEXTS.items()
+        if "/" not in name
+        for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
+    }
     assert not [target for target in shown if not (DOCS / target).is_file()]
     assert {f"figures/{path.name}" for path in (DOCS / "figures").iterdir()} <= shown
 
 
 def test_planted_faults_of_a_page_are_seen(tmp_path: Path) -> None:
-    """Another number, text that is no output, a block that fails, a command that ends otherwise, a file, a curve that moved."""
+    """Another number, text that is no output, a block that fails, a command that ends otherwise, a
+    file, a curve that moved.
+    """
     page = "```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n"
     assert executed.run(page, tmp_path) == page.replace("3", "2")
     page = "```python\nprint(1)\n```\n\nLook:\n\n```text\nanything\n```\n"
@@ -97,9 +123,14 @@ def test_planted_faults_of_a_page_are_seen(tmp_path: Path) -> None:
     page = "```console\n$ halfplane rnu # ends with 2\n```\n"
     assert executed.run(page, tmp_path) == page
     page = "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n\n"
-    page += '```python\nfrom pathlib import Path\nprint(Path("a.toml").read_text(), end="")\n```\n\n```text\n?\n```\n'
+    page += (
+        '```python\nfrom pathlib import Path\nprint(Path("a.toml").read_text(),'
+        ' end="")\n```\n\n```text\n?\n```\n'
+    )
     assert executed.run(page, tmp_path) == page.replace("?", "x = 1")
-    drawing = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M 1.00 2.00 L 3 4"/><text>a</text></svg>'
+    drawing = (
+        '<svg xmlns="http://www.w3.org/2000/svg"><path d="M 1.00 2.00 L 3 4"/><text>a</text></svg>'
+    )
     assert same_drawing(drawing, drawing.replace("1.00", "1.001"))
     assert not same_drawing(drawing, drawing.replace("1.00", "1.10"))
     assert not same_drawing(drawing, drawing.replace(">a<", ">b<"))
@@ -109,13 +140,19 @@ def test_planted_faults_of_a_page_are_seen(tmp_path: Path) -> None:
 def test_the_notebook_runs_and_shows_scene_solution_and_comparison(tmp_path: Path) -> None:
     os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")
     book = nbformat.read(NOTEBOOK, as_version=4)
-    nbclient.NotebookClient(book, timeout=1200, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    nbclient.NotebookClient(
+        book, timeout=1200, resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
     outputs = [output for cell in book.cells if cell.cell_type == "code" for output in cell.outputs]
-    shown = [output["data"]["text/html"] for output in outputs if "text/html" in output.get("data", {})]
+    shown = [
+        output["data"]["text/html"] for output in outputs if "text/html" in output.get("data", {})
+    ]
     assert any("Cattaneo-Mindlin" in html for html in shown)
     assert any("tolerance" in html for html in shown)
     streams = [output for output in outputs if output["output_type"] == "stream"]
-    assert "0.0012117117" in "".join(output["text"] for output in streams if output["name"] == "stdout")
+    assert "0.0012117117" in "".join(
+        output["text"] for output in streams if output["name"] == "stdout"
+    )
     assert not [output for output in streams if output["name"] == "stderr"]
 
 
@@ -128,28 +165,50 @@ def test_the_picture_of_the_readme_shows_the_run_whose_numbers_the_readme_quotes
 
 def test_no_promise_is_kept_late() -> None:
     """What is said to hold until a version is gone when that version is there."""
-    version = tuple(map(int, tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"].split(".")))
+    version = tuple(
+        map(
+            int,
+            tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+                "version"
+            ].split("."),
+        )
+    )
     late = []
     for folder in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports", "docs"):
-        for path in (path for kind in ("py", "md", "toml", "txt") for path in (ROOT / folder).rglob(f"*.{kind}")):
+        for path in (
+            path
+            for kind in ("py", "md", "toml", "txt")
+            for path in (ROOT / folder).rglob(f"*.{kind}")
+        ):
             text = path.read_text(encoding="utf-8")
-            promised = [tuple(map(int, number.split("."))) for number in re.findall(r"until (?:version )?(\d+\.\d+)", text)]
+            promised = [
+                tuple(map(int, number.split(".")))
+                for number in re.findall(r"until (?:version )?(\d+\.\d+)", text)
+            ]
             late += [(path.name, number) for number in promised if number <= version]
     assert late == []
 
 
 def test_the_notebook_is_kept_without_outputs() -> None:
     book = nbformat.read(NOTEBOOK, as_version=4)
-    assert not [cell for cell in book.cells if cell.cell_type == "code" and (cell.outputs or cell.execution_count)]
+    assert not [
+        cell
+        for cell in book.cells
+        if cell.cell_type == "code" and (cell.outputs or cell.execution_count)
+    ]
 
 
-# ---------------------------------------------------------------------------------------------------------------- README
+# ------------------------------------------------------------------------------------------- README
 def blocks(language: str) -> list[str]:
     return [text for kind, text in BLOCKS if kind == language]
 
 
-@pytest.mark.parametrize("options", [COARSE, pytest.param((), marks=pytest.mark.slow)], ids=["coarse", "as it stands"])
-def test_the_scene_of_the_readme_runs_through_both_engines(options: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "options", [COARSE, pytest.param((), marks=pytest.mark.slow)], ids=["coarse", "as it stands"]
+)
+def test_the_scene_of_the_readme_runs_through_both_engines(
+    options: tuple[str, ...], tmp_path: Path
+) -> None:
     (text,) = blocks("toml")
     (tmp_path / "roller.toml").write_text(text, encoding="utf-8")
     assert halfplane(tmp_path, "check", "roller.toml").returncode == 0
@@ -160,15 +219,25 @@ def test_the_scene_of_the_readme_runs_through_both_engines(options: tuple[str, .
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", blocks("python"))
-def test_python_blocks_of_the_readme_run(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_blocks_of_the_readme_run(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(text, "README.md", "exec"), {})
 
 
 def test_the_names_in_the_readme_are_there() -> None:
     """Targets of make, commands, linked files; CI installs what it says and calls make test."""
-    called = {word for text in blocks("sh") for word in re.findall(r"^make (\w+)", text, flags=re.MULTILINE)}
-    targets = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    called = {
+        word
+        for text in blocks("sh")
+        for word in re.findall(r"^make (\w+)", text, flags=re.MULTILINE)
+    }
+    targets = set(
+        re.findall(
+            r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE
+        )
+    )
     assert {"run", "test"} <= called <= targets
     named = set(re.findall(r"^\| `halfplane (\w+)", README, flags=re.MULTILINE))
     assert named
@@ -181,7 +250,7 @@ def test_the_names_in_the_readme_are_there() -> None:
     assert re.search(r"^(exec )?make test$", script, flags=re.MULTILINE)
 
 
-# ----------------------------------------------------------------------------------------------------------- made pages
+# --------------------------------------------------------------------------------------- made pages
 def uncertainty() -> dict[str, dict[str, float]]:
     return json.loads((DOCS / "uncertainty.json").read_text(encoding="utf-8"))["blocks"]
 
@@ -192,7 +261,9 @@ def test_the_first_result_and_its_uncertainty_are_those_of_a_run() -> None:
     for key, one in uncertainty().items():
         assert one["value"] == pytest.approx(frozen[f"metric.{key}"], rel=1e-6)
         assert 0 < one["uncertainty"] < abs(one["value"])
-        words = quoting.uncertain_values({"blocks": uncertainty()})[f"theory ± u: {key.replace('_', ' ')}, blocks"]
+        words = quoting.uncertain_values({"blocks": uncertainty()})[
+            f"theory ± u: {key.replace('_', ' ')}, blocks"
+        ]
         for name in ("README.md", "docs/index.md"):
             text = (DOCS.parent / name).read_text(encoding="utf-8")
             assert f"-->{words}<!-- /n --> %" in text
@@ -211,44 +282,86 @@ def made() -> dict[str, str]:
     return dict(pages.made())
 
 
-MARKED = {name: text for name, text in {**TEXTS, "../README.md": README}.items() if "<!-- n:" in text}
-GENERATED = {*(f"{name}.md" for name in ("verification", "scenes", "gallery", "misprints", "third", "metrics")), "expected.csv"}
+MARKED = {
+    name: text for name, text in {**TEXTS, "../README.md": README}.items() if "<!-- n:" in text
+}
+GENERATED = {
+    *(
+        f"{name}.md"
+        for name in ("verification", "scenes", "gallery", "misprints", "third", "metrics")
+    ),
+    "expected.csv",
+}
 GENERATED |= {"architecture.svg"}
 
 
 @pytest.mark.parametrize("name", sorted(MARKED.keys() | GENERATED))
 def test_pages_are_what_files_and_engines_say(made: dict[str, str], name: str) -> None:
     stored = (DOCS / name).read_text(encoding="utf-8")
-    assert pages.without_rounding(stored) == pages.without_rounding(made[name]), f"docs/{name} is stale: {RENEW}"
+    assert pages.without_rounding(stored) == pages.without_rounding(made[name]), (
+        f"docs/{name} is stale: {RENEW}"
+    )
 
 
 def test_each_number_in_a_text_has_a_key_two_marks_and_no_mark_at_the_start_of_a_line() -> None:
-    """A line that starts with a comment is HTML to Markdown, and what follows on it would be shown raw."""
+    """A line that starts with a comment is HTML to Markdown, and what follows on it would be shown
+    raw.
+    """
     assert len(MARKED) > 8
-    assert all(len(quoting.NUMBER.findall(text)) == text.count("<!-- n:") == text.count("<!-- /n -->") for text in MARKED.values())
-    assert not [name for name, text in MARKED.items() if re.search(r"^[ >]*(?:[-*]|\d+\.)? *<!-- n:", text, re.M)]
+    assert all(
+        len(quoting.NUMBER.findall(text)) == text.count("<!-- n:") == text.count("<!-- /n -->")
+        for text in MARKED.values()
+    )
+    assert not [
+        name
+        for name, text in MARKED.items()
+        if re.search(r"^[ >]*(?:[-*]|\d+\.)? *<!-- n:", text, re.M)
+    ]
 
 
-def test_values_are_quoted_by_their_keys_with_two_digits_and_a_unit_and_rounding_alone_is_forgiven() -> None:
-    """Planted: a number changed by hand, a key that is not there, the same words in two sections."""
+def test_values_are_quoted_by_their_keys_with_two_digits_and_a_unit_and_rounding_alone_is_forgiven() -> (
+    None
+):
+    """Planted: a number changed by hand, a key that is not there, the same words in two
+    sections.
+    """
     page = "a <!-- n:scenes -->34<!-- /n -->, <!-- n:scenes -->0<!-- /n --> b"
-    assert quoting.with_numbers(page, {"scenes": "33"}) == page.replace("34", "33").replace("0<", "33<")
+    assert quoting.with_numbers(page, {"scenes": "33"}) == page.replace("34", "33").replace(
+        "0<", "33<"
+    )
     with pytest.raises(KeyError, match="no such key"):
         quoting.with_numbers("<!-- n:no such key -->1<!-- /n -->", {"scenes": "33"})
     rows = [("a", 2.1766, "%"), ("b", 137.0, ""), ("c", -0.00061, ""), ("d", float("inf"), "")]
-    kept = {title: {"rows": [{"what": w, "measured": m, "unit": u} for w, m, u in rows]} for title in ("S", "T")}
+    kept = {
+        title: {"rows": [{"what": w, "measured": m, "unit": u} for w, m, u in rows]}
+        for title in ("S", "T")
+    }
     kept["T"]["rows"][0]["what"] = "e"
     claims = quoting.claim_values(kept)
-    assert [claims[key] for key in ("a", "e", "S: b", "T: c", "S: d")] == ["2.2 %", "2.2 %", "137", "−0.00061", "inf"]
+    assert [claims[key] for key in ("a", "e", "S: b", "T: c", "S: d")] == [
+        "2.2 %",
+        "2.2 %",
+        "137",
+        "−0.00061",
+        "inf",
+    ]
     assert len(claims) == 8
-    assert pages.without_rounding("off by 3e-16 and 0") == pages.without_rounding("off by 0 and 2.5e-15")
+    assert pages.without_rounding("off by 3e-16 and 0") == pages.without_rounding(
+        "off by 0 and 2.5e-15"
+    )
     assert pages.without_rounding("off by 3e-06, 0.7270") == "off by 3e-06, 0.7270"
 
 
 def test_the_third_solver_is_what_was_measured_and_published() -> None:
-    """Every case of benchmarks/third.json is in a table or quoted, and a value changed by hand does not stay."""
+    """Every case of benchmarks/third.json is in a table or quoted, and a value changed by hand does
+    not stay.
+    """
     page, cases = TEXTS["third.md"], pages.third()
-    rows = [line for line in page.splitlines() if line.count(" | ") == 9 and not line.startswith("| scene |")]
+    rows = [
+        line
+        for line in page.splitlines()
+        if line.count(" | ") == 9 and not line.startswith("| scene |")
+    ]
     for column in (3, 4, 5):
         cells = rows[0].split(" | ")
         forged = page.replace(rows[0], " | ".join([*cells[:column], "+99 %", *cells[column + 1 :]]))
@@ -259,16 +372,27 @@ def test_the_third_solver_is_what_was_measured_and_published() -> None:
     assert "<!-- n:CalculiX, cattaneo-mindlin, stick slope 50: shear -->" in page
     # The report's sentence on CalculiX' friction history quotes the second revolutions.
     source = (ROOT / "reports" / "templates" / "words.txt").read_text(encoding="utf-8")
-    varying, constant = (cases[f"{name}, 2 revolutions"]["errors"]["dissipation"] for name in ("hertz-paper", "cattaneo-mindlin"))
+    varying, constant = (
+        cases[f"{name}, 2 revolutions"]["errors"]["dissipation"]
+        for name in ("hertz-paper", "cattaneo-mindlin")
+    )
     assert f"{100 * varying:+.0f} % of the dissipation of" in source
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source
 
 
-def test_the_page_on_faults_states_how_many_file_kinds_were_counted_and_how_many_there_are() -> None:
-    """A kind that is new in tests/fuzzing.py, and a new count of `make numbers`, change the sentence."""
-    rows = json.loads((DOCS / "numbers.json").read_text(encoding="utf-8"))["Faults and bad input"]["rows"]
+def test_the_page_on_faults_states_how_many_file_kinds_were_counted_and_how_many_there_are() -> (
+    None
+):
+    """A kind that is new in tests/fuzzing.py, and a new count of `make numbers`, change the
+    sentence.
+    """
+    rows = json.loads((DOCS / "numbers.json").read_text(encoding="utf-8"))["Faults and bad input"][
+        "rows"
+    ]
     (counted,) = re.findall(r"for each of (\d+) kinds", rows[0]["how"])
-    assert f"on {counted} file kinds; `tests/fuzzing.py` has {len(DOORS)} now" in TEXTS["security.md"]
+    assert (
+        f"on {counted} file kinds; `tests/fuzzing.py` has {len(DOORS)} now" in TEXTS["security.md"]
+    )
 
 
 def test_every_test_of_a_requirement_exists() -> None:
@@ -284,25 +408,71 @@ def test_the_architecture_is_that_of_the_contracts(tmp_path: Path) -> None:
     contracts = architecture.read(ROOT / "pyproject.toml")
     assert set(contracts.depth) == PACKAGES
     arrows = set(contracts.arrows())
-    wanted = {("reports", "semi_analytic"), ("reports", "halfplane_fe"), ("halfplane_fe", "meshes"), ("semi_analytic", "scenes")}
+    wanted = {
+        ("reports", "semi_analytic"),
+        ("reports", "halfplane_fe"),
+        ("halfplane_fe", "meshes"),
+        ("semi_analytic", "scenes"),
+    }
     assert wanted <= arrows
-    assert not {("semi_analytic", "halfplane_fe"), ("halfplane_fe", "semi_analytic"), ("semi_analytic", "meshes")} & arrows
+    assert (
+        not {
+            ("semi_analytic", "halfplane_fe"),
+            ("halfplane_fe", "semi_analytic"),
+            ("semi_analytic", "meshes"),
+        }
+        & arrows
+    )
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    other = text.replace('"reports", "semi_analytic | halfplane_fe"', '"reports | halfplane_fe", "semi_analytic"')
+    other = text.replace(
+        '"reports", "semi_analytic | halfplane_fe"', '"reports | halfplane_fe", "semi_analytic"'
+    )
     (tmp_path / "pyproject.toml").write_text(other, encoding="utf-8")
-    assert architecture.svg(tmp_path / "pyproject.toml") != architecture.svg(ROOT / "pyproject.toml")
+    assert architecture.svg(tmp_path / "pyproject.toml") != architecture.svg(
+        ROOT / "pyproject.toml"
+    )
 
 
-# ---------------------------------------------------------------------------------------------------------------- formulas
+# ----------------------------------------------------------------------------------------- formulas
 FORMULAS = (
-    *("Hertz law", "flat-and-rounded law", "power law", "Ciavarella-Jaeger superposition", "Cattaneo-Mindlin traction"),
-    *("memory curve", "Masing reversal", "Coulomb limit", "permanent stick zone", "slip outside the stick zone"),
-    *("relative tangential displacement", "pointwise dissipation", "global dissipation", "W of a steady ellipse"),
-    *("hysteresis damping", "gross-sliding check", "separation", "Abel transform", "events", "return mapping"),
+    *(
+        "Hertz law",
+        "flat-and-rounded law",
+        "power law",
+        "Ciavarella-Jaeger superposition",
+        "Cattaneo-Mindlin traction",
+    ),
+    *(
+        "memory curve",
+        "Masing reversal",
+        "Coulomb limit",
+        "permanent stick zone",
+        "slip outside the stick zone",
+    ),
+    *(
+        "relative tangential displacement",
+        "pointwise dissipation",
+        "global dissipation",
+        "W of a steady ellipse",
+    ),
+    *(
+        "hysteresis damping",
+        "gross-sliding check",
+        "separation",
+        "Abel transform",
+        "events",
+        "return mapping",
+    ),
     *("static condensation (Schur complement)", "Flamant far field", "dual mortar", "active set"),
 )
-CELLS = [re.split(r"(?<!\\)\|", line)[1:-1] for line in TEXTS["api/formulas.md"].splitlines() if line.startswith("| ")]
-TABLE = [row for row in ([cell.strip() for cell in cells] for cells in CELLS) if row[0] != "formula"]
+CELLS = [
+    re.split(r"(?<!\\)\|", line)[1:-1]
+    for line in TEXTS["api/formulas.md"].splitlines()
+    if line.startswith("| ")
+]
+TABLE = [
+    row for row in ([cell.strip() for cell in cells] for cells in CELLS) if row[0] != "formula"
+]
 TARGETS = sorted({target for row in TABLE for target in ROLE.findall(row[2])})
 
 
@@ -322,21 +492,36 @@ def test_the_table_of_formulas_holds_each_with_source_function_and_example() -> 
     assert len(linked) > 15
     assert not [target for target in linked if example(target) is None]
     shown = TEXTS["api/formulas.md"]
-    assert not [target for target in linked if target not in shown and target.rpartition(".")[0] not in shown]
-    assert example("semi_analytic.hertz.no_such_function") is example("no_such_package.function") is None
+    assert not [
+        target
+        for target in linked
+        if target not in shown and target.rpartition(".")[0] not in shown
+    ]
+    assert (
+        example("semi_analytic.hertz.no_such_function")
+        is example("no_such_package.function")
+        is None
+    )
 
 
 def test_each_package_has_its_page_and_the_citation_is_of_this_version() -> None:
-    assert {name[len("api/") : -len(".md")] for name in TEXTS if name.startswith("api/")} - {"formulas"} == PACKAGES
+    assert {name[len("api/") : -len(".md")] for name in TEXTS if name.startswith("api/")} - {
+        "formulas"
+    } == PACKAGES
     assert all(f".. automodule:: {package}\n" in TEXTS[f"api/{package}.md"] for package in PACKAGES)
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'version: "{version("halfplane")}"' in citation
-    assert f"license: {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n" in citation
+    assert (
+        "license:"
+        f" {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n"
+        in citation
+    )
 
 
-# ----------------------------------------------------------------------------------------------- the paper's own words
+# ---------------------------------------------------------------------------- the paper's own words
 def runs(text: str) -> dict[bytes, str]:
-    """Digest, as in tests/data/paper.bin -> nine words or numbers that follow each other, in lower case.
+    """Digest, as in tests/data/paper.bin -> nine words or numbers that follow each other, in lower
+    case.
 
     Tags, escapes, LaTeX commands and the prefixes of Python's strings are no words.
     """
@@ -347,26 +532,58 @@ def runs(text: str) -> dict[bytes, str]:
 
 
 def test_the_paper_is_quoted_nowhere() -> None:
-    """No nine words in a row are the paper's, but for its title; formulas and numbers are left out."""
+    """No nine words in a row are the paper's, but for its title; formulas and numbers are left
+    out.
+    """
     stored = (ROOT / "tests" / "data" / "paper.bin").read_bytes()
     paper = {stored[k : k + 5] for k in range(0, len(stored), 5)}
     assert len(paper) > 4000
-    kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}  # what people wrote, and the pages that are made from it
-    below = [path for name in (*PACKAGES, "benchmarks", "docs", "tests") for path in (ROOT / name).rglob("*")]
-    files = [path for path in (*ROOT.glob("*.md"), *below) if path.suffix in kinds and "_build" not in path.parts]
-    assert {ROOT / "README.md", DOCS / "misprints.md", *(ROOT / "reports" / "paper").glob("*.py")} <= set(files)
+    # what people wrote, and the pages that are made from it
+    kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}
+    below = [
+        path
+        for name in (*PACKAGES, "benchmarks", "docs", "tests")
+        for path in (ROOT / name).rglob("*")
+    ]
+    files = [
+        path
+        for path in (*ROOT.glob("*.md"), *below)
+        if path.suffix in kinds and "_build" not in path.parts
+    ]
+    assert {
+        ROOT / "README.md",
+        DOCS / "misprints.md",
+        *(ROOT / "reports" / "paper").glob("*.py"),
+    } <= set(files)
     texts = {str(path.relative_to(ROOT)): runs(path.read_text(encoding="utf-8")) for path in files}
-    assert not {name: quoted for name, text in texts.items() if (quoted := [text[key] for key in text.keys() & paper])}
+    assert not {
+        name: quoted
+        for name, text in texts.items()
+        if (quoted := [text[key] for key in text.keys() & paper])
+    }
     # A quotation is seen through line breaks, markup and the joints of strings.
     planted = runs("one two three four five six seven eight nine").keys()
-    assert runs('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")').keys() & planted
+    assert (
+        runs('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")').keys()
+        & planted
+    )
     assert not runs("one two three four five six seven eight ten").keys() & planted
 
 
-# -------------------------------------------------------------------------------------------------------------- keys of a scene
+# ---------------------------------------------------------------------------------- keys of a scene
 SCENE_KEYS = TEXTS["scene-keys.md"]
 # Numbers without a dimension.
-PLAIN = {"poisson_ratio", "coefficient", "friction", "exponent", "asymmetry", "value", "tolerance", "cycles", "average"}
+PLAIN = {
+    "poisson_ratio",
+    "coefficient",
+    "friction",
+    "exponent",
+    "asymmetry",
+    "value",
+    "tolerance",
+    "cycles",
+    "average",
+}
 PLAIN |= {*Tolerances.model_fields, "freedom", "weight", "left_out"}
 PLAIN |= {"mean", "amplitude"}  # of a wave, in the unit of its key
 PLAIN |= {"row"}  # a count
@@ -386,8 +603,17 @@ def test_the_table_of_scene_keys_is_what_the_models_say() -> None:
 
 
 def numeric_keys(schema: Any) -> Iterator[tuple[str, str]]:
-    """(key, description) of every key that is a number; what a table states of a column is in the unit of that column."""
-    for model in (schema, *(model for name, model in schema["$defs"].items() if not name.startswith(("OfLoads", "OfProfile")))):
+    """(key, description) of every key that is a number; what a table states of a column is in the
+    unit of that column.
+    """
+    for model in (
+        schema,
+        *(
+            model
+            for name, model in schema["$defs"].items()
+            if not name.startswith(("OfLoads", "OfProfile"))
+        ),
+    ):
         for key, one in model["properties"].items():
             kinds = {one.get("type"), *(option.get("type") for option in one.get("anyOf", ()))}
             if kinds & {"number", "integer"}:
@@ -397,22 +623,32 @@ def numeric_keys(schema: Any) -> Iterator[tuple[str, str]]:
 def test_every_number_with_a_dimension_states_its_unit() -> None:
     found = list(numeric_keys(Scene.model_json_schema()))
     assert len(found) > 30
-    assert not [key for key, words in found if key not in PLAIN and reference.unit(key, words) == "–"]
+    assert not [
+        key for key, words in found if key not in PLAIN and reference.unit(key, words) == "–"
+    ]
 
 
 def test_every_key_of_the_library_is_in_its_table() -> None:
-    """From the files, not from the models: a key that the schema hides would be missed otherwise."""
+    """From the files, not from the models: a key that the schema hides would be missed
+    otherwise.
+    """
     for name in scene_names():
         scene = tomllib.loads(scene_text(name))
         tables = [scene["profile"], scene["load"], *scene.get("bodies", {}).values()]
         stated = [(one["kind"], key) for one in tables for key in one if key not in {"kind", *KEYS}]
         missing = [key for kind, key in stated if f"| `{kind}` | `{key}` |" not in SCENE_KEYS]
-        missing += [key for key in scene["load"] if key in KEYS and f"| `{key}` |" not in SCENE_KEYS]
-        missing += [key for key in scene if not any(mark.format(key) in SCENE_KEYS for mark in ("| `{}` |", "`[{}", "`[[{}"))]
+        missing += [
+            key for key in scene["load"] if key in KEYS and f"| `{key}` |" not in SCENE_KEYS
+        ]
+        missing += [
+            key
+            for key in scene
+            if not any(mark.format(key) in SCENE_KEYS for mark in ("| `{}` |", "`[{}", "`[[{}"))
+        ]
         assert not missing, name
 
 
-# -------------------------------------------------------------------------------------------------------------- troubleshooting
+# ---------------------------------------------------------------------------------- troubleshooting
 TROUBLE = TEXTS["troubleshooting.md"].replace("\\|", "|")
 SCENE = """
 [material]
@@ -429,7 +665,10 @@ initial_loading = [[90.0, 0.0]]
 cycle = [[90.0, 27.0], [90.0, -27.0]]
 """
 BLOCK = '[bodies.lower]\nkind = "block"\nwidth = 20.0\nheight = 5.0\n'
-RECORD = ('"polygon"\ninitial_loading = [[90.0, 0.0]]\ncycle = [[90.0, 27.0], [90.0, -27.0]]', '"time_series"\nfile = "rec.csv"')
+RECORD = (
+    '"polygon"\ninitial_loading = [[90.0, 0.0]]\ncycle = [[90.0, 27.0], [90.0, -27.0]]',
+    '"time_series"\nfile = "rec.csv"',
+)
 FOOT = ('"hertz"\nradius = 1000.0', '"tabulated"\nfile = "foot.csv"')
 # Key of the scene that is spoilt, what it becomes, parts of the message.
 SPOILT = [
@@ -437,22 +676,37 @@ SPOILT = [
     (("cycle =", "wear_rate = 10.0\ncycle ="), ["wear is not modelled"]),
     (("90.0, 27.0", "90.0, 47.0"), ["gross sliding from time ", "|Q| exceeds f P"]),
     (("90.0, -27.0", "-10.0, -3.0"), ["separation from time ", "P is not positive there"]),
-    ((SCENE, SCENE + BLOCK.replace("20.0", "1.0")), ["the contact ", "reaches past the end of the narrower face"]),
-    ((SCENE, SCENE + BLOCK + 'base = "rollers"\n'), ["nothing holds the block against the tangential load"]),
+    (
+        (SCENE, SCENE + BLOCK.replace("20.0", "1.0")),
+        ["the contact ", "reaches past the end of the narrower face"],
+    ),
+    (
+        (SCENE, SCENE + BLOCK + 'base = "rollers"\n'),
+        ["nothing holds the block against the tangential load"],
+    ),
     (RECORD, ["rec.csv, line 4: P = 'x' is not a finite number"]),
     (FOOT, ["foot.csv, line 4: h = 0.4 falls: the profile must rise"]),
     (
         ("210e3", "210"),
-        ["material.young_modulus = 210 MPa is as soft as a weak plastic; steel has 210000 MPa. Is E in GPa?"],
+        [
+            "material.young_modulus = 210 MPa is as soft as a weak plastic; steel has 210000 MPa."
+            " Is E in GPa?"
+        ],
     ),
 ]
 # Parts of messages that take a whole run, and the file that prints them.
 OF_RUNS = {
     "halfplane_fe/contact.py": ["nodes still change state after ", "iterations at time "],
     "halfplane_fe/solve.py": ["the contact reached the end of the meshed side"],
-    "halfplane_fe/resolution.py": ["elements from its middle to its edge where it is smallest", "elements wide at most"],
+    "halfplane_fe/resolution.py": [
+        "elements from its middle to its edge where it is smallest",
+        "elements wide at most",
+    ],
     "meshes/bodies.py": ["nodes on its contact, and the limit is "],
-    "reports/cli/application.py": ["there is not enough memory for this", "ask for a coarser mesh, fewer steps or fewer instants"],
+    "reports/cli/application.py": [
+        "there is not enough memory for this",
+        "ask for a coarser mesh, fewer steps or fewer instants",
+    ],
     "reports/cli/solving.py": [
         "pictures can't be drawn here: ",
         "--no-pictures leaves them out",
@@ -465,13 +719,19 @@ OF_RUNS = {
 
 
 @pytest.mark.parametrize(("edit", "parts"), SPOILT, ids=[parts[0][:30] for _, parts in SPOILT])
-def test_check_prints_what_the_page_quotes(edit: tuple[str, str], parts: list[str], tmp_path: Path) -> None:
+def test_check_prints_what_the_page_quotes(
+    edit: tuple[str, str], parts: list[str], tmp_path: Path
+) -> None:
     (tmp_path / "rec.csv").write_text("time,P,Q\n0,0,0\n1,90,0\n2,x,3\n", encoding="utf-8")
     (tmp_path / "foot.csv").write_text("x,h\n0,0\n1,0.5\n2,0.4\n", encoding="utf-8")
     (tmp_path / "my.toml").write_text(SCENE.replace(*edit), encoding="utf-8")
     done = halfplane(tmp_path, "check", "my.toml")
     assert done.returncode == (0 if "Is E in GPa?" in parts[0] else 2)
-    assert not [part for part in parts if part not in " ".join((done.stdout + done.stderr).split()) or part not in TROUBLE]
+    assert not [
+        part
+        for part in parts
+        if part not in " ".join((done.stdout + done.stderr).split()) or part not in TROUBLE
+    ]
 
 
 def test_messages_of_long_runs_are_in_the_code_and_on_the_page() -> None:
@@ -480,7 +740,7 @@ def test_messages_of_long_runs_are_in_the_code_and_on_the_page() -> None:
         assert not [part for part in parts if part not in source or part not in TROUBLE], file
 
 
-# ------------------------------------------------------------------------------------------------ plain words, and not too many
+# -------------------------------------------------------------------- plain words, and not too many
 # Phrase -> what to write.
 PHRASES = {
     "is told": "is reported, is stated",
@@ -496,21 +756,29 @@ PHRASES = {
 }
 # Printed by benchmarks from stored results: words of the notes of that day.
 PRINTED = ("docs/stress.md", "docs/numbers.md", "docs/performance.md")
-PATTERN = re.compile("|".join(rf"\b{phrase.replace(' ', chr(92) + 's+')}\b" for phrase in PHRASES), re.I)
+PATTERN = re.compile(
+    "|".join(rf"\b{phrase.replace(' ', chr(92) + 's+')}\b" for phrase in PHRASES), re.I
+)
 COMMENT = re.compile(r"<!--.*?-->", re.S)
 
 
 def words_of(source: str) -> Iterator[str]:
-    """Strings and docstrings of Python code, and its comments as one text. Names are no words: `way in ways`, `way_in`."""
+    """Strings and docstrings of Python code, and its comments as one text. Names are no words: `way
+    in ways`, `way_in`.
+    """
     yield from (
-        node.value for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        node.value
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
     )
     found = tokenize.generate_tokens(io.StringIO(source).readline)
     yield " ".join(token.string.lstrip("# ") for token in found if token.type == tokenize.COMMENT)
 
 
 def written() -> Iterator[tuple[str, str]]:
-    """(path, text) of every page, template and library scene; (path, a string or all comments) of the packages."""
+    """(path, text) of every page, template and library scene; (path, a string or all comments) of
+    the packages.
+    """
     yield "README.md", README
     folders = {
         "docs": {".md", ".ipynb"},
@@ -521,18 +789,25 @@ def written() -> Iterator[tuple[str, str]]:
     for folder, kinds in folders.items():
         for path in sorted((ROOT / folder).rglob("*")):
             name = path.relative_to(ROOT).as_posix()
-            if path.suffix not in kinds or "_build" in name or "docs/published" in name or name in PRINTED:
+            if (
+                path.suffix not in kinds
+                or "_build" in name
+                or "docs/published" in name
+                or name in PRINTED
+            ):
                 continue
             text = path.read_text(encoding="utf-8")
             yield name, "" if path.suffix == ".py" else COMMENT.sub("", text)
-            if path.suffix == ".py" and PATTERN.search(re.sub(r"\\n|[^a-zA-Z]+", " ", text)):  # a phrase perhaps, or a name
+            # a phrase perhaps, or a name
+            if path.suffix == ".py" and PATTERN.search(re.sub(r"\\n|[^a-zA-Z]+", " ", text)):
                 yield from ((name, words) for words in words_of(text))
 
 
 def faults(texts: Iterable[tuple[str, str]]) -> list[str]:
     """Each phrase with its place and what to write instead."""
     return [
-        f"{name}: ...{text[max(0, hit.start() - 40) : hit.end() + 20]}...: write {PHRASES[' '.join(hit[0].lower().split())]!r}"
+        f"{name}: ...{text[max(0, hit.start() - 40) : hit.end() + 20]}...: write"
+        f" {PHRASES[' '.join(hit[0].lower().split())]!r}"
         for name, text in texts
         for hit in PATTERN.finditer(text)
     ]
@@ -542,30 +817,49 @@ def test_no_page_template_string_docstring_or_comment_uses_them() -> None:
     """Each phrase is seen through line breaks, and names are not."""
     texts = list(written())
     assert len(texts) > 400
-    wanted = {"README.md", "docs/index.md", "reports/templates/scene.toml", "scenes/library/blocks.toml", "meshes/__init__.py"}
+    wanted = {
+        "README.md",
+        "docs/index.md",
+        "reports/templates/scene.toml",
+        "scenes/library/blocks.toml",
+        "meshes/__init__.py",
+    }
     assert wanted <= {name for name, _ in texts}
     assert not faults(texts)
-    assert all(len(faults([("page", f"It {phrase.replace(' ', chr(10))} x.")])) == 1 for phrase in PHRASES)
-    source = 'x = f"{x} is off "  "by {x}"\n# suffers\n# from it\nfor way in ways: way_in = "way_in"\n'
+    assert all(
+        len(faults([("page", f"It {phrase.replace(' ', chr(10))} x.")])) == 1 for phrase in PHRASES
+    )
+    source = (
+        'x = f"{x} is off "  "by {x}"\n# suffers\n# from it\nfor way in ways: way_in = "way_in"\n'
+    )
     assert len(faults(("code", words) for words in words_of(source))) == 2
 
 
-# Pages that commands write as a whole: evidence, which has a limit of its own, and lists of what the library and the models hold.
+# Pages that commands write as a whole: evidence, which has a limit of its own, and lists of what
+# the library and the models hold.
 EVIDENCE = ("numbers", "verification", "scenes", "performance", "stress")
 LISTS = ("scene-keys", "gallery", "misprints", "licences", "changelog")
-NOT_BY_HAND = re.compile(r"<!-- ([\w ]+): written by `make pages` -->.*?<!-- end of \1 -->|^```.*?^```|<!--.*?-->", re.S | re.M)
+NOT_BY_HAND = re.compile(
+    r"<!-- ([\w ]+): written by `make pages` -->.*?<!-- end of \1 -->|^```.*?^```|<!--.*?-->",
+    re.S | re.M,
+)
 
 
 def count(text: str) -> int:
-    """Words of a page, outside code blocks, comments and tables that commands write; a bar of a table is no word."""
+    """Words of a page, outside code blocks, comments and tables that commands write; a bar of a
+    table is no word.
+    """
     text = re.sub(r"^```\{glossary\}(.*?)^```", r"\1", text, flags=re.S | re.M)
     return sum(bool(re.search(r"\w", word)) for word in NOT_BY_HAND.sub("", text).split())
 
 
 def test_the_manual_stays_short() -> None:
-    by_hand = [text for name, text in TEXTS.items() if name.removesuffix(".md") not in {*EVIDENCE, *LISTS}]
+    by_hand = [
+        text for name, text in TEXTS.items() if name.removesuffix(".md") not in {*EVIDENCE, *LISTS}
+    ]
     assert len(by_hand) > 30
-    # Written by hand and by commands, in words: a manual that is read. A page that grows needs another that shrinks.
+    # Written by hand and by commands, in words: a manual that is read. A page that grows needs
+    # another that shrinks.
     assert sum(map(count, by_hand)) <= 20_000
     assert sum(len(TEXTS[f"{name}.md"].split()) for name in EVIDENCE) <= 15_000
     assert len(README.split()) <= 900

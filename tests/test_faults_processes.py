@@ -1,4 +1,6 @@
-"""Kills, signals, lost streams, full disks, shared folders: files whole or absent, one sentence, the same numbers in the end."""
+"""Kills, signals, lost streams, full disks, shared folders: files whole or absent, one sentence,
+the same numbers in the end.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,17 @@ import halfplane_fe
 import reports
 import semi_analytic
 from command_line import COARSE, everything, forked, raising, sentence
-from faulty import JOBS, STUDY, Starved, half_files, numbers, possible, starved, survive, undisturbed
+from faulty import (
+    JOBS,
+    STUDY,
+    Starved,
+    half_files,
+    numbers,
+    possible,
+    starved,
+    survive,
+    undisturbed,
+)
 from halfplane_fe import FiniteElementSolution
 from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
@@ -44,7 +56,14 @@ MESH = MeshSettings(element_size=0.25, edge_element_size=0.25, order=1)
 EXACT = ("exact", "hertz-normal", "--out", "out")
 WRITTEN = {
     "out",
-    *(f"out/{name}" for name in (MANIFEST, "scene.json", *(f"semi_analytic.{kind}" for kind in ("csv", "json", "nc")))),
+    *(
+        f"out/{name}"
+        for name in (
+            MANIFEST,
+            "scene.json",
+            *(f"semi_analytic.{kind}" for kind in ("csv", "json", "nc")),
+        )
+    ),
 }
 
 
@@ -56,7 +75,12 @@ def old(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def fill(out: Path, *names: str, meanwhile: Callable[[], object] = lambda: None, fresh: tuple[str, ...] = ("",)) -> None:
+def fill(
+    out: Path,
+    *names: str,
+    meanwhile: Callable[[], object] = lambda: None,
+    fresh: tuple[str, ...] = ("",),
+) -> None:
     """Files that hold all their names, written as a report is."""
     with filled(out, fresh=fresh) as there:
         for name in names:
@@ -71,7 +95,10 @@ def no_room(reason: int = errno.ENOSPC) -> OSError:
 
 def content(folder: Path) -> dict[str, bytes | None]:
     """Everything in a folder: bytes of files, None for folders."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else None
+        for path in folder.rglob("*")
+    }
 
 
 def listed(out: Path) -> set[str]:
@@ -81,10 +108,12 @@ def listed(out: Path) -> set[str]:
     return files
 
 
-# ----------------------------------------------------------------------------------------------------------------- kills
+# -------------------------------------------------------------------------------------------- kills
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
-def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_same_bits(job: str, tmp_path: Path) -> None:
+def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_same_bits(
+    job: str, tmp_path: Path
+) -> None:
     truth, seconds = undisturbed(tmp_path / "truth", job)
     assert len(truth) > 2
     (tmp_path / "killed").mkdir()
@@ -98,11 +127,19 @@ def again(report: Path, out: Path) -> None:
 
 
 def dying_after(moves: int, out: Path) -> None:
-    """From now on this process is killed when it moves another file there or away; hidden folders do not count."""
+    """From now on this process is killed when it moves another file there or away; hidden folders
+    do not count.
+    """
     count = itertools.count()
 
     def dying(real: Callable[..., None], *paths: Path) -> None:
-        if any(path.is_relative_to(out) and ".halfplane" not in path.name for path in map(Path, paths)) and next(count) == moves:
+        if (
+            any(
+                path.is_relative_to(out) and ".halfplane" not in path.name
+                for path in map(Path, paths)
+            )
+            and next(count) == moves
+        ):
             os.kill(os.getpid(), signal.SIGKILL)
         real(*paths)
 
@@ -110,17 +147,27 @@ def dying_after(moves: int, out: Path) -> None:
         setattr(os, name, partial(dying, getattr(os, name)))
 
 
-@pytest.mark.parametrize(("done", "before"), [(0, False), (1, False), (7, False), (-1, False), (2, True), (5, True), (25, True)])
-def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, before: bool, old: Path, tmp_path: Path) -> None:
-    """SIGKILL while finished files go to their names, into a new folder or over an earlier report, whose page goes first.
+@pytest.mark.parametrize(
+    ("done", "before"),
+    [(0, False), (1, False), (7, False), (-1, False), (2, True), (5, True), (25, True)],
+)
+def test_killed_between_two_moves_every_file_is_whole_or_absent(
+    done: int, before: bool, old: Path, tmp_path: Path
+) -> None:
+    """SIGKILL while finished files go to their names, into a new folder or over an earlier report,
+    whose page goes first.
 
-    The manifest comes first and last; the page comes after all other files: -1 is the moment before it does.
+    The manifest comes first and last; the page comes after all other files: -1 is the moment before
+    it does.
     """
     out, files = tmp_path / "out", listed(old / "x")
     done = len(files) - 1 if done == -1 else done
     if before:
         again(old / "x", out)
-    assert forked(tmp_path, act=lambda: (dying_after(done, out), again(old / "x", out))).returncode == -signal.SIGKILL
+    assert (
+        forked(tmp_path, act=lambda: (dying_after(done, out), again(old / "x", out))).returncode
+        == -signal.SIGKILL
+    )
     assert half_files(tmp_path) == []
     assert not (out / "report.html").exists()
     assert before or len([name for name in everything(out) if "." in name]) == done
@@ -163,7 +210,9 @@ def test_what_a_dead_run_left_goes_and_the_folder_of_one_that_lives_stays(
 
 
 @pytest.mark.parametrize("writer", ["baseline", "sweep"])
-def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_of_a_killed_process_goes_too(
+    writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store = Store(tmp_path / "store")
     store.prepare()
 
@@ -182,20 +231,32 @@ def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkey
     assert [path for path in tmp_path.rglob(".*") if path.is_file()] == []
 
 
-# --------------------------------------------------------------------------------------------------------------- signals
+# ------------------------------------------------------------------------------------------ signals
 @pytest.fixture(scope="module")
 def whole() -> FiniteElementSolution:
     return halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH)
 
 
-SIGNALS = [("fe", signal.SIGINT, 130), ("run", signal.SIGINT, 130), ("fe", signal.SIGTERM, 143), ("fe", signal.SIGHUP, 129)]
+SIGNALS = [
+    ("fe", signal.SIGINT, 130),
+    ("run", signal.SIGINT, 130),
+    ("fe", signal.SIGTERM, 143),
+    ("fe", signal.SIGHUP, 129),
+]
 
 
 @pytest.mark.parametrize(("command", "which", "code"), SIGNALS)
 def test_a_signal_to_end_keeps_what_was_solved_and_says_so(
-    command: str, which: signal.Signals, code: int, whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: str,
+    which: signal.Signals,
+    code: int,
+    whole: Any,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """It comes amid increment number 60, on any machine; the size of the contact is known, so that none of a coarse run counts."""
+    """It comes amid increment number 60, on any machine; the size of the contact is known, so that
+    none of a coarse run counts.
+    """
     monkeypatch.setattr(halfplane_fe, "solve", partial(halfplane_fe.solve, scales=whole.scales))
     real, calls = ContactProblem.equilibrium, itertools.count(1)
 
@@ -211,14 +272,22 @@ def test_a_signal_to_end_keeps_what_was_solved_and_says_so(
     assert "interrupted at time" in done.stderr
     assert "what was solved is kept in out/partial.nc" in done.stderr
     kept = ContactSolution.load(tmp_path / "out" / "partial.nc")
-    assert (kept.record.converged, kept.record.termination, len(kept.time) > 1) == (False, "interrupted", True)
+    assert (kept.record.converged, kept.record.termination, len(kept.time) > 1) == (
+        False,
+        "interrupted",
+        True,
+    )
     assert np.isfinite(kept.pressure).all()
     assert half_files(tmp_path) == []
     assert not [name for name in everything(tmp_path) if name.startswith(".")]
 
 
-def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Energies and checks are taken of all increments of a stretch at once: of those before Ctrl-C too."""
+def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(
+    whole: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Energies and checks are taken of all increments of a stretch at once: of those before Ctrl-C
+    too.
+    """
     real, calls = ContactProblem.equilibrium, 0
 
     def equilibrium(*given: object) -> object:
@@ -238,11 +307,17 @@ def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(whole: Any,
 
 @pytest.mark.parametrize("engine", ["fe", "theory"])
 def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
-    """numpy drops whatever is raised in that search, a Ctrl-C too: five of sixty were lost when engines compared with members."""
+    """numpy drops whatever is raised in that search, a Ctrl-C too: five of sixty were lost when
+    engines compared with members.
+    """
     scene, searched = load_scene("cattaneo-mindlin"), []
 
     def profile(frame: FrameType, event: str, _argument: object) -> None:
-        if event == "call" and frame.f_code.co_name == "__getattr__" and frame.f_code.co_filename.endswith("enum.py"):
+        if (
+            event == "call"
+            and frame.f_code.co_name == "__getattr__"
+            and frame.f_code.co_filename.endswith("enum.py")
+        ):
             searched.append(frame.f_back)
 
     sys.setprofile(profile)
@@ -250,7 +325,9 @@ def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
         halfplane_fe.solve(scene, MESH) if engine == "fe" else semi_analytic.solve(scene)
     finally:
         sys.setprofile(None)
-    assert not [f"{place.f_code.co_filename}:{place.f_lineno}" for place in searched if place is not None]
+    assert not [
+        f"{place.f_code.co_filename}:{place.f_lineno}" for place in searched if place is not None
+    ]
 
 
 IGNORED = (
@@ -268,15 +345,29 @@ TWICE = (
 
 def swallowed(fault: str, asked: str = "os.kill(os.getpid(), signal.SIGINT)") -> tuple[str, ...]:
     """Compiled modules and locks make another error of a Ctrl-C."""
-    inside = ("def app(_):", f"    try: {asked}", "    except KeyboardInterrupt: pass", f"    raise {fault}")
-    return ("from reports.cli import application as cli", *inside, "cli.app = app", "sys.exit(cli.main())")
+    inside = (
+        "def app(_):",
+        f"    try: {asked}",
+        "    except KeyboardInterrupt: pass",
+        f"    raise {fault}",
+    )
+    return (
+        "from reports.cli import application as cli",
+        *inside,
+        "cli.app = app",
+        "sys.exit(cli.main())",
+    )
 
 
 SAID = r"halfplane: interrupted; nothing was written\n"
 SCRIPTS = {
     "a signal that nohup ignores stays ignored": (IGNORED, (0, "goes on\n"), ""),
     "a second Ctrl-C while the first is reported": (TWICE, (130, ""), ""),
-    "Ctrl-C in a compiled module": (swallowed("ImportError('initialization failed')"), (130, ""), SAID),
+    "Ctrl-C in a compiled module": (
+        swallowed("ImportError('initialization failed')"),
+        (130, ""),
+        SAID,
+    ),
     "Ctrl-C in a lock": (swallowed("RuntimeError('release unlocked lock')"), (130, ""), SAID),
     "the same error without a signal": (
         swallowed("ImportError('x')", "pass"),
@@ -295,7 +386,9 @@ def test_signals_at_odd_moments(case: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("move", [1, 2, 4])
-def test_ctrl_c_while_files_are_moved_waits_until_all_are(move: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_while_files_are_moved_waits_until_all_are(
+    move: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     moves, real = 0, os.replace
 
     def replace(source: Path, target: Path) -> None:
@@ -312,7 +405,7 @@ def test_ctrl_c_while_files_are_moved_waits_until_all_are(move: int, tmp_path: P
     assert listed(tmp_path / "out") == {"a.json", "report.html", MANIFEST}
 
 
-# --------------------------------------------------------------------------------------------------------------- streams
+# ------------------------------------------------------------------------------------------ streams
 @pytest.fixture
 def unread() -> Iterator[int]:
     """A pipe that nobody reads any more."""
@@ -346,8 +439,9 @@ def test_json_is_plain_ascii_for_any_terminal(tmp_path: Path) -> None:
     assert any("ν = 0.3" in note for note in json.loads(done.stdout)["result"]["notes"])
 
 
-# ------------------------------------------------------------------------------------------------------------------- full disks
-# An old run lies in x; each of these writes there, or beside it, every kind of file that the command writes.
+# --------------------------------------------------------------------------------------- full disks
+# An old run lies in x; each of these writes there, or beside it, every kind of file that the
+# command writes.
 DISK_JOBS = {
     "run": ("run", "cattaneo-mindlin", *COARSE, "--out", "x", "--quiet"),
     "exact": ("exact", "cattaneo-mindlin", "--out", "x", "--quiet"),
@@ -369,7 +463,9 @@ def kept(folder: Path, told: str) -> dict[str, bytes | None]:
     there = content(folder)
     assert not place or content(Path(place))
     above = Path(place).parent.name
-    return {name: found for name, found in there.items() if not place or name.split("/")[0] != above}
+    return {
+        name: found for name, found in there.items() if not place or name.split("/")[0] != above
+    }
 
 
 def check(code: int, errors: str, disk: Path, before: dict[str, bytes | None]) -> None:
@@ -381,8 +477,12 @@ def check(code: int, errors: str, disk: Path, before: dict[str, bytes | None]) -
     assert half_files(disk) == []
 
 
-@pytest.mark.parametrize(("job", "limit"), [("exact", 3_072_000), ("diff", 1000), ("init", 1000)], ids=str)
-def test_a_file_that_may_not_grow_is_a_sentence_and_leaves_all_as_it_was(job: str, limit: int, old: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("job", "limit"), [("exact", 3_072_000), ("diff", 1000), ("init", 1000)], ids=str
+)
+def test_a_file_that_may_not_grow_is_a_sentence_and_leaves_all_as_it_was(
+    job: str, limit: int, old: Path, tmp_path: Path
+) -> None:
     """HDF5 ended the process by a segmentation fault when it closed a file that found no room."""
     disk = tmp_path / "disk"
     shutil.copytree(old, disk)
@@ -402,7 +502,9 @@ def watched() -> None:
 def each_write_fails(
     words: Sequence[str], disk: Path, prepare: Callable[[Path], object], for_ever: bool
 ) -> Iterator[tuple[Starved, str, dict[str, bytes | None]]]:
-    """For each call of a command that writes: what became of the command, the call that failed, what lay there before."""
+    """For each call of a command that writes: what became of the command, the call that failed,
+    what lay there before.
+    """
     for fails in range(1, _MOST):
         shutil.rmtree(disk, ignore_errors=True)
         prepare(disk)
@@ -421,7 +523,10 @@ def each_write_fails(
 @pytest.mark.usefixtures("watched")
 @pytest.mark.parametrize(
     ("job", "for_ever"),
-    [*((job, False) for job in DISK_JOBS), *((job, True) for job in ("exact", "fields", "diff", "init"))],
+    [
+        *((job, False) for job in DISK_JOBS),
+        *((job, True) for job in ("exact", "fields", "diff", "init")),
+    ],
     ids=lambda value: value if isinstance(value, str) else ("full" if value else "once"),
 )
 def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
@@ -432,9 +537,16 @@ def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
         if job == "map":
             (disk / "maps").mkdir()  # one map of the published ones
             published = Path(reports.__file__).parent / "published" / "maps"
-            for path in [*published.glob("[cp]*"), published / "README.md", published / "laws.json", published / "manifest.json"]:
+            for path in [
+                *published.glob("[cp]*"),
+                published / "README.md",
+                published / "laws.json",
+                published / "manifest.json",
+            ]:
                 shutil.copyfile(path, disk / "maps" / path.name)
-            (disk / "maps" / "curvature.md").write_text("a page to be written again", encoding="utf-8")
+            (disk / "maps" / "curvature.md").write_text(
+                "a page to be written again", encoding="utf-8"
+            )
 
     disk = tmp_path / "disk"
     for done, call, before in each_write_fails(DISK_JOBS[job], disk, prepare, for_ever):
@@ -449,12 +561,25 @@ def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
 @pytest.mark.slow
 @pytest.mark.usefixtures("watched")
 @pytest.mark.parametrize("for_ever", [True, False], ids=["full", "once"])
-def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_resumes(for_ever: bool, tmp_path: Path) -> None:
+def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_resumes(
+    for_ever: bool, tmp_path: Path
+) -> None:
     def prepare(disk: Path) -> None:
         disk.mkdir()
         (disk / "study.toml").write_text(STUDY.replace("count = 40", "count = 3"), encoding="utf-8")
 
-    disk, words = tmp_path / "disk", ("sweep", "study.toml", "--workers", "1", "--out", "x", "--quiet")
+    disk, words = (
+        tmp_path / "disk",
+        (
+            "sweep",
+            "study.toml",
+            "--workers",
+            "1",
+            "--out",
+            "x",
+            "--quiet",
+        ),
+    )
     for done, call, _ in each_write_fails(words, disk, prepare, for_ever):
         assert done.code == 2, (call, done)
         (line,) = done.errors.splitlines()
@@ -510,16 +635,24 @@ def test_a_solution_that_finds_no_room_leaves_the_old_file(tmp_path: Path) -> No
         with pytest.raises(OSError, match="File too large"):
             cattaneo_mindlin().save(path)
 
-    assert forked(tmp_path, act=save, file_size=10_000).returncode == 0  # HDF5 would take the tests with it
+    # HDF5 would take the tests with it
+    assert forked(tmp_path, act=save, file_size=10_000).returncode == 0
     assert content(tmp_path) == before
     assert ContactSolution.load(path).scene.name == "cattaneo-mindlin"
 
 
-# -------------------------------------------------------------------------------------- folders filled, lost, shared and locked
+# ---------------------------------------------------------- folders filled, lost, shared and locked
 @pytest.mark.parametrize(
-    "fault", [RuntimeError("half-way"), KeyboardInterrupt("stop"), FileNotFoundError(2, "a program is missing", "/typst")]
+    "fault",
+    [
+        RuntimeError("half-way"),
+        KeyboardInterrupt("stop"),
+        FileNotFoundError(2, "a program is missing", "/typst"),
+    ],
 )
-def test_an_error_on_the_way_leaves_nothing_or_the_earlier_report(fault: BaseException, tmp_path: Path) -> None:
+def test_an_error_on_the_way_leaves_nothing_or_the_earlier_report(
+    fault: BaseException, tmp_path: Path
+) -> None:
     """It passes through: one about another file is not one of the folder."""
     for earlier in (False, True):
         if earlier:
@@ -562,7 +695,9 @@ def locked(folder: Path) -> int:
     return handle
 
 
-def test_a_folder_that_a_stopped_process_holds_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_a_stopped_process_holds_is_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(folders, "_PATIENCE", 0.0)
     handle = locked(tmp_path)
     with pytest.raises(InputError, match="another process has held this folder for 0 s"):
@@ -584,7 +719,9 @@ SPOILS: dict[str, Callable[[Path], object]] = {
 
 
 @pytest.mark.parametrize("spoil", SPOILS)
-def test_what_was_computed_is_kept_where_its_folder_is_lost(spoil: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_computed_is_kept_where_its_folder_is_lost(
+    spoil: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Hours of work must not go because of what somebody did to the folder meanwhile."""
     monkeypatch.setattr(folders, "_PATIENCE", 0.0)
     out = tmp_path / "out"
@@ -597,7 +734,9 @@ def test_what_was_computed_is_kept_where_its_folder_is_lost(spoil: str, tmp_path
     assert out.is_dir() or out.read_text() == "mine"
 
 
-def test_a_folder_that_was_replaced_is_locked_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_was_replaced_is_locked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A lock on a folder that is there no more keeps nobody out."""
     out, real = tmp_path / "out", fcntl.flock
     out.mkdir()
@@ -617,8 +756,12 @@ def test_a_folder_that_was_replaced_is_locked_again(tmp_path: Path, monkeypatch:
 
 
 @pytest.mark.parametrize("case", ["another disk", "somebody else's", "a link"])
-def test_a_folder_is_filled_whatever_is_above_it(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A mounted disk or a folder of somebody else's, where nothing can be renamed; a link elsewhere, to memory if there is such."""
+def test_a_folder_is_filled_whatever_is_above_it(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mounted disk or a folder of somebody else's, where nothing can be renamed; a link
+    elsewhere, to memory if there is such.
+    """
     memory, out = Path("/dev/shm"), tmp_path / "out"
     if case == "a link":
         above = memory if os.access(memory, os.W_OK) else tmp_path
@@ -628,7 +771,9 @@ def test_a_folder_is_filled_whatever_is_above_it(case: str, tmp_path: Path, monk
     else:
         home = out
         home.mkdir()
-        monkeypatch.setattr(os, "rename", raising(no_room(errno.EXDEV if case == "another disk" else errno.EACCES)))
+        monkeypatch.setattr(
+            os, "rename", raising(no_room(errno.EXDEV if case == "another disk" else errno.EACCES))
+        )
     try:
         fill(out, "a.json")
         assert listed(home) == {"a.json", MANIFEST}
@@ -640,10 +785,20 @@ def test_a_folder_is_filled_whatever_is_above_it(case: str, tmp_path: Path, monk
 
 def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:
     """Whoever moves last leaves its files and no others, and the manifest lists what is there."""
-    runs = [("a.json", "b.json", "report.html"), ("a.json", "c.json", "tables/d.csv", "report.html")]
+    runs = [
+        ("a.json", "b.json", "report.html"),
+        ("a.json", "c.json", "tables/d.csv", "report.html"),
+    ]
     for _ in range(10):
         with ThreadPoolExecutor(8) as crowd:
-            list(crowd.map(lambda k: fill(tmp_path / "out", *runs[k % 2], meanwhile=lambda: time.sleep(0.01)), range(8)))
+            list(
+                crowd.map(
+                    lambda k: fill(
+                        tmp_path / "out", *runs[k % 2], meanwhile=lambda: time.sleep(0.01)
+                    ),
+                    range(8),
+                )
+            )
         last = (tmp_path / "out" / "report.html").read_text()
         assert listed(tmp_path / "out") == {*literal_eval(last), MANIFEST}
         assert {(tmp_path / "out" / name).read_text() for name in literal_eval(last)} == {last}
@@ -651,8 +806,12 @@ def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One whole run comes between any two lines of another, or waits for it: three of 163 took its page for somebody else's."""
+def test_another_first_run_at_any_moment_is_no_stranger(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One whole run comes between any two lines of another, or waits for it: three of 163 took its
+    page for somebody else's.
+    """
     real, waits = time.sleep, threading.Event()
     lines, moment, others = 0, 0, list[Future[None]]()
 
@@ -666,7 +825,11 @@ def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypa
             return None
         lines += event == "line"
         if lines == moment and not others:
-            others.append(crowd.submit(fill, tmp_path / str(moment) / "out", "a.json", "b.json", "report.html"))
+            others.append(
+                crowd.submit(
+                    fill, tmp_path / str(moment) / "out", "a.json", "b.json", "report.html"
+                )
+            )
             others[0].add_done_callback(lambda _: waits.set())
             assert waits.wait(60)
         return watch
@@ -686,13 +849,15 @@ def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypa
                 sys.settrace(None)
             for other in others:
                 other.result(60)
-            (names,) = {path.read_text() for path in (place / "out").iterdir() if path.name != MANIFEST}
+            (names,) = {
+                path.read_text() for path in (place / "out").iterdir() if path.name != MANIFEST
+            }
             assert listed(place / "out") == {MANIFEST, *literal_eval(names)}
             assert os.listdir(place) == ["out"]
     assert moment > 100
 
 
-# ------------------------------------------------------------------------------------------------------------- same bits
+# ---------------------------------------------------------------------------------------- same bits
 def test_the_same_scene_twice_is_the_same_files(old: Path, tmp_path: Path) -> None:
     """Timestamps and wall times apart, the bytes of every table and the numbers of every answer."""
     solution = cattaneo_mindlin(steps_per_leg=10, points=41)
@@ -704,14 +869,17 @@ def test_the_same_scene_twice_is_the_same_files(old: Path, tmp_path: Path) -> No
 
 @pytest.mark.slow
 def test_one_or_two_threads_of_blas_agree_to_rounding() -> None:
-    """Whatever the user's machine allows: the finite elements hold BLAS to one thread themselves, theory does without it.
+    """Whatever the user's machine allows: the finite elements hold BLAS to one thread themselves,
+    theory does without it.
 
     With that hold undone, two threads moved nodal shear by 4.6e-12 of the largest pressure.
     """
     found = []
     for threads in (1, 2):
         with threadpool_limits(threads, "blas"):
-            answer = halfplane_fe.solve(load_scene("blocks"), MeshSettings(element_size=0.1, edge_element_size=0.05))
+            answer = halfplane_fe.solve(
+                load_scene("blocks"), MeshSettings(element_size=0.1, edge_element_size=0.05)
+            )
             found.append((answer, semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)))
     for one, two in zip(*found, strict=True):
         scale = float(np.max(one.pressure))

@@ -1,4 +1,6 @@
-"""Every door against spoilt, huge and hostile files: read, or refused in one sentence; nothing runs or leaves its place."""
+"""Every door against spoilt, huge and hostile files: read, or refused in one sentence; nothing runs
+or leaves its place.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +43,9 @@ from score_results import exact
 
 @contextmanager
 def few_calls(most: int) -> Iterator[None]:
-    """Fails once Python and C functions were called and left more often than that: a count, whatever the machine is doing."""
+    """Fails once Python and C functions were called and left more often than that: a count,
+    whatever the machine is doing.
+    """
     calls = itertools.count()
     sys.setprofile(lambda *_: next(calls))
     try:
@@ -55,10 +59,14 @@ def few_calls(most: int) -> Iterator[None]:
 QUICK, THOROUGH = 40, 2000
 
 
-# -------------------------------------------------------------------------------------------------------------- spoilt
+# ------------------------------------------------------------------------------------------- spoilt
 @pytest.mark.parametrize("name", DOORS)
-@pytest.mark.parametrize(("first", "last"), [(0, QUICK), pytest.param(QUICK, QUICK + THOROUGH, marks=pytest.mark.slow)])
-def test_good_files_are_read_and_spoilt_ones_read_or_refused(name: str, first: int, last: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("first", "last"), [(0, QUICK), pytest.param(QUICK, QUICK + THOROUGH, marks=pytest.mark.slow)]
+)
+def test_good_files_are_read_and_spoilt_ones_read_or_refused(
+    name: str, first: int, last: int, tmp_path: Path
+) -> None:
     """So are files that hold nothing but one or two of the signs that break parsers."""
     door, home = DOORS[name], tmp_path / name
     home.mkdir()
@@ -66,7 +74,9 @@ def test_good_files_are_read_and_spoilt_ones_read_or_refused(name: str, first: i
     for seed in seeds:
         (home / name).write_bytes(seed)
         assert outcome(door, home / name) == "read"
-    for content in (b"", *TOKENS, *map(b"".join, pairwise(TOKENS))) if first == 0 and name not in APART else ():
+    for content in (
+        (b"", *TOKENS, *map(b"".join, pairwise(TOKENS))) if first == 0 and name not in APART else ()
+    ):
         (home / name).write_bytes(content)
         with few_calls(10_000_000):  # the most that were counted: 1.7 million
             outcome(door, home / name)
@@ -87,7 +97,7 @@ def test_accidents_spoil_files_and_repeat_and_a_door_that_breaks_is_seen(tmp_pat
         outcome(Door("broken", raising(InputError())), tmp_path)
 
 
-# ---------------------------------------------------------------------------------------------------------------- huge
+# --------------------------------------------------------------------------------------------- huge
 ROOM = 2**29  # bytes of address space beyond what the libraries have
 LIMITS = {
     ".toml": "1.05 MB",
@@ -108,7 +118,9 @@ def huge(path: Path, size: int) -> None:
     os.truncate(path, size)
 
 
-@pytest.mark.parametrize("name", [name for name in DOORS if Path(name).suffix in LIMITS and name not in OWN])
+@pytest.mark.parametrize(
+    "name", [name for name in DOORS if Path(name).suffix in LIMITS and name not in OWN]
+)
 def test_a_file_beyond_the_limit_is_refused(name: str, tmp_path: Path) -> None:
     huge(tmp_path / name, 3 * 10**9 if name.endswith(".nc") else 10**9)
     said = outcome(DOORS[name], tmp_path / name)
@@ -117,7 +129,9 @@ def test_a_file_beyond_the_limit_is_refused(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("case", ["rows.csv", "dots.toml", "an answer.nc"])
-def test_what_is_too_large_is_refused_by_a_process_with_little_memory(case: str, tmp_path: Path) -> None:
+def test_what_is_too_large_is_refused_by_a_process_with_little_memory(
+    case: str, tmp_path: Path
+) -> None:
     score = ("score", case, "--scene", "hertz-paper", "--quiet")
     match case:
         case "rows.csv":
@@ -133,11 +147,15 @@ def test_what_is_too_large_is_refused_by_a_process_with_little_memory(case: str,
 
 
 def bomb(path: Path, shape: tuple[int, int]) -> None:
-    """An answer of ours in which one array says that it is enormous, and takes a few kilobytes packed."""
+    """An answer of ours in which one array says that it is enormous, and takes a few kilobytes
+    packed.
+    """
     exact(steps=3, points=5).save(path)
     with h5py.File(path, "a") as file:
         del file["pressure"]
-        file.create_dataset("pressure", shape, "f8", chunks=(1, 2**17), compression="gzip", fillvalue=0.0)
+        file.create_dataset(
+            "pressure", shape, "f8", chunks=(1, 2**17), compression="gzip", fillvalue=0.0
+        )
         for axis, name in enumerate(("time", "x")):
             file["pressure"].dims[axis].label = name
     assert path.stat().st_size < 10**6
@@ -159,7 +177,9 @@ NESTED = {
 @pytest.mark.parametrize("text", NESTED.values(), ids=NESTED)
 @pytest.mark.parametrize("name", [name for name in DOORS if name.endswith(".toml")])
 def test_toml_is_bounded_before_it_is_parsed(name: str, text: str, tmp_path: Path) -> None:
-    """The parser takes memory with the square of the dots: 150 MB for each of these, 2 GB for 45 kB."""
+    """The parser takes memory with the square of the dots: 150 MB for each of these, 2 GB for 45
+    kB.
+    """
     (tmp_path / name).write_text(text, encoding="utf-8")
     tracemalloc.start()
     try:
@@ -191,13 +211,14 @@ def vtu_of_zeros(blocks: int, size: int) -> str:
     head = np.array([blocks, size, size, *([len(packed)] * blocks)], np.uint32).tobytes()
     text = (b64encode(head) + b64encode(packed * blocks)).decode()
     return (
-        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
-        'compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
-        f'<Piece NumberOfPoints="{blocks * size // 24}" NumberOfCells="1"><Points>'
-        f'<DataArray type="Float64" Name="Points" NumberOfComponents="3" format="binary">{text}</DataArray></Points>'
-        '<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0</DataArray><DataArray type="Int64" Name="offsets" '
-        'format="ascii">1</DataArray><DataArray type="UInt8" Name="types" format="ascii">1</DataArray></Cells>'
-        "</Piece></UnstructuredGrid></VTKFile>"
+        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1"'
+        ' byte_order="LittleEndian" compressor="vtkZLibDataCompressor"><UnstructuredGrid><Piece'
+        f' NumberOfPoints="{blocks * size // 24}" NumberOfCells="1"><Points><DataArray'
+        ' type="Float64" Name="Points" NumberOfComponents="3"'
+        f' format="binary">{text}</DataArray></Points><Cells><DataArray type="Int64"'
+        ' Name="connectivity" format="ascii">0</DataArray><DataArray type="Int64" Name="offsets"'
+        ' format="ascii">1</DataArray><DataArray type="UInt8" Name="types"'
+        ' format="ascii">1</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>'
     )
 
 
@@ -207,24 +228,49 @@ LAUGHS = f"<?xml version='1.0'?><!DOCTYPE a [<!ENTITY a0 'lol'>{ENTITIES}]><VTKF
 ENORMOUS = '{{"format": "halfplane baseline 1", "tolerances": {{"metric.peak": {}{}}}}}'
 # What is wrong -> the door, the text of the file (or what it is), words of the refusal.
 HOSTILE = {
-    "keys": ("scene.toml", "".join(f"k{n} = 1\n" for n in range(10_001)), "More than 10,000 keys (at line 10001, column 8)"),
-    "tables": ("scene.toml", "".join(f"[k{n}]\n" for n in range(10_001)), "More than 10,000 keys (at line 10001, column 1)"),
+    "keys": (
+        "scene.toml",
+        "".join(f"k{n} = 1\n" for n in range(10_001)),
+        "More than 10,000 keys (at line 10001, column 8)",
+    ),
+    "tables": (
+        "scene.toml",
+        "".join(f"[k{n}]\n" for n in range(10_001)),
+        "More than 10,000 keys (at line 10001, column 1)",
+    ),
     "a hexadecimal number, of which no JSON could be written": (
         "scene.toml",
         "a = 1\ncycles = 0x" + "f" * 5000,
         "A key or a number of 250 characters or more (at line 2, column 10)",
     ),
     "rows": ("series.csv", "time,P,Q\n" + "1,2,3\n" * 100_001, "more than 100,000 rows"),
-    "a line of a table": ("series.csv", "1," * 10**6, "line 1: more than 100,000 characters are no row"),
-    "a line of a result": ("result.csv", "x,pressure,shear\n" + "1," * 10**7, "line 2: more than 10,000,000 characters"),
+    "a line of a table": (
+        "series.csv",
+        "1," * 10**6,
+        "line 1: more than 100,000 characters are no row",
+    ),
+    "a line of a result": (
+        "result.csv",
+        "x,pressure,shear\n" + "1," * 10**7,
+        "line 2: more than 10,000,000 characters",
+    ),
     "a field file that unpacks to gigabytes": (
         "result.vtu",
         vtu_of_zeros(144, 2**24),
         "unpacked it takes more than 134 MB of memory, which is the limit",
     ),
-    # JSON has whole numbers without end, and Python reads them: it was an OverflowError where one was used.
-    "a whole number": ("baseline.json", ENORMOUS.format("1", 400 * "0"), "it holds a whole number of 401 digits"),
-    "a negative one": ("baseline.json", ENORMOUS.format("-1", 400 * "0"), "it holds a whole number of 402 digits"),
+    # JSON has whole numbers without end, and Python reads them: it was an OverflowError where one
+    # was used.
+    "a whole number": (
+        "baseline.json",
+        ENORMOUS.format("1", 400 * "0"),
+        "it holds a whole number of 401 digits",
+    ),
+    "a negative one": (
+        "baseline.json",
+        ENORMOUS.format("-1", 400 * "0"),
+        "it holds a whole number of 402 digits",
+    ),
 } | {
     f"{what} as {name}": (name, what, words)
     for what, names, words in (
@@ -240,7 +286,9 @@ HOSTILE = {
 def test_what_has_no_end_is_refused_at_its_door(
     case: tuple[str, str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Rows, and memory for what is unpacked, with a smaller limit than the users', for the time goes with them."""
+    """Rows, and memory for what is unpacked, with a smaller limit than the users', for the time
+    goes with them.
+    """
     assert text_tables.MOST_ROWS == 2_000_000
     monkeypatch.setattr(text_tables, "MOST_ROWS", 100_000)
     monkeypatch.setattr(field_files, "UNPACKED", 2**27)
@@ -255,19 +303,38 @@ def test_what_has_no_end_is_refused_at_its_door(
     assert words in outcome(DOORS[name], tmp_path / name)
 
 
-# -------------------------------------------------------------------------------------------------------------- meshes
-def test_absurd_meshes_and_settings_are_refused_and_the_finest_of_the_project_are_not(tmp_path: Path) -> None:
+# ------------------------------------------------------------------------------------------- meshes
+def test_absurd_meshes_and_settings_are_refused_and_the_finest_of_the_project_are_not(
+    tmp_path: Path,
+) -> None:
     for options, said in (
-        ("--element-size 1e-4 --edge-element-size 1e-4", "nodes on its contact, and the limit is 8,000"),
-        ("--edge-element-size 5e-4 --growth 0.02 --far-radius 1000", "nodes, and the limit is 500,000"),
+        (
+            "--element-size 1e-4 --edge-element-size 1e-4",
+            "nodes on its contact, and the limit is 8,000",
+        ),
+        (
+            "--edge-element-size 5e-4 --growth 0.02 --far-radius 1000",
+            "nodes, and the limit is 500,000",
+        ),
     ):
         assert said in refused(tmp_path, "fe", "hertz-paper", "--quiet", *options.split())
-    with pytest.raises(InputError, match=r"element_size = 1e-09 is refused: it lies in \[0.0001, 0.25\]"):
+    with pytest.raises(
+        InputError, match=r"element_size = 1e-09 is refused: it lies in \[0.0001, 0.25\]"
+    ):
         MeshSettings(element_size=1e-9)
     with pytest.raises(InputError, match=r"it lies in \[4, 100000\]"):
         SolverSettings(steps_per_cycle=10**9)
-    for mesh in (MeshSettings.fine(), MeshSettings(edge_element_size=1 / 1280), MeshSettings(far_radius=1000.0)):
-        check_count("lower", SurfaceGrading(0.7, 1.06, mesh.element_size, mesh.edge_element_size, mesh.far_radius), mesh.growth, 2)
+    for mesh in (
+        MeshSettings.fine(),
+        MeshSettings(edge_element_size=1 / 1280),
+        MeshSettings(far_radius=1000.0),
+    ):
+        check_count(
+            "lower",
+            SurfaceGrading(0.7, 1.06, mesh.element_size, mesh.edge_element_size, mesh.far_radius),
+            mesh.growth,
+            2,
+        )
 
 
 @pytest.mark.parametrize(
@@ -278,7 +345,9 @@ def test_absurd_meshes_and_settings_are_refused_and_the_finest_of_the_project_ar
         (SurfaceGrading(0.7, 1.06, 1 / 24, 1 / 80, 100.0), 0.06, 1),  # far and slow growth
     ],
 )
-def test_the_count_taken_before_meshing_is_right(grading: SurfaceGrading, growth: float, order: int) -> None:
+def test_the_count_taken_before_meshing_is_right(
+    grading: SurfaceGrading, growth: float, order: int
+) -> None:
     """Within a factor of 1.5 (measured: 0.83 to 1.33)."""
     mesh = half_disc("lower", grading, growth, order).mesh
     assert 1 / 1.5 < body_nodes(grading, growth, order) / mesh.p.shape[1] < 1.5
@@ -293,10 +362,17 @@ def test_the_limit_on_memory_is_lifted_again(tmp_path: Path) -> None:
     assert np.ones(10**6).sum() == 10**6
 
 
-# ----------------------------------------------------------------------- nothing that comes in runs, steers or leaves its place
+# ------------------------------------------- nothing that comes in runs, steers or leaves its place
 def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
     evil = dict.fromkeys(("name", "title", "units"), "x\n*INCLUDE, INPUT=/etc/passwd\x85*STEP")
-    settings = DeckSettings(element_size=0.25, edge_element_size=0.25, far_radius=10.0, growth=0.9, steps_per_cycle=4, cycles=1)
+    settings = DeckSettings(
+        element_size=0.25,
+        edge_element_size=0.25,
+        far_radius=10.0,
+        growth=0.9,
+        steps_per_cycle=4,
+        cycles=1,
+    )
     deck = build_deck(load_scene("hertz-normal"), settings)
     wrong = replace(deck, scene=deck.scene.vary(**evil))
 
@@ -316,8 +392,10 @@ def test_the_terminal_is_not_steered(capsys: pytest.CaptureFixture[str]) -> None
     assert "\x1b" not in str(InputError("x.toml: \x1b[2J"))
 
 
-# ---------------------------------------------------------------------------------------------------------------- paths
-@pytest.mark.parametrize("name", ["../../x", "/etc/passwd", "..", ".", "", "a b/c", "a\x00b", "~/x", "CON", "x" * 20])
+# -------------------------------------------------------------------------------------------- paths
+@pytest.mark.parametrize(
+    "name", ["../../x", "/etc/passwd", "..", ".", "", "a b/c", "a\x00b", "~/x", "CON", "x" * 20]
+)
 def test_names_never_lead_out_of_the_folder(name: str) -> None:
     folder = default_folder(name)
     assert folder.parent == Path("out")
@@ -325,16 +403,26 @@ def test_names_never_lead_out_of_the_folder(name: str) -> None:
     assert not [sign for sign in "/\x00" if sign in folder.name]
 
 
-@pytest.mark.parametrize("listed", [["../victim"], ["{out}/../victim"], ["link/victim"], ["a/../../victim"], 7, [7], [""], None])
+@pytest.mark.parametrize(
+    "listed",
+    [["../victim"], ["{out}/../victim"], ["link/victim"], ["a/../../victim"], 7, [7], [""], None],
+)
 def test_a_manifest_never_has_files_removed_outside(listed: object, tmp_path: Path) -> None:
     (tmp_path / "victim").write_text("stays")
     out = tmp_path / "out"
     out.mkdir()
     (out / "link").symlink_to(tmp_path, target_is_directory=True)
-    # One that lists itself is taken for ours, so that its other names count; what is no list is somebody else's.
+    # One that lists itself is taken for ours, so that its other names count; what is no list is
+    # somebody else's.
     files = [*listed, "manifest.json"] if isinstance(listed, list) else listed
-    (out / "manifest.json").write_text(json.dumps({"written by": "halfplane", "files": files}).replace("{out}", str(out)))
-    refusal = nullcontext() if isinstance(listed, list) else pytest.raises(InputError, match=r"manifest\.json is there already")
+    (out / "manifest.json").write_text(
+        json.dumps({"written by": "halfplane", "files": files}).replace("{out}", str(out))
+    )
+    refusal = (
+        nullcontext()
+        if isinstance(listed, list)
+        else pytest.raises(InputError, match=r"manifest\.json is there already")
+    )
     with refusal, filled(out) as folder:
         (folder / "a.txt").write_text("new")
     assert (tmp_path / "victim").read_text() == "stays"
@@ -364,9 +452,20 @@ def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
     assert victim.exists()
 
 
-# ------------------------------------------------------------------------------------------- sources that run what they read
+# ------------------------------------------------------------------ sources that run what they read
 # Modules that make objects, and so run code, out of bytes.
-MODULES = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "yaml", "jsonpickle"}
+MODULES = {
+    "pickle",
+    "_pickle",
+    "cPickle",
+    "marshal",
+    "shelve",
+    "dill",
+    "cloudpickle",
+    "joblib",
+    "yaml",
+    "jsonpickle",
+}
 CALLS = {"eval", "exec", "compile", "__import__", "os.system"}
 METHODS = {"read_pickle", "to_pickle", "mktemp", "popen"}
 
@@ -384,27 +483,56 @@ def dangers(tree: ast.AST) -> Iterator[str]:
             given = {one.arg: ast.unparse(one.value) for one in node.keywords}
             method = isinstance(node.func, ast.Attribute) and node.func.attr in METHODS
             loads = word in {"np.load", "numpy.load"} and given.get("allow_pickle") != "False"
-            if word in CALLS or method or loads or "True" in (given.get("allow_pickle"), given.get("shell")):
+            if (
+                word in CALLS
+                or method
+                or loads
+                or "True" in (given.get("allow_pickle"), given.get("shell"))
+            ):
                 yield f"{word} with {given}"
 
 
 def test_no_source_file_can_run_what_it_reads() -> None:
     files = [
-        path for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports") for path in (ROOT / name).rglob("*.py")
+        path
+        for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
+        for path in (ROOT / name).rglob("*.py")
     ]
     assert len(files) > 100
-    found = {f"{path}: {danger}" for path in files for danger in dangers(ast.parse(path.read_text(encoding="utf-8")))}
+    found = {
+        f"{path}: {danger}"
+        for path in files
+        for danger in dangers(ast.parse(path.read_text(encoding="utf-8")))
+    }
     assert found == set()
     planted = (
-        *("import pickle", "from pickle import loads", "import joblib.memory", "from yaml import safe_load", "exec(text)"),
-        *("np.load(path)", "np.load(path, allow_pickle=True)", "pd.read_pickle(path)", "subprocess.run(text, shell=True)"),
+        *(
+            "import pickle",
+            "from pickle import loads",
+            "import joblib.memory",
+            "from yaml import safe_load",
+            "exec(text)",
+        ),
+        *(
+            "np.load(path)",
+            "np.load(path, allow_pickle=True)",
+            "pd.read_pickle(path)",
+            "subprocess.run(text, shell=True)",
+        ),
         *("tempfile.mktemp()", "os.system(text)"),
     )
     assert [line for line in planted if not list(dangers(ast.parse(line)))] == []
-    assert not list(dangers(ast.parse("np.load(f, allow_pickle=False); ast.parse(t, mode='eval'); json.loads(t); re.compile(t)")))
+    assert not list(
+        dangers(
+            ast.parse(
+                "np.load(f, allow_pickle=False); ast.parse(t, mode='eval'); json.loads(t);"
+                " re.compile(t)"
+            )
+        )
+    )
 
 
-# --------------------------------------------------------------------------------------------------------------- rights
+# ------------------------------------------------------------------------------------------- rights
 @pytest.fixture
 def generous() -> Iterator[None]:
     """An umask that gives every right to everybody."""
@@ -423,7 +551,10 @@ def test_a_folder_that_is_being_filled_is_private_and_the_filled_one_is_not(tmp_
         (staging / "figures").mkdir()
         (staging / "figures" / "a.csv").write_text("x")
         assert rights(staging) == 0o700
-    assert (rights(tmp_path / "out"), rights(tmp_path / "out" / "figures" / "a.csv")) == (0o777, 0o666)
+    assert (rights(tmp_path / "out"), rights(tmp_path / "out" / "figures" / "a.csv")) == (
+        0o777,
+        0o666,
+    )
 
 
 WRITERS = {
@@ -434,7 +565,9 @@ WRITERS = {
 
 @pytest.mark.usefixtures("generous")
 @pytest.mark.parametrize("writer", WRITERS)
-def test_a_file_that_is_being_written_is_private(writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_is_being_written_is_private(
+    writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Seen at the moment at which it gets its rights and its name."""
     seen = []
     for name in ("replace", "chmod"):

@@ -1,4 +1,6 @@
-"""The contact law at a point and the active set of one increment: laws on any path, history as a value, factors, mirrored faces."""
+"""The contact law at a point and the active set of one increment: laws on any path, history as a
+value, factors, mirrored faces.
+"""
 
 import functools
 import itertools
@@ -24,20 +26,23 @@ from meshes import MeshSettings, SurfaceGrading, half_disc
 from problems import fe_run
 from scenes import ConvergenceError, Elastic, SurfaceState, load_scene
 
-# ------------------------------------------------------------------------------------------------------------ the law at a point
+# ------------------------------------------------------------------------------- the law at a point
 
 
 number = st.floats(-1e3, 1e3).map(lambda value: 0.0 if abs(value) < 1e-6 else value)
-friction = st.floats(0, 3).map(lambda value: 0.0 if value < 1e-6 else value)  # products stay normal numbers
+# products stay normal numbers
+friction = st.floats(0, 3).map(lambda value: 0.0 if value < 1e-6 else value)
 trials = arrays(float, 6, elements=number)
 OPEN, STICK, FORWARD, REVERSE = SurfaceState
 
 
 @given(trials, trials, friction)
 def test_projection_is_the_nearest_pressure_and_the_shear_cut_off_at_f_p(pressure, shear, f):
-    """So the laws hold in what it gives, and it is idempotent, its own mirror image, the same in any unit.
+    """So the laws hold in what it gives, and it is idempotent, its own mirror image, the same in
+    any unit.
 
-    (p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold; on the cone counts as sticking.
+    (p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold;
+    on the cone counts as sticking.
     """
     p, q, state = project(pressure, shear, f)
     limit = f * np.maximum(pressure, 0.0)
@@ -45,7 +50,9 @@ def test_projection_is_the_nearest_pressure_and_the_shear_cut_off_at_f_p(pressur
     np.testing.assert_array_equal(q, np.minimum(np.maximum(shear, -limit), limit))
     for name, holds in ((OPEN, pressure <= 0), (FORWARD, shear > limit), (REVERSE, shear < -limit)):
         np.testing.assert_array_equal(state == name, holds & ((pressure > 0) | (name == OPEN)))
-    np.testing.assert_array_equal(slip_sign(state), np.sign(shear) * (np.abs(shear) > limit) * (pressure > 0))
+    np.testing.assert_array_equal(
+        slip_sign(state), np.sign(shear) * (np.abs(shear) > limit) * (pressure > 0)
+    )
     assert state.dtype == np.int8
     assert [values.tolist() for values in project([1.0, 1.0], [[0.0], [0.3]], 0.0)] == [
         [1.0, 1.0],
@@ -80,13 +87,16 @@ def test_planted_violation_is_seen_with_its_size_and_nothing_else_is(name):
     assert found == pytest.approx({figure: seen.get(figure, 0.0) for figure in PLANTED}, abs=1e-15)
 
 
-# ------------------------------------------------------------------------------------------------------- one increment
+# ------------------------------------------------------------------------------------ one increment
 
 
 FRICTION = 0.5
 MATERIALS = {
     "like": (Elastic(young_modulus=1.82, poisson_ratio=0.3),) * 2,
-    "unlike": (Elastic(young_modulus=1.82, poisson_ratio=0.3), Elastic(young_modulus=0.6, poisson_ratio=0.33)),
+    "unlike": (
+        Elastic(young_modulus=1.82, poisson_ratio=0.3),
+        Elastic(young_modulus=0.6, poisson_ratio=0.33),
+    ),
 }
 
 
@@ -122,15 +132,23 @@ def walk(contact, path=PATH):
 
 def bits(state):
     """All of a state as bytes."""
-    return state.values.tobytes() + state.state.tobytes() + np.array([state.time, *state.loads]).tobytes()
+    return (
+        state.values.tobytes()
+        + state.state.tobytes()
+        + np.array([state.time, *state.loads]).tobytes()
+    )
 
 
-loads = st.tuples(st.floats(0.3, 1.0), st.floats(-0.97, 0.97)).map(lambda point: (point[0], FRICTION * point[0] * point[1]))
+loads = st.tuples(st.floats(0.3, 1.0), st.floats(-0.97, 0.97)).map(
+    lambda point: (point[0], FRICTION * point[0] * point[1])
+)
 
 
 @pytest.mark.parametrize("pair", MATERIALS)
 def test_the_same_history_gives_the_same_bits_whatever_was_tried_in_between(pair):
-    """History is a value: read-only, and it matters to the shear, not to the pressure of like bodies."""
+    """History is a value: read-only, and it matters to the shear, not to the pressure of like
+    bodies.
+    """
     contact = problem(pair)
     states = walk(contact)
     for before, after, load in zip(states[:-1], states[1:], PATH, strict=True):
@@ -151,7 +169,9 @@ def test_the_same_history_gives_the_same_bits_whatever_was_tried_in_between(pair
 @settings(max_examples=8)
 @given(st.lists(loads, min_size=1, max_size=5))
 def test_every_law_holds_along_any_path(pair, path):
-    """Laws, energy, friction that only takes; and Q -> -Q: p(x) -> p(-x), q(x) -> -q(-x), s(x) -> -s(-x)."""
+    """Laws, energy, friction that only takes; and Q -> -Q: p(x) -> p(-x), q(x) -> -q(-x), s(x) ->
+    -s(-x).
+    """
     contact = problem(pair)
     states, mirrored = walk(contact, path), walk(contact, [(p, -q) for p, q in path])
     for before, after in itertools.pairwise(states):
@@ -163,14 +183,24 @@ def test_every_law_holds_along_any_path(pair, path):
     for one, other in zip(states, mirrored, strict=True):
         closed = one.state != SurfaceState.OPEN
         for name, sign in (("pressure", 1), ("shear", -1), ("gap", 1)):
-            np.testing.assert_allclose(getattr(other, name), sign * getattr(one, name)[::-1], atol=1e-10)
+            np.testing.assert_allclose(
+                getattr(other, name), sign * getattr(one, name)[::-1], atol=1e-10
+            )
         np.testing.assert_allclose(other.slip[::-1][closed], -one.slip[closed], atol=1e-10)
         assert other.shift == pytest.approx(-one.shift, abs=1e-10)
 
 
 def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
     springs, none = np.eye(2), np.zeros(2)
-    flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
+    flat = Interface(
+        np.array([0.0, 1.0]),
+        np.ones(2),
+        np.array([[0.0, 0.0], [1.0, 1.0]]),
+        none,
+        springs,
+        springs,
+        None,
+    )
     contact = ContactProblem(flat, np.array([0.0, 4e-3]), FRICTION, Layer(none, none))
     pressed, _ = contact.equilibrium(contact.at_rest(), 1.0, (5e-3, 0.0))
     lifted, _ = contact.equilibrium(pressed, 2.0, (4e-3 - 1e-11, 0.0))
@@ -180,29 +210,35 @@ def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_le
 
 @pytest.mark.parametrize("layer", [1e-1, 1e-3])
 def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
-    """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by it."""
+    """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by
+    it.
+    """
     contact = problem(layer=layer)
     states = walk(contact)
     for before, after in itertools.pairwise(states):
         assert max(certificates(contact, [before, after]).values()) < 1e-9
     last, sides = states[-1], contact.interface
     bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
-    np.testing.assert_allclose(bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12)
+    np.testing.assert_allclose(
+        bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12
+    )
     bodies_slip = last.shift - sides.tangential @ last.shear
     np.testing.assert_allclose(bodies_slip, last.slip + layer * last.shear, atol=1e-12)
 
 
 def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
-    monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))  # no second way out
+    # no second way out
+    monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
     contact = problem(max_iterations=1)
     pressed, _ = problem().equilibrium(contact.at_rest(), 1.0, (1.0, 0.0))
     with pytest.raises(
-        ConvergenceError, match=r"nodes still change state after \d+ iterations at time 2, normal load 1, tangential"
+        ConvergenceError,
+        match=r"nodes still change state after \d+ iterations at time 2, normal load 1, tangential",
     ):
         contact.equilibrium(pressed, 2.0, (1.0, 0.45))
 
 
-# ------------------------------------------------------------------------------------------------------ sets of node states
+# ------------------------------------------------------------------------------ sets of node states
 
 
 N, SLIDING = 30, 0.7
@@ -212,9 +248,15 @@ RNG = np.random.default_rng(7)
 def random_systems(pair: str = "unlike", n: int = N, work: Counter[str] | None = None) -> Systems:
     """Two bodies of random compliance: flat and alike, or coupled on a face of random slopes."""
     normal, tangential = (half @ half.T / n + np.eye(n) for half in RNG.standard_normal((2, n, n)))
-    coupling, slope = (0.1 * RNG.standard_normal((n, n)), RNG.uniform(-0.2, 0.2, n)) if pair == "unlike" else (None, np.zeros(n))
+    coupling, slope = (
+        (0.1 * RNG.standard_normal((n, n)), RNG.uniform(-0.2, 0.2, n))
+        if pair == "unlike"
+        else (None, np.zeros(n))
+    )
     normals, none = np.stack([-slope, np.ones(n)]) / np.hypot(1, slope), np.zeros(n)
-    faces = Interface(np.linspace(-1, 1, n), np.ones(n), normals, none, normal, tangential, coupling)
+    faces = Interface(
+        np.linspace(-1, 1, n), np.ones(n), normals, none, normal, tangential, coupling
+    )
     return Systems(faces, Layer(none, none), SLIDING, Counter() if work is None else work)
 
 
@@ -231,18 +273,43 @@ def sets(count: int, n: int = N, every: int = 7, few: int = 3) -> list[np.ndarra
     return found
 
 
-def residual(one: Systems, states: np.ndarray, loads: tuple[float, float], rows: np.ndarray, given: np.ndarray) -> float:
-    """Worst violation of the equations that the states name, written out afresh, `given` being what some rows are to have."""
-    values, faces, n = one.answers(states, 2, rows, given).T @ [*loads, 1.0], one.interface, len(states)
-    (slip, p, q, gap), (approach, shift, tilt), (n_x, n_y) = nodal(values), values[:3], faces.normals
+def residual(
+    one: Systems,
+    states: np.ndarray,
+    loads: tuple[float, float],
+    rows: np.ndarray,
+    given: np.ndarray,
+) -> float:
+    """Worst violation of the equations that the states name, written out afresh, `given` being what
+    some rows are to have.
+    """
+    values, faces, n = (
+        one.answers(states, 2, rows, given).T @ [*loads, 1.0],
+        one.interface,
+        len(states),
+    )
+    (slip, p, q, gap), (approach, shift, tilt), (n_x, n_y) = (
+        nodal(values),
+        values[:3],
+        faces.normals,
+    )
     coupling = np.zeros((n, n)) if faces.coupling is None else faces.coupling
     found_gap = n_x * shift - n_y * approach + faces.normal @ p - coupling.T @ q
     found_slip = n_y * shift + n_x * approach + coupling @ p - faces.tangential @ q
     sign, wanted = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0]), np.zeros(2 * n)
     wanted[rows] = given
-    normal, tangential = np.where(states == OPEN, p, gap), np.where(states == STICK, slip, q - sign * SLIDING * p)
+    normal, tangential = (
+        np.where(states == OPEN, p, gap),
+        np.where(states == STICK, slip, q - sign * SLIDING * p),
+    )
     balance = [n_y @ p + n_x @ q - loads[0], n_y @ q - n_x @ p - loads[1], tilt]
-    equations = [found_gap - gap, found_slip - slip, normal - wanted[:n], tangential - wanted[n:], balance]
+    equations = [
+        found_gap - gap,
+        found_slip - slip,
+        normal - wanted[:n],
+        tangential - wanted[n:],
+        balance,
+    ]
     return float(np.abs(np.concatenate(equations)).max())
 
 
@@ -257,15 +324,21 @@ def test_every_set_is_solved_to_rounding_and_few_are_factorised(pair: str) -> No
     assert 0 < work["factorisations"] < 12
 
 
-def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Some nodes stick, the next ones slide, the others are open: one Cholesky factor holds the inverses of all such sets."""
+def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Some nodes stick, the next ones slide, the others are open: one Cholesky factor holds the
+    inverses of all such sets.
+    """
     monkeypatch.setattr(systems, "_ROWS", 8)
     work: Counter[str] = Counter()
     one = random_systems("like", work=work)
     for number in range(40):
         touching, sticking = np.sort(RNG.integers(1, N + 1, 2))[::-1]
         sliding = RNG.choice([FORWARD, REVERSE], touching - sticking)
-        states = np.concatenate([np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]).astype(np.int8)
+        states = np.concatenate(
+            [np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]
+        ).astype(np.int8)
         rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
         assert residual(one, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
     assert work["linear solves"] == 40
@@ -289,7 +362,12 @@ def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
     one = random_systems("like")
     with pytest.raises(ConvergenceError, match="not positive definite"):
         Systems(replace(one.interface, tangential=-one.interface.tangential), one.layer, SLIDING)
-    Systems(replace(one.interface, tangential=-one.interface.tangential), one.layer, SLIDING, shears=False)
+    Systems(
+        replace(one.interface, tangential=-one.interface.tangential),
+        one.layer,
+        SLIDING,
+        shears=False,
+    )
 
 
 @pytest.mark.parametrize("every", [40, 8])
@@ -309,17 +387,23 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     assert max(reached) > bound / 2  # or the bound was never met
 
 
-# ---------------------------------------------------------------------------------------------- one half of mirrored faces
+# ----------------------------------------------------------------------- one half of mirrored faces
 
 
 COARSER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
 SHORT = SolverSettings(steps_per_cycle=16, step_tolerance=np.inf)
 PENALTY = SolverSettings(
-    steps_per_cycle=16, step_tolerance=np.inf, method="penalty", normal_stiffness=5.0, tangential_stiffness=5.0
+    steps_per_cycle=16,
+    step_tolerance=np.inf,
+    method="penalty",
+    normal_stiffness=5.0,
+    tangential_stiffness=5.0,
 )
 
 
-@pytest.mark.parametrize(("name", "settings"), [("flat-rounded-paper", SHORT), ("hertz-paper", PENALTY)])
+@pytest.mark.parametrize(
+    ("name", "settings"), [("flat-rounded-paper", SHORT), ("hertz-paper", PENALTY)]
+)
 def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     scene = load_scene(name)
     halved = halfplane_fe.solve(scene, COARSER, settings)
@@ -337,7 +421,9 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
         "tangential_displacement",
     ):
         expected, found = getattr(full, field), getattr(halved, field)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field)
+        np.testing.assert_allclose(
+            found, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field
+        )
     np.testing.assert_array_equal(halved.state, full.state)
     assert halved.dissipation == pytest.approx(full.dissipation, rel=1e-11)
 
@@ -361,7 +447,9 @@ def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
 
 
 def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_of_many():
-    """Three nodes on springs with cross terms, P and Q growing: one starts half-way; another slides all along, and faster then."""
+    """Three nodes on springs with cross terms, P and Q growing: one starts half-way; another slides
+    all along, and faster then.
+    """
     springs = np.eye(3) + 0.3
     faces = np.array([[0.0] * 3, [1.0] * 3])
     flat = Interface(np.arange(3.0), np.ones(3), faces, np.zeros(3), springs, springs, None)
@@ -372,7 +460,11 @@ def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_o
     def work(steps):
         states = [history]
         for share in np.arange(1, steps + 1) / steps:
-            states.append(problem.equilibrium(states[-1], 2.0 + share, (4.0 + 0.4 * share, 1.5 + 0.5 * share))[0])
+            states.append(
+                problem.equilibrium(
+                    states[-1], 2.0 + share, (4.0 + 0.4 * share, 1.5 + 0.5 * share)
+                )[0]
+            )
         energies = increment_energies(problem, states, [state.state for state in states[1:]])
         return energies.dissipation.sum(axis=0), states
 
@@ -382,8 +474,12 @@ def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_o
     np.testing.assert_allclose(whole, parts, rtol=1e-9)
     slip, pressure, _, _ = nodal(np.stack([state.values for state in states]))
     assert (
-        np.abs(0.5 * pressure.mean(axis=0) * np.abs(np.diff(slip, axis=0)[0]) / np.where(parts > 0, parts, 1.0) - 1)[
-            parts > 0
-        ].max()
+        np.abs(
+            0.5
+            * pressure.mean(axis=0)
+            * np.abs(np.diff(slip, axis=0)[0])
+            / np.where(parts > 0, parts, 1.0)
+            - 1
+        )[parts > 0].max()
         > 1e-3
     )

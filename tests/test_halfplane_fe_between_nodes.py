@@ -1,4 +1,6 @@
-"""Between nodes: what W has from edges that go from node to node, by Hertz' compression and over edges in many places."""
+"""Between nodes: what W has from edges that go from node to node, by Hertz' compression and over
+edges in many places.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +26,18 @@ Array = NDArray[np.float64]
 
 
 def coarse_pair(scene: Scene) -> scales._CoarsePair:
-    return scales._CoarsePair(scene, scales.largest_load(scene), scales.contact_modulus(*vars(scene.material).values()), Counter())
+    return scales._CoarsePair(
+        scene,
+        scales.largest_load(scene),
+        scales.contact_modulus(*vars(scene.material).values()),
+        Counter(),
+    )
 
 
 @pytest.fixture(scope="module")
 def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
-    """Hertz' contact through 15 to 29 elements of one size: the states at many loads, and by how much delta exceeds Hertz'.
+    """Hertz' contact through 15 to 29 elements of one size: the states at many loads, and by how
+    much delta exceeds Hertz'.
 
     That is over h^2/R, the change of d(delta)/dP from one element to the next times that of P.
     """
@@ -58,16 +66,23 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
         _, pressure, _, gap = nodal(state.values)
         by_load = nodal(problem.rates(state.state, 2)[0])
         way = pressure[node] / by_load[1][node], -gap[node + 1] / by_load[3][node + 1]
-        found.append(float(between_nodes._chord(problem, node, False, way[0] / sum(way), sum(way))[0]))
-    # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of them.
+        found.append(
+            float(between_nodes._chord(problem, node, False, way[0] / sum(way), sum(way))[0])
+        )
+    # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
+    # them.
     load = np.array([state.normal_load for state in states])
-    left, all_of_it = (one - np.polyval(np.polyfit(load, one, 2), load) for one in (over - np.array(found), over))
+    left, all_of_it = (
+        one - np.polyval(np.polyfit(load, one, 2), load) for one in (over - np.array(found), over)
+    )
     assert np.ptp(all_of_it) > 0.05
     assert np.sqrt(np.mean(left**2)) < 0.05 * np.sqrt(np.mean(all_of_it**2))
 
 
 def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, float]]:
-    """Coarse runs on elements of one size whose edges stand elsewhere in each: the run, (h/a)^2, and the unit of its energies."""
+    """Coarse runs on elements of one size whose edges stand elsewhere in each: the run, (h/a)^2,
+    and the unit of its energies.
+    """
     pair = coarse_pair(load_scene(name))
     size = scales._fitting_size(pair)
     for larger in np.linspace(0.92, 1.06, count):
@@ -77,7 +92,10 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
         yield run, (scales._ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
 
 
-@pytest.mark.parametrize(("name", "left"), [("cattaneo-mindlin", 0.15), ("hertz-paper", 0.25), ("flat-rounded-paper", 0.4)])
+@pytest.mark.parametrize(
+    ("name", "left"),
+    [("cattaneo-mindlin", 0.15), ("hertz-paper", 0.25), ("flat-rounded-paper", 0.4)],
+)
 def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) -> None:
     """Measured over 21 places, rms over W (h/a)^2: 1.04 and 0.10, 0.81 and 0.11, 2.99 and 0.80."""
     exact = semi_analytic.solve(load_scene(name), x=[0.0], fields=("dissipation",)).dissipation
@@ -85,8 +103,12 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
     for run, square, unit in at_many_places(name):
         work, found = float(run.cycle_density[-1].sum()) * unit, run.excess[-1]
         assert found.edges == 2  # of stick and of contact, on the half that is solved
-        assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(work, rel=1e-12)
-        assert run.column("loop")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(work, rel=1e-9)
+        assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
+            work, rel=1e-12
+        )
+        assert run.column("loop")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
+            work, rel=1e-9
+        )
         before.append(((work + found.value * unit) / exact - 1) / square)
         after.append((work / exact - 1) / square)
         scatter.append(found.scatter * unit / exact / square)
@@ -107,5 +129,11 @@ def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone()
             halfplane_fe.solve("cattaneo-mindlin", **given)
         return [one.edges for one in found]
 
-    assert counted(mesh=MeshSettings.coarse()) == [2] * 4  # two revolutions of the coarse run, two of the answer
-    assert counted(mesh=MeshSettings(element_size=0.05, edge_element_size=0.05, order=1)) == [2, 2, 0, 0]
+    # two revolutions of the coarse run, two of the answer
+    assert counted(mesh=MeshSettings.coarse()) == [2] * 4
+    assert counted(mesh=MeshSettings(element_size=0.05, edge_element_size=0.05, order=1)) == [
+        2,
+        2,
+        0,
+        0,
+    ]

@@ -1,6 +1,8 @@
-"""Bulk stress, tilt and moment in finite elements: exact rows, invariances, the energy balance, blocks against bars, refusals.
+"""Bulk stress, tilt and moment in finite elements: exact rows, invariances, the energy balance,
+blocks against bars, refusals.
 
-# notation: E* = 1 of two like bodies with E = 2 and nu = 0, R = 1, so that a stress of 2 eps in the lower body is the strain eps.
+# notation: E* = 1 of two like bodies with E = 2 and nu = 0, R = 1, so that a stress of 2 eps in the
+lower body is the strain eps.
 """
 
 from __future__ import annotations
@@ -41,19 +43,32 @@ SOFT = Elastic(young_modulus=1.0, poisson_ratio=0.2)
 UNLIKE = Materials(upper=SOFT, lower=STEEL)
 ROUGH = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=6.0, growth=0.5)
 FEW = MeshSettings(element_size=1 / 6, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
-# None halved for its step error, and 17 a cycle: rounding would choose other increments of a reflected load.
+# None halved for its step error, and 17 a cycle: rounding would choose other increments of a
+# reflected load.
 REGULAR = SolverSettings(steps_per_cycle=17, step_tolerance=np.inf)
 ROLLERS, FIXED = Block(width=16.0, height=4.0, base="rollers"), Block(width=16.0, height=4.0)
 A0 = 1.9544100476  # a(P = 3)
 
 
-def scene(load: Any, friction: float = 1.0, cycles: int = 3, material: Any = UNIT, **parts: Any) -> Scene:
+def scene(
+    load: Any, friction: float = 1.0, cycles: int = 3, material: Any = UNIT, **parts: Any
+) -> Scene:
     profile = parts.pop("profile", Hertz(radius=1.0))
     coefficient = {"coefficient": friction}
-    return Scene(name="bulk", profile=profile, material=material, friction=coefficient, load=load, cycles=cycles, **parts)
+    return Scene(
+        name="bulk",
+        profile=profile,
+        material=material,
+        friction=coefficient,
+        load=load,
+        cycles=cycles,
+        **parts,
+    )
 
 
-def ellipse(p: tuple[float, float], q: tuple[float, float], phase: float, **further: Any) -> EllipseLoad:
+def ellipse(
+    p: tuple[float, float], q: tuple[float, float], phase: float, **further: Any
+) -> EllipseLoad:
     names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
     return EllipseLoad(**dict(zip(names, (*p, *q), strict=True)), phase_degrees=phase, **further)
 
@@ -63,25 +78,41 @@ def wave(mean: float, amplitude: float, phase: float = 0.0) -> dict[str, float]:
 
 
 @functools.cache
-def solved(question: Scene, mesh: MeshSettings = FEW, settings: SolverSettings = REGULAR) -> halfplane_fe.FiniteElementSolution:
+def solved(
+    question: Scene, mesh: MeshSettings = FEW, settings: SolverSettings = REGULAR
+) -> halfplane_fe.FiniteElementSolution:
     return halfplane_fe.solve(question, mesh, settings)
 
 
-# ------------------------------------------------------------------------------------------------- exact values, E* = 1
+# ----------------------------------------------------------------------------- exact values, E* = 1
 
 
 TILTED_FLAT = FlatRounded(radius=1.0, flat_half_length=0.5)
 ROWS = {
     "1": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], bulk_stress_lower=[0, 0.4])),
-    "2": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_lower=[0, 0.6, -0.6])),
-    "2, upper": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_upper=[0, -0.6, 0.6])),
+    "2": scene(
+        PolygonLoad(
+            initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_lower=[0, 0.6, -0.6]
+        )
+    ),
+    "2, upper": scene(
+        PolygonLoad(
+            initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_upper=[0, -0.6, 0.6]
+        )
+    ),
     "4": scene(PolygonLoad(initial_loading=[(3, 0), (3, 0.9)], bulk_stress_lower=[0, 2.0])),
-    "5": scene(ellipse((3, 1), (1.1, 1), 90, tilt=wave(0.3, 0.1), bulk_stress_lower=wave(0.22, 0.2, 90))),
-    "6": scene(ellipse((3, 0.6), (0.2, 1.4), 0, tilt=wave(0.1, 0.08), bulk_stress_lower=wave(0.2, 0.3))),
+    "5": scene(
+        ellipse((3, 1), (1.1, 1), 90, tilt=wave(0.3, 0.1), bulk_stress_lower=wave(0.22, 0.2, 90))
+    ),
+    "6": scene(
+        ellipse((3, 0.6), (0.2, 1.4), 0, tilt=wave(0.1, 0.08), bulk_stress_lower=wave(0.2, 0.3))
+    ),
     "7": scene(ellipse((3, 1), (1.1, 1), 90, bulk_stress_lower=wave(0, 0.5, 90)), cycles=6),
     "8": scene(ellipse((3, 1), (1.1, 1), 90, tilt=wave(0, 0.06, 90)), cycles=6),
     "9": scene(PolygonLoad(initial_loading=[(1, 0)], tilt=[0.2]), profile=TILTED_FLAT),
-    "9, moment": scene(PolygonLoad(initial_loading=[(1, 0)], moment=[-0.3444188480137]), profile=TILTED_FLAT),
+    "9, moment": scene(
+        PolygonLoad(initial_loading=[(1, 0)], moment=[-0.3444188480137]), profile=TILTED_FLAT
+    ),
 }
 WORK = {
     "2": 0.9368781396315213,
@@ -91,7 +122,10 @@ WORK = {
     "7": 0.38684,
     "8": 0.25985,
 }
-STICK = {"1": (0.2 - 1.2360774475, 0.2 + 1.2360774475), "4": (-0.7063363748151722, 1.4493185287005215)}
+STICK = {
+    "1": (0.2 - 1.2360774475, 0.2 + 1.2360774475),
+    "4": (-0.7063363748151722, 1.4493185287005215),
+}
 PERMANENT = {
     "5": (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461),
     "6": (-0.704713575642 * A0, 0.755879911039 * A0),
@@ -99,14 +133,19 @@ PERMANENT = {
     "8": (-0.72632 * A0, 0.72632 * A0),
 }
 CONTACT = dict.fromkeys(("9", "9, moment"), (-1.7331629996, 1.2194927292))
-# On elements of a/16, and of a/160 (the default): error of W, of edges over an element, of contact, moment or tilt over 1.
+# On elements of a/16, and of a/160 (the default): error of W, of edges over an element, of contact,
+# moment or tilt over 1.
 LIMITS = {"rough": (6e-3, 1.0, 5e-3, 6e-4), "default": (1e-3, 1.0, 3e-4, 3e-5)}
 
 
 @pytest.mark.parametrize("mesh", ["rough", pytest.param("default", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("row", ROWS)
 def test_exact_rows(row: str, mesh: str) -> None:
-    answer = solved(ROWS[row], ROUGH, SolverSettings()) if mesh == "rough" else halfplane_fe.solve(ROWS[row])
+    answer = (
+        solved(ROWS[row], ROUGH, SolverSettings())
+        if mesh == "rough"
+        else halfplane_fe.solve(ROWS[row])
+    )
     work, edge, contact, turned = LIMITS[mesh]
     element = answer.settings["element_size"]
     assert answer.moment is not None
@@ -114,36 +153,50 @@ def test_exact_rows(row: str, mesh: str) -> None:
     assert answer.permanent_stick_edges is not None
     if row in WORK:
         assert answer.dissipation == pytest.approx(WORK[row], rel=work)
-    if row in ("2", "6"):  # in phase the second cycle repeats: the loop with the moment of shear, -m_q d(eps), to rounding
+    # in phase the second cycle repeats: the loop with the moment of shear, -m_q d(eps), to rounding
+    if row in ("2", "6"):
         assert answer.steady_from is not None
         assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12)
     if row in STICK:
         np.testing.assert_allclose(answer.stick_edges[-1], STICK[row], atol=edge * element)
     if row in PERMANENT:
-        np.testing.assert_allclose(answer.permanent_stick_edges, PERMANENT[row], atol=edge * element)
-        assert answer.permanent_stick_half_width == pytest.approx(np.diff(answer.permanent_stick_edges)[0] / 2, rel=1e-12)
+        np.testing.assert_allclose(
+            answer.permanent_stick_edges, PERMANENT[row], atol=edge * element
+        )
+        assert answer.permanent_stick_half_width == pytest.approx(
+            np.diff(answer.permanent_stick_edges)[0] / 2, rel=1e-12
+        )
     if row in CONTACT:
         np.testing.assert_allclose(answer.contact_edges[-1], CONTACT[row], atol=contact)
-        np.testing.assert_allclose([answer.moment[-1], answer.tilt[-1]], [-0.3444188480137, 0.2], atol=turned)
+        np.testing.assert_allclose(
+            [answer.moment[-1], answer.tilt[-1]], [-0.3444188480137, 0.2], atol=turned
+        )
 
 
 def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
-    """P along x = 0.7: the parabola turns by -0.7/R and touches around 0.7; Q at a height h brings the moment h Q."""
+    """P along x = 0.7: the parabola turns by -0.7/R and touches around 0.7; Q at a height h brings
+    the moment h Q.
+    """
     load = PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": 0.7})
     answer = solved(scene(load), ROUGH)
     assert answer.tilt is not None
     assert answer.tilt[-1] == pytest.approx(-0.7, abs=2e-3)
     np.testing.assert_allclose(answer.contact_edges[-1], [0.7 - A0, 0.7 + A0], atol=1e-2)
-    assert np.isnan(answer.permanent_stick_half_width)  # a path that does not repeat starts unloaded
-    answer = solved(scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5})))
+    # a path that does not repeat starts unloaded
+    assert np.isnan(answer.permanent_stick_half_width)
+    answer = solved(
+        scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5}))
+    )
     assert answer.moment is not None
     np.testing.assert_allclose(answer.moment, 0.5 * answer.tangential_load, atol=1e-12)
 
 
-# -------------------------------------------------------------------------------------------------------- invariances
+# -------------------------------------------------------------------------------------- invariances
 
 
-def numbers(answer: halfplane_fe.FiniteElementSolution, side: int = 1, turned: int = 1) -> dict[str, np.ndarray]:
+def numbers(
+    answer: halfplane_fe.FiniteElementSolution, side: int = 1, turned: int = 1
+) -> dict[str, np.ndarray]:
     """An answer, reflected in x = 0 for side = -1, its shear turned round for turned = -1."""
     sign = side * turned
     assert answer.permanent_stick_edges is not None
@@ -162,11 +215,16 @@ def numbers(answer: halfplane_fe.FiniteElementSolution, side: int = 1, turned: i
 
 
 def turned_keys(load: EllipseLoad, keys: tuple[str, ...]) -> EllipseLoad:
-    """The load with the signs of these keys turned round; of Q and of waves by mean and half a turn."""
+    """The load with the signs of these keys turned round; of Q and of waves by mean and half a
+    turn.
+    """
     changes: dict[str, Any] = {}
     for key in keys:
         if key == "Q":
-            changes |= {"mean_tangential_load": -load.mean_tangential_load, "phase_degrees": load.phase_degrees - 180}
+            changes |= {
+                "mean_tangential_load": -load.mean_tangential_load,
+                "phase_degrees": load.phase_degrees - 180,
+            }
         elif (value := getattr(load, key)) is not None:
             changes[key] = wave(-value.mean, value.amplitude, value.phase_degrees - 180)
     return load.model_copy(update={}).__class__.model_validate(load.model_dump() | changes)
@@ -175,10 +233,13 @@ def turned_keys(load: EllipseLoad, keys: tuple[str, ...]) -> EllipseLoad:
 BASE = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}
 MIXED = ellipse(**BASE, bulk_stress_lower=wave(0.2, 0.3, 100), tilt=wave(0.1, 0.08, 30))
 MOMENT = ellipse(**BASE, bulk_stress_upper=wave(0.2, 0.3, 100), moment=wave(0.3, 0.2, 30))
-MIRROR = ("Q", "tilt", "moment")  # x -> -x turns Q and the tilt, a stress is a stress from either side
+# x -> -x turns Q and the tilt, a stress is a stress from either side
+MIRROR = ("Q", "tilt", "moment")
 HELD, SLOW = wave(0.4, 0.6, 20), pytest.mark.slow
 LOWER = scene(ellipse(**BASE, bulk_stress_lower=wave(0.2, 0.3, 20)))
-HALVES = ellipse(**BASE, bulk_stress_lower=wave(0.1, 0.15, 20), bulk_stress_upper=wave(-0.1, 0.15, -160))
+HALVES = ellipse(
+    **BASE, bulk_stress_lower=wave(0.1, 0.15, 20), bulk_stress_upper=wave(-0.1, 0.15, -160)
+)
 
 
 def unequal(load: Any, left: float, right: float) -> Scene:
@@ -192,17 +253,35 @@ def same_strain(size: dict[str, float]) -> Scene:
     return scene(ellipse(**BASE, bulk_stress_lower=size, bulk_stress_upper=size))
 
 
-# Two scenes, the side and the sense of shear that the second one has turned round, and how near they come.
+# Two scenes, the side and the sense of shear that the second one has turned round, and how near
+# they come.
 SAME: dict[str, tuple[Scene, Scene, int, int, float]] = {
     "reflected": (scene(MIXED), scene(turned_keys(MIXED, MIRROR)), -1, 1, 1e-7),
-    "reflected, unlike": (scene(MIXED, material=UNLIKE), scene(turned_keys(MIXED, MIRROR), material=UNLIKE), -1, 1, 1e-7),
+    "reflected, unlike": (
+        scene(MIXED, material=UNLIKE),
+        scene(turned_keys(MIXED, MIRROR), material=UNLIKE),
+        -1,
+        1,
+        1e-7,
+    ),
     "reflected, moment": (scene(MOMENT), scene(turned_keys(MOMENT, MIRROR)), -1, 1, 1e-7),
     # Friction has no preferred side: Q and all bulk stress turned, nothing else.
-    "shear turned": (scene(MIXED), scene(turned_keys(MIXED, ("Q", "bulk_stress_lower"))), 1, -1, 1e-7),
-    # Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the stresses are what they were.
+    "shear turned": (
+        scene(MIXED),
+        scene(turned_keys(MIXED, ("Q", "bulk_stress_lower"))),
+        1,
+        -1,
+        1e-7,
+    ),
+    # Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the
+    # stresses are what they were.
     "upside down": (
         scene(ellipse(**BASE, bulk_stress_lower=HELD), material=UNLIKE, bodies=Bodies(lower=FIXED)),
-        scene(ellipse(**BASE, bulk_stress_upper=HELD), material=Materials(upper=STEEL, lower=SOFT), bodies=Bodies(upper=FIXED)),
+        scene(
+            ellipse(**BASE, bulk_stress_upper=HELD),
+            material=Materials(upper=STEEL, lower=SOFT),
+            bodies=Bodies(upper=FIXED),
+        ),
         -1,
         -1,
         1e-8,
@@ -214,35 +293,67 @@ SAME: dict[str, tuple[Scene, Scene, int, int, float]] = {
         1,
         1e-7,
     ),
-    # Only the difference of strains counts; a stress that turns ends an increment there, in both bodies too.
-    "of the upper body": (LOWER, scene(ellipse(**BASE, bulk_stress_upper=wave(-0.2, 0.3, -160))), 1, 1, 1e-9),
+    # Only the difference of strains counts; a stress that turns ends an increment there, in both
+    # bodies too.
+    "of the upper body": (
+        LOWER,
+        scene(ellipse(**BASE, bulk_stress_upper=wave(-0.2, 0.3, -160))),
+        1,
+        1,
+        1e-9,
+    ),
     "half in each": (LOWER, scene(HALVES), 1, 1, 1e-9),
     "one strain in both": (same_strain(wave(0.4, 0.3, 20)), same_strain(wave(0, 0)), 1, 1, 1e-3),
 }
 AT_ONCE = ("reflected", "shear turned", "upside down", "unequal sides")
 
 
-@pytest.mark.parametrize("name", [name if name in AT_ONCE else pytest.param(name, marks=SLOW) for name in SAME])
+@pytest.mark.parametrize(
+    "name", [name if name in AT_ONCE else pytest.param(name, marks=SLOW) for name in SAME]
+)
 def test_two_scenes_that_are_one_have_one_answer(name: str) -> None:
     first, second, side, sense, room = SAME[name]
     one, other = numbers(solved(first)), numbers(solved(second), side, sense)
     for field, values in one.items():
-        np.testing.assert_allclose(other[field], values, rtol=room, atol=room * max(np.abs(values).max(), 1), err_msg=field)
+        np.testing.assert_allclose(
+            other[field], values, rtol=room, atol=room * max(np.abs(values).max(), 1), err_msg=field
+        )
     if first is LOWER or "unequal" in name:  # and the change is one that counts
         plain = solved(same_strain(wave(0, 0))).dissipation
         assert abs(one["W"][-1] / plain - 1) > 0.1
 
 
-# ------------------------------------------------------------------------------------------------------------- energy
+# ------------------------------------------------------------------------------------------- energy
 
 
 TURNING = {"bulk_stress_lower": wave(0.2, 0.3), "tilt": wave(0.1, 0.08, 40)}
-PADS = {"profile": Hertz(radius=12.0), "bodies": Bodies(lower=FIXED, upper=Pad(width=9.0, height=5.0))}
+PADS = {
+    "profile": Hertz(radius=12.0),
+    "bodies": Bodies(lower=FIXED, upper=Pad(width=9.0, height=5.0)),
+}
 BALANCED = {
     "half-planes": ((3, 0.6), (0.2, 1.4), TURNING, UNIT, {}),
-    "unlike, moment": ((3, 0.6), (0.2, 1.4), TURNING | {"tilt": None, "moment": wave(0.3, 0.2)}, UNLIKE, {}),
-    "specimen on rollers": ((3, 0.6), (0.2, 1.4), TURNING, STEEL, {"bodies": Bodies(lower=ROLLERS)}),
-    "two of them, unlike": ((3, 0.6), (0.2, 1.4), TURNING, UNLIKE, {"bodies": Bodies(lower=ROLLERS, upper=ROLLERS)}),
+    "unlike, moment": (
+        (3, 0.6),
+        (0.2, 1.4),
+        TURNING | {"tilt": None, "moment": wave(0.3, 0.2)},
+        UNLIKE,
+        {},
+    ),
+    "specimen on rollers": (
+        (3, 0.6),
+        (0.2, 1.4),
+        TURNING,
+        STEEL,
+        {"bodies": Bodies(lower=ROLLERS)},
+    ),
+    "two of them, unlike": (
+        (3, 0.6),
+        (0.2, 1.4),
+        TURNING,
+        UNLIKE,
+        {"bodies": Bodies(lower=ROLLERS, upper=ROLLERS)},
+    ),
     "fixed block": ((3, 0.6), (0.2, 1.4), TURNING, STEEL, {"bodies": Bodies(lower=FIXED)}),
     "pad, line of action": (
         (0.3, 0.1),
@@ -256,19 +367,33 @@ BALANCED = {
 
 @pytest.mark.parametrize("name", BALANCED)
 def test_energy_balances_to_rounding_and_every_law_is_kept(name: str) -> None:
-    """Of each increment; the closed integral of Q dU - m_q d(eps) is W where nothing couples p to slip."""
+    """Of each increment; the closed integral of Q dU - m_q d(eps) is W where nothing couples p to
+    slip.
+    """
     p, q, further, material, parts = BALANCED[name]
     answer = solved(scene(ellipse(p, q, 25, **further), material=material, cycles=2, **parts))
     assert float(answer.record.certificates["energy_balance"].max()) < 1e-13
     assert max(float(values.max()) for values in answer.record.certificates.values()) < 1e-9
     assert answer.dissipation > 0
-    assert any("jumps by Q/H" in note for note in answer.record.notes) == ("rollers" in name or "two" in name)
-    assert any("its fixed base holds back a part" in note for note in answer.record.notes) == ("fixed" in name or "pad" in name)
+    assert any("jumps by Q/H" in note for note in answer.record.notes) == (
+        "rollers" in name or "two" in name
+    )
+    assert any("its fixed base holds back a part" in note for note in answer.record.notes) == (
+        "fixed" in name or "pad" in name
+    )
 
 
-def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pressure and shear in turn, the tilt by the moment of the pressure: the fallback where Newton's iteration finds no set."""
-    question = scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], moment=[-0.3, -0.3], bulk_stress_lower=[0, 0.2]))
+def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Pressure and shear in turn, the tilt by the moment of the pressure: the fallback where
+    Newton's iteration finds no set.
+    """
+    question = scene(
+        PolygonLoad(
+            initial_loading=[(3, 0), (3, 1.2)], moment=[-0.3, -0.3], bulk_stress_lower=[0, 0.2]
+        )
+    )
     newton, active_set = solved(question), ContactProblem._active_set
 
     def none(self: ContactProblem, states: np.ndarray, *rest: Any) -> Any:
@@ -278,7 +403,9 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(monkeypa
     halves = halfplane_fe.solve(question, FEW, REGULAR)
     assert halves.work.counts["alternating solves"] > 0
     for name in ("tilt", "contact_edges", "tangential_displacement"):
-        np.testing.assert_allclose(getattr(halves, name), getattr(newton, name), rtol=0, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(halves, name), getattr(newton, name), rtol=0, atol=1e-9, err_msg=name
+        )
     assert np.abs(newton.tilt).max() > 0.05
 
 
@@ -300,7 +427,7 @@ def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_c
     assert enclosed(MIXED.path().initial_loading[0], np.array([leg.start - 1, leg.start])) is None
 
 
-# ------------------------------------------------------------------------------------------------------------- bodies
+# ------------------------------------------------------------------------------------------- bodies
 
 
 GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=0.25, edge_size=0.25, radius=4.0)
@@ -308,12 +435,16 @@ GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=0.25, edge_size=0.25, radius
 
 def block(base: str, width: float, height: float, outer: float = 1.0) -> BodyMesh:
     grading = replace(GRADING, outer=outer, size=outer / 8, edge_size=outer / 8)
-    body = solid("lower", Block(width=width, height=height, base=base), Hertz(radius=1.0), grading, 0.4)
+    body = solid(
+        "lower", Block(width=width, height=height, base=base), Hertz(radius=1.0), grading, 0.4
+    )
     return replace(body, supports={**body.supports, "sides": "pulled"})
 
 
 def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
-    """(x, -nu/(1 - nu) y)/E' at the contact; and the elements hold it: no force is left on any node off the arc."""
+    """(x, -nu/(1 - nu) y)/E' at the contact; and the elements hold it: no force is left on any node
+    off the arc.
+    """
     body = half_disc("lower", GRADING, 0.5)
     system, found = assemble(body, STEEL), condense(body, STEEL, 4.0)
     np.testing.assert_allclose(found.by_stress, [found.x * 0.91 / 2, 0 * found.x], atol=1e-15)
@@ -325,30 +456,47 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     off = np.setdiff1d(np.arange(len(forces)), system.arc.ravel())
     assert np.abs(forces[off]).max() < 1e-13
     right = system.arc[0][places[0, system.arc[0]] > 0]
-    assert forces[right].sum() == pytest.approx(4.0, abs=0.3)  # stress 1 over the depth, but for half a node on the axis
+    # stress 1 over the depth, but for half a node on the axis
+    assert forces[right].sum() == pytest.approx(4.0, abs=0.3)
 
 
 def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
     found = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
-    np.testing.assert_allclose(found.by_stress, uniform_stretch(STEEL, found.x, 0 * found.x + 3.0), atol=1e-10)
+    np.testing.assert_allclose(
+        found.by_stress, uniform_stretch(STEEL, found.x, 0 * found.x + 3.0), atol=1e-10
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------- fields
+# ------------------------------------------------------------------------------------------- fields
 
 
 def test_stress_has_the_bulk_stress_in_it() -> None:
-    """Two loads that differ by one strain in both bodies have the same tractions, and stresses that differ by the stress alone."""
+    """Two loads that differ by one strain in both bodies have the same tractions, and stresses that
+    differ by the stress alone.
+    """
     base = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}
     pulled, none = (
-        solved(scene(ellipse(**base, **dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), wave(size, 0.0))), material=STEEL))
+        solved(
+            scene(
+                ellipse(
+                    **base,
+                    **dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), wave(size, 0.0)),
+                ),
+                material=STEEL,
+            )
+        )
         for size in (0.4, 0.0)
     )
     instant = [pulled.time[-1]]
     for body in (0, 1):
         one, other = (fields(answer, instant)[0].bodies[body] for answer in (pulled, none))
-        np.testing.assert_allclose(one.stress - other.stress, np.tile([0.4, 0, 0, 0.12], (len(one.stress), 1)), atol=1e-6)
+        np.testing.assert_allclose(
+            one.stress - other.stress, np.tile([0.4, 0, 0, 0.12], (len(one.stress), 1)), atol=1e-6
+        )
         np.testing.assert_allclose(one.edge_tension - other.edge_tension, 0.4, atol=1e-6)
-    tension, without = (edge_tension(answer, [len(answer.time) - 1])[0] for answer in (pulled, none))
+    tension, without = (
+        edge_tension(answer, [len(answer.time) - 1])[0] for answer in (pulled, none)
+    )
     np.testing.assert_allclose(tension - without, 0.4, atol=1e-6)
     deep = [stress(answer, [0.3], [-1.0], instant)[0, 0] for answer in (pulled, none)]
     np.testing.assert_allclose(deep[0] - deep[1], [0.4, 0, 0, 0.12], atol=1e-6)
@@ -370,19 +518,30 @@ def test_stress_in_a_specimen_jumps_by_the_shear_force_over_its_height() -> None
     assert any("jumps by Q/H, 0.45" in note for note in answer.record.notes)
 
 
-# ----------------------------------------------------------------------------------------------------------- refusals
+# ----------------------------------------------------------------------------------------- refusals
 
 
-def refused(words: str, load: dict[str, Any], force: float = 0.1, **parts: Any) -> tuple[Scene, str]:
+def refused(
+    words: str, load: dict[str, Any], force: float = 0.1, **parts: Any
+) -> tuple[Scene, str]:
     loading = [(0.3, 0), (0.3, force)] if force else [(0.3, 0)]
-    return scene(PolygonLoad(initial_loading=loading, **load), profile=parts.pop("profile", Hertz(radius=30.0)), **parts), words
+    return (
+        scene(
+            PolygonLoad(initial_loading=loading, **load),
+            profile=parts.pop("profile", Hertz(radius=30.0)),
+            **parts,
+        ),
+        words,
+    )
 
 
 LOWER_PULLED = {"bulk_stress_lower": [0.0, 0.4]}
 SIDES = [[x, x**2 / 60 if x < 0 else x**2 / 90] for x in np.linspace(-6, 6, 61).tolist()]
 REFUSED = {
     "cylinder": refused(
-        "nothing pulls the ends of the lower body, a cylinder", LOWER_PULLED, bodies=Bodies(lower=Cylinder(radius=30.0))
+        "nothing pulls the ends of the lower body, a cylinder",
+        LOWER_PULLED,
+        bodies=Bodies(lower=Cylinder(radius=30.0)),
     ),
     "pad": refused(
         "of the upper body, a pad; half-planes take",
@@ -395,7 +554,9 @@ REFUSED = {
         bodies=Bodies(lower=Block(width=30.0, height=9.0, sides="guided")),
     ),
     "slides off": refused(
-        "nothing holds the block against", {}, bodies=Bodies(lower=Block(width=30.0, height=9.0, base="rollers"))
+        "nothing holds the block against",
+        {},
+        bodies=Bodies(lower=Block(width=30.0, height=9.0, base="rollers")),
     ),
     "a line of action beside the faces": refused(
         "its line of action meets the faces beside",

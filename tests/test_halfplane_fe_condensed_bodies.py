@@ -1,4 +1,6 @@
-"""Condensed bodies cached in the process: known by content, bounded in bytes, counted, and never the reason for another answer."""
+"""Condensed bodies cached in the process: known by content, bounded in bytes, counted, and never
+the reason for another answer.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ LARGE = 10**9
 
 @cache
 def body() -> BodyMesh:
-    return half_disc("lower", SurfaceGrading(inner=0.0, outer=1.0, size=0.2, edge_size=0.2, radius=5.0))
+    return half_disc(
+        "lower", SurfaceGrading(inner=0.0, outer=1.0, size=0.2, edge_size=0.2, radius=5.0)
+    )
 
 
 def condensations(bodies: CondensedBodies, *given: Body) -> list[int]:
@@ -43,16 +47,25 @@ def condensations(bodies: CondensedBodies, *given: Body) -> list[int]:
     return counts
 
 
-def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(condensed_bodies.BODIES, "bound_bytes", LARGE)
-    monkeypatch.setattr(condensed_bodies.BODIES, "_results", type(condensed_bodies.BODIES._results)())
+    monkeypatch.setattr(
+        condensed_bodies.BODIES, "_results", type(condensed_bodies.BODIES._results)()
+    )
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
-    first, second = (halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH, settings) for _ in range(2))
+    first, second = (
+        halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH, settings) for _ in range(2)
+    )
     assert (first.work.counts["condensations"], first.work.counts["coarse condensations"]) == (1, 1)
     assert second.work.counts["condensations"] == second.work.counts["sparse factorisations"] == 0
     assert second.work.counts[CACHED] == second.work.counts[f"coarse {CACHED}"] == 1
     assert "condensations, cached" not in first.work.skipped
-    assert second.work.skipped["condensations, cached"] == (1, "this process condensed the body before: taken from the cache")
+    assert second.work.skipped["condensations, cached"] == (
+        1,
+        "this process condensed the body before: taken from the cache",
+    )
     for name in ("pressure", "shear", "slip", "dissipation_density"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
 
@@ -89,7 +102,8 @@ def longer(mesh: skfem.Mesh) -> Array:
     return np.concatenate([mesh.boundaries["free"], mesh.boundaries["free"][-1:]])
 
 
-# Fields of a body that its compliance depends on, with another value, and those that it does not depend on.
+# Fields of a body that its compliance depends on, with another value, and those that it does not
+# depend on.
 BODY: dict[str, Callable[[], BodyMesh]] = {
     "mesh": lambda: with_mesh(doflocs=moved(body().mesh)),
     "grading": lambda: replace(body(), grading=replace(body().grading, inner=0.1)),
@@ -100,18 +114,32 @@ FREE = {"name", "quality"}
 UNLIKE: dict[str, Callable[[], Body]] = {
     **{name: lambda name=name: (BODY[name](), STEEL, 7.0) for name in BODY},
     **{
-        name: lambda name=name: (body(), STEEL.model_copy(update={name: getattr(STEEL, name) * (1 + 1e-15)}), 7.0)
+        name: lambda name=name: (
+            body(),
+            STEEL.model_copy(update={name: getattr(STEEL, name) * (1 + 1e-15)}),
+            7.0,
+        )
         for name in Elastic.model_fields
     },
     "datum": lambda: (body(), STEEL, 7.0 * (1 + 1e-15)),
-    "boundary": lambda: (with_mesh(_boundaries={**body().mesh.boundaries, "free": longer(body().mesh)}), STEEL, 7.0),
-    "name of a boundary": lambda: (with_mesh(_boundaries={**body().mesh.boundaries, "side": longer(body().mesh)}), STEEL, 7.0),
+    "boundary": lambda: (
+        with_mesh(_boundaries={**body().mesh.boundaries, "free": longer(body().mesh)}),
+        STEEL,
+        7.0,
+    ),
+    "name of a boundary": lambda: (
+        with_mesh(_boundaries={**body().mesh.boundaries, "side": longer(body().mesh)}),
+        STEEL,
+        7.0,
+    ),
     "elements": lambda: (with_mesh(t=body().mesh.t[:, ::-1]), STEEL, 7.0),
 }
 
 
 def test_the_tables_of_inputs_are_whole() -> None:
-    """A new field of a body, or a new argument of `condense`, fails here until the key is shown to change with it."""
+    """A new field of a body, or a new argument of `condense`, fails here until the key is shown to
+    change with it.
+    """
     assert BODY.keys() | FREE == {field.name for field in fields(BodyMesh)}
     assert list(signature(condense).parameters) == ["body", "material", "datum_length"]
 
@@ -130,7 +158,8 @@ def test_the_least_recently_used_body_gives_way_and_the_bound_holds() -> None:
     compliance = bodies.condensed(*first, Counter()).compliance
     assert compliance.nbytes <= one_body <= 1.2 * compliance.nbytes
     bodies.bound_bytes = 2 * one_body
-    assert condensations(bodies, second, first, third) == [1, 0, 1]  # the third takes the place of the second
+    # the third takes the place of the second
+    assert condensations(bodies, second, first, third) == [1, 0, 1]
     assert bodies.nbytes == 2 * one_body
     assert condensations(bodies, first, third, second) == [0, 0, 1]
     assert bodies.nbytes == 2 * one_body
@@ -138,7 +167,14 @@ def test_the_least_recently_used_body_gives_way_and_the_bound_holds() -> None:
 
 def test_a_body_beyond_the_bound_is_not_cached_and_removes_no_other() -> None:
     bodies = CondensedBodies(LARGE)
-    small, large = (body(), STEEL, 7.0), (half_disc("lower", replace(body().grading, edge_size=0.1, size=0.1)), STEEL, 7.0)
+    small, large = (
+        (body(), STEEL, 7.0),
+        (
+            half_disc("lower", replace(body().grading, edge_size=0.1, size=0.1)),
+            STEEL,
+            7.0,
+        ),
+    )
     condensations(bodies, small)
     bodies.bound_bytes = bodies.nbytes
     assert condensations(bodies, large, large, small) == [1, 1, 0]

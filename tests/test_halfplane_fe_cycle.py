@@ -1,4 +1,6 @@
-"""Whole load paths by finite elements: laws and energy at every instant, steady state, increments, events, layer, long records."""
+"""Whole load paths by finite elements: laws and energy at every instant, steady state, increments,
+events, layer, long records.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,10 @@ from scenes import (
 )
 from tolerances import check
 
-STEEL, ALUMINIUM = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=70e3, poisson_ratio=0.33)
+STEEL, ALUMINIUM = (
+    Elastic(young_modulus=210e3, poisson_ratio=0.3),
+    Elastic(young_modulus=70e3, poisson_ratio=0.33),
+)
 UNLIKE = Materials(upper=ALUMINIUM, lower=STEEL)
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -59,21 +64,57 @@ def scene_of(name):
     return scene.vary(material=UNLIKE) if name.endswith("unlike") else scene
 
 
-# ------------------------------------------------------------------------------------ admissible: what needs no reference
-NAMED = {"equilibrium", "tension", "penetration", "gap_pressure", "cone", "slip_sign", "creep", "energy_balance"}
+# -------------------------------------------------------------- admissible: what needs no reference
+NAMED = {
+    "equilibrium",
+    "tension",
+    "penetration",
+    "gap_pressure",
+    "cone",
+    "slip_sign",
+    "creep",
+    "energy_balance",
+}
 
 
 # One of each kind of load, profile, body and pair of materials; the rest of the library is slow.
 AT_ONCE = {
-    *("hertz-normal", "full-stick", "cattaneo-mindlin", "cattaneo-mindlin, unlike", "near-sliding", "harmonics", "time-series"),
-    *("flight", "unload-reload", "roller-line-of-action", "tilted-flat-pad", "thin-blocks", "flat-pad-on-block", "rounded-wedge"),
+    *(
+        "hertz-normal",
+        "full-stick",
+        "cattaneo-mindlin",
+        "cattaneo-mindlin, unlike",
+        "near-sliding",
+        "harmonics",
+        "time-series",
+    ),
+    *(
+        "flight",
+        "unload-reload",
+        "roller-line-of-action",
+        "tilted-flat-pad",
+        "thin-blocks",
+        "flat-pad-on-block",
+        "rounded-wedge",
+    ),
 }
-EVERY = [*scene_names(), *CASES, "hertz-paper, unlike", "cattaneo-mindlin, unlike", "hertz-normal, unlike"]
+EVERY = [
+    *scene_names(),
+    *CASES,
+    "hertz-paper, unlike",
+    "cattaneo-mindlin, unlike",
+    "hertz-normal, unlike",
+]
 
 
-@pytest.mark.parametrize("name", [name if name in AT_ONCE else pytest.param(name, marks=pytest.mark.slow) for name in EVERY])
+@pytest.mark.parametrize(
+    "name",
+    [name if name in AT_ONCE else pytest.param(name, marks=pytest.mark.slow) for name in EVERY],
+)
 def test_every_scene_keeps_the_laws_and_its_energy_at_every_instant(name):
-    """The solver's own certificates; the laws from the arrays that a reader sees; work of the loads is stored or rubbed away."""
+    """The solver's own certificates; the laws from the arrays that a reader sees; work of the loads
+    is stored or rubbed away.
+    """
     answer = fe_run(scene_of(name))
     record, energy = answer.record, answer.record.energy
     assert record.converged
@@ -90,32 +131,54 @@ def test_every_scene_keeps_the_laws_and_its_energy_at_every_instant(name):
     external = normal + mean(answer.tangential_load) * np.diff(answer.tangential_displacement)
     if answer.shear_moment is not None:
         strain = bulk_strain(answer, answer.scene.material)
-        external -= mean(answer.moment) * np.diff(answer.tilt) + mean(answer.shear_moment) * np.diff(strain)
-    np.testing.assert_allclose(energy["external"][1:], external, atol=1e-12 * np.abs(external).max())
-    rest = np.cumsum(external) - np.cumsum(energy["elastic"][1:]) - np.cumsum(energy["interface"][1:])
+        external -= mean(answer.moment) * np.diff(answer.tilt) + mean(
+            answer.shear_moment
+        ) * np.diff(strain)
+    np.testing.assert_allclose(
+        energy["external"][1:], external, atol=1e-12 * np.abs(external).max()
+    )
+    rest = (
+        np.cumsum(external) - np.cumsum(energy["elastic"][1:]) - np.cumsum(energy["interface"][1:])
+    )
     check("certificates", float(np.abs(rest).max() / np.abs(np.cumsum(external)).max()))
     assert np.all(energy["dissipation"] >= 0)
 
 
 def test_stops_when_the_cycle_repeats_and_says_so():
     answer = fe_run(load_scene("cattaneo-mindlin"))
-    assert (answer.steady_from, len(answer.cycle_dissipation), answer.record.termination) == (1, 2, "steady")
+    assert (answer.steady_from, len(answer.cycle_dissipation), answer.record.termination) == (
+        1,
+        2,
+        "steady",
+    )
     assert answer.record.message.startswith("revolution 2 ended in the state it started from")
     assert answer.work.skipped["revolutions"][0] == answer.scene.cycles - 2
     start, end = answer.last_cycle[[0, -1]]
-    np.testing.assert_allclose(answer.shear[end], answer.shear[start], atol=1e-9 * answer.pressure.max())
+    np.testing.assert_allclose(
+        answer.shear[end], answer.shear[start], atol=1e-9 * answer.pressure.max()
+    )
     path = fe_run(load_scene("hertz-normal"))
-    assert (path.steady_from, path.record.termination, len(path.cycle_dissipation)) == (None, "end of path", 1)
+    assert (path.steady_from, path.record.termination, len(path.cycle_dissipation)) == (
+        None,
+        "end of path",
+        1,
+    )
     assert path.last_cycle.tolist() == list(range(len(path.time)))
 
 
-# Dissipation of revolution k = 1, 2, ...; where it goes; from how many revolutions on the trend is known, and its name.
+# Dissipation of revolution k = 1, 2, ...; where it goes; from how many revolutions on the trend is
+# known, and its name.
 SERIES = {
     "steady from the second on": (lambda k: np.where(k == 1, 5.0, 1.0), 1.0, 3, "steady"),
     "geometric": (lambda k: 1 + 0.5**k, 1.0, 4, "geometric"),
     "geometric, from below, slowly": (lambda k: 1 - 0.9**k, 1.0, 4, "geometric"),
     "k^-3": (lambda k: 1 + k**-3, 1.0, 4, "algebraic"),
-    "k^-2, after a loading of its own": (lambda k: np.where(k == 1, 3.0, 1 - k**-2), 1.0, 5, "algebraic"),
+    "k^-2, after a loading of its own": (
+        lambda k: np.where(k == 1, 3.0, 1 - k**-2),
+        1.0,
+        5,
+        "algebraic",
+    ),
     "k^-1": (lambda k: 1 + 0.3 / k, 1.0, 4, "algebraic"),
     "grows": (lambda k: k, np.nan, 2, "unclear"),
     "swings": (lambda k: 1 + (-0.5) ** k, np.nan, 2, "unclear"),
@@ -151,7 +214,9 @@ def test_the_trend_of_a_series_and_what_is_left_of_it(name, count):
         ("grows", 1e-3, 30),
     ],
 )
-def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncertainty(monkeypatch, name, uncertainty, revolutions):
+def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncertainty(
+    monkeypatch, name, uncertainty, revolutions
+):
     series = SERIES[name][0]
 
     def revolve(_problem, run, _legs, _steps, _pace, _progress, text):
@@ -162,26 +227,49 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
 
     monkeypatch.setattr("halfplane_fe.run._follow_legs", revolve)
     problem, load = walking(0.7, 0.9)
-    found = run_path(problem, load.path(), Pace(1.0, 8, np.inf), 30, lambda *_: None, uncertainty=lambda _run: uncertainty)
+    found = run_path(
+        problem,
+        load.path(),
+        Pace(1.0, 8, np.inf),
+        30,
+        lambda *_: None,
+        uncertainty=lambda _run: uncertainty,
+    )
     assert len(found.cycle_density) == revolutions
     assert found.steady_from == (revolutions - 1 if revolutions < 30 else None)
 
 
 def walking(low, high):
-    """Two nodes on springs: Q moves pressure from one to the other, and the one with less slides forward."""
+    """Two nodes on springs: Q moves pressure from one to the other, and the one with less slides
+    forward.
+    """
     none, coupling = np.zeros(2), 6 * np.array([[1.0, -1.0], [1.0, -1.0]])
-    faces = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0, 0], [1.0, 1.0]]), none, np.eye(2), 200 * np.eye(2), coupling)
+    faces = Interface(
+        np.array([0.0, 1.0]),
+        np.ones(2),
+        np.array([[0, 0], [1.0, 1.0]]),
+        none,
+        np.eye(2),
+        200 * np.eye(2),
+        coupling,
+    )
     problem = ContactProblem(faces, np.array([9.6, 0.0]), 0.5, Layer(none, none))
     return problem, PolygonLoad(initial_loading=[(2.0, 0.8), (2.0, low)], cycle=[(2.0, high)])
 
 
-@pytest.mark.parametrize(("swing", "drift"), [(0.1, 160.0), (0.08, 112.0), (0.05, 40.0), (0.02, 0.0)])
+@pytest.mark.parametrize(
+    ("swing", "drift"), [(0.1, 160.0), (0.08, 112.0), (0.05, 40.0), (0.02, 0.0)]
+)
 def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
-    """p = 1 +- 6 (Q - 0.8), f = 0.5; each node holds back the other by f p, and lets go by turns: U gains 2400 (swing - 1/30)."""
+    """p = 1 +- 6 (Q - 0.8), f = 0.5; each node holds back the other by f p, and lets go by turns: U
+    gains 2400 (swing - 1/30).
+    """
     problem, load = walking(0.8 - swing, 0.8 + swing)
     run = run_path(problem, load.path(), Pace(1.0, 8, np.inf), 6, lambda *_: None)
     assert run.cycle_change[-1] < 1e-12
-    assert run.states[-1].shift - run.states[run.cycle_starts[-1]].shift == pytest.approx(drift, abs=1e-9)
+    assert run.states[-1].shift - run.states[run.cycle_starts[-1]].shift == pytest.approx(
+        drift, abs=1e-9
+    )
     assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
     assert run.ratchets == (drift > 0)
     work = run.cycle_density[-1].sum()
@@ -190,69 +278,108 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
 
 
 # Condensations, and whether a tangential problem is solved.
-COUNTED = {"hertz-normal": (1, False), "hertz-normal, unlike": (2, True), "full-stick": (1, True), "hertz-paper": (1, True)}
+COUNTED = {
+    "hertz-normal": (1, False),
+    "hertz-normal, unlike": (2, True),
+    "full-stick": (1, True),
+    "hertz-paper": (1, True),
+}
 
 
 @pytest.mark.parametrize("name", COUNTED)
 def test_work_counts(name):
     answer = fe_run(scene_of(name))
-    counts, skipped, (condensations, tangential) = answer.work.counts, answer.work.skipped, COUNTED[name]
+    counts, skipped, (condensations, tangential) = (
+        answer.work.counts,
+        answer.work.skipped,
+        COUNTED[name],
+    )
     assert counts["condensations"] == condensations
-    assert ("condensations" in skipped, "tangential problem" in skipped) == (condensations == 1, not tangential)
-    assert (counts["steps solved"], counts["contact nodes"]) == (len(answer.time) - 1, len(answer.x))
-    # The first counts rejected steps. Of like bodies, events landed on, most increments are one linear solve.
+    assert ("condensations" in skipped, "tangential problem" in skipped) == (
+        condensations == 1,
+        not tangential,
+    )
+    assert (counts["steps solved"], counts["contact nodes"]) == (
+        len(answer.time) - 1,
+        len(answer.x),
+    )
+    # The first counts rejected steps. Of like bodies, events landed on, most increments are one
+    # linear solve.
     assert counts["contact iterations"] >= answer.record.iterations.sum() >= counts["steps solved"]
     assert condensations == 2 or answer.record.iterations.sum() <= 1.8 * counts["steps solved"]
     assert all(reason for _, reason in skipped.values())
     assert name != "full-stick" or ("slip iterations" in skipped and counts["slip iterations"] == 0)
 
 
-# ------------------------------------------------------------------------------------------------ units, initial loading
+# --------------------------------------------------------------------------- units, initial loading
 
 
 FEWER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
 LONGER, STIFFER = 1e9, 1e12
 FACTORS = {
-    **dict.fromkeys(("x", "slip", "contact_edges", "normal_approach", "tangential_displacement"), LONGER),
+    **dict.fromkeys(
+        ("x", "slip", "contact_edges", "normal_approach", "tangential_displacement"), LONGER
+    ),
     **dict.fromkeys(("pressure", "shear"), STIFFER),
-    **{"time": 1.0, "state": 1, "dissipation_density": STIFFER * LONGER, "dissipation": STIFFER * LONGER**2},
+    **{
+        "time": 1.0,
+        "state": 1,
+        "dissipation_density": STIFFER * LONGER,
+        "dissipation": STIFFER * LONGER**2,
+    },
 }
 
 
 def test_units_do_not_matter():
     plain, settings = load_scene("hertz-paper"), SolverSettings(steps_per_cycle=24)
-    amounts = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+    amounts = (
+        "mean_normal_load",
+        "normal_amplitude",
+        "mean_tangential_load",
+        "tangential_amplitude",
+    )
     material = Elastic(young_modulus=210e3 * STIFFER, poisson_ratio=0.3)
     changed = plain.vary(
         material=Materials(upper=material, lower=material),
         profile=Hertz(radius=1000.0 * LONGER),
-        load=plain.load.vary(**{name: getattr(plain.load, name) * STIFFER * LONGER for name in amounts}),
+        load=plain.load.vary(
+            **{name: getattr(plain.load, name) * STIFFER * LONGER for name in amounts}
+        ),
     )
     one, other = (fe_run(scene, FEWER, settings) for scene in (plain, changed))
     for field, factor in FACTORS.items():
         here, there = np.asarray(getattr(one, field)), np.asarray(getattr(other, field)) / factor
-        np.testing.assert_allclose(there, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=field)
+        np.testing.assert_allclose(
+            there, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=field
+        )
 
 
 def test_the_initial_loading_is_forgotten():
-    found = [fe_run(load_scene("hertz-paper").vary(load={"initial_loading": way})) for way in ("parabola", "straight")]
+    found = [
+        fe_run(load_scene("hertz-paper").vary(load={"initial_loading": way}))
+        for way in ("parabola", "straight")
+    ]
     check("initial loading", found[0].dissipation / found[1].dissipation - 1)
 
 
 def test_progress_is_told():
     told = []
-    halfplane_fe.solve(load_scene("hertz-normal"), COARSE, FEW_STEPS, progress=lambda *what: told.append(what))
+    halfplane_fe.solve(
+        load_scene("hertz-normal"), COARSE, FEW_STEPS, progress=lambda *what: told.append(what)
+    )
     assert [text for _, _, text in told][:2] == ["coarse run", "meshing and condensing the bodies"]
     done = [(done, total) for done, total, text in told if text.startswith("initial loading")]
     assert done[-1][0] == done[-1][1]
 
 
-# --------------------------------------------------------------------------------------------------- energy of increments
+# ----------------------------------------------------------------------------- energy of increments
 
 
 @pytest.mark.parametrize("method", ["augmented_lagrangian", "penalty"])
 def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
-    """External work = elastic energy, that of the layer in it, + trapezoidal work of the interface; without the layer it fails."""
+    """External work = elastic energy, that of the layer in it, + trapezoidal work of the interface;
+    without the layer it fails.
+    """
     answer = stepped_run(method, 24)
     energy = answer.record.energy
     rest = energy["external"] - energy["elastic"] - energy["interface"]
@@ -261,12 +388,19 @@ def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     assert ("layer" in energy) == (method == "penalty")
     if method == "penalty":
         audit, weights = answer.penalty, answer.condensed[0].weights
-        stored = (answer.pressure**2 / audit.normal_stiffness + answer.shear**2 / audit.tangential_stiffness) @ weights / 2
+        stored = (
+            (
+                answer.pressure**2 / audit.normal_stiffness
+                + answer.shear**2 / audit.tangential_stiffness
+            )
+            @ weights
+            / 2
+        )
         np.testing.assert_allclose(np.cumsum(energy["layer"]), stored, atol=1e-12 * stored.max())
         assert np.abs(rest + energy["layer"]).max() > 1e-5 * whole
 
 
-# -------------------------------------------------------------------------------------- increments: halved, landed, thrown away
+# ---------------------------------------------------------- increments: halved, landed, thrown away
 
 
 MODEST = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, growth=0.5)
@@ -280,7 +414,9 @@ def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:
     scene = load_scene("hertz-paper")
     errors, halved = [], []
     for tolerance in (np.inf, 1e-3, 1e-4):
-        answer = halfplane_fe.solve(scene, MODEST, SolverSettings(steps_per_cycle=16, step_tolerance=tolerance))
+        answer = halfplane_fe.solve(
+            scene, MODEST, SolverSettings(steps_per_cycle=16, step_tolerance=tolerance)
+        )
         cycle = answer.last_cycle[1:]
         errors.append(answer.record.energy["step_error"][cycle].sum() / answer.dissipation)
         halved.append(answer.work.counts.get("increments halved, step error", 0))
@@ -289,15 +425,22 @@ def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:
     assert halved[0] == 0 < halved[1] < halved[2]
 
 
-def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Failures planted at whole increments: the answer at the regular instants is the one without them."""
-    scene = load_scene("cattaneo-mindlin")  # constant P: the answer does not depend on the increments
+def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Failures planted at whole increments: the answer at the regular instants is the one without
+    them.
+    """
+    # constant P: the answer does not depend on the increments
+    scene = load_scene("cattaneo-mindlin")
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
     plain = halfplane_fe.solve(scene, MODEST, settings)
     solve = ContactProblem.equilibrium
     failed = set()
 
-    def failing(self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]) -> object:
+    def failing(
+        self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]
+    ) -> object:
         if time in {1.25, 2.5, 3.75} and time not in failed:
             failed.add(time)
             raise ConvergenceError("planted")
@@ -311,12 +454,19 @@ def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(monkeypatch:
 
 
 def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() -> None:
-    """One that let go has slid for all of the increment, or stuck, whatever it slipped before; one that touches was open."""
+    """One that let go has slid for all of the increment, or stuck, whatever it slipped before; one
+    that touches was open.
+    """
     closed, opened = SurfaceState.STICK, SurfaceState.OPEN
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(3 + 4 * 4), np.zeros(4, dtype=np.int8))
     history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
     solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
-    told = [SurfaceState.STICK, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE, SurfaceState.OPEN]
+    told = [
+        SurfaceState.STICK,
+        SurfaceState.SLIP_FORWARD,
+        SurfaceState.SLIP_REVERSE,
+        SurfaceState.OPEN,
+    ]
     assert stepping.up_to_event(history, solved).tolist() == told
     far = solved.changed(gap=np.ones(4))
     assert stepping.up_to_event(history, far).tolist() == far.state.tolist()
@@ -324,29 +474,45 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
 
 @pytest.mark.parametrize("stiffer", [0.0, 1e-5])
 def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
-    """A node that closes does so without a gap or without a force: 5e-12 at most. The two sides of bodies that are hardly unlike
-    touch so soon after each other that the second node, still open by 1e-8 to 1e-5, must not be taken for met with the first.
+    """A node that closes does so without a gap or without a force: 5e-12 at most. The two sides of
+    bodies that are hardly unlike touch so soon after each other that the second node, still open by
+    1e-8 to 1e-5, must not be taken for met with the first.
     """
-    lower, load = Elastic(young_modulus=210e3, poisson_ratio=0.3), PolygonLoad(initial_loading=[(30, 0), (60, 6), (90, -9)])
+    lower, load = (
+        Elastic(young_modulus=210e3, poisson_ratio=0.3),
+        PolygonLoad(initial_loading=[(30, 0), (60, 6), (90, -9)]),
+    )
     upper = lower.model_copy(update={"young_modulus": 210e3 * (1 + stiffer)})
-    scene = load_scene("hertz-paper").model_copy(update={"material": Materials(upper=upper, lower=lower), "load": load})
+    scene = load_scene("hertz-paper").model_copy(
+        update={"material": Materials(upper=upper, lower=lower), "load": load}
+    )
     coarse = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
-    states = halfplane_fe.solve(scene, coarse, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)).states
+    states = halfplane_fe.solve(
+        scene, coarse, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
+    ).states
     closing = [
-        np.minimum(before.gap, np.abs(after.pressure) + np.abs(after.gap))[~before.closed & after.closed]
+        np.minimum(before.gap, np.abs(after.pressure) + np.abs(after.gap))[
+            ~before.closed & after.closed
+        ]
         for before, after in pairwise(states)
     ]
     assert sum(len(part) for part in closing) >= 25
     assert max(float(part.max(initial=0.0)) for part in closing) < 1e-9
 
 
-ONE_BLOCK = load_scene("hertz-paper").vary(bodies=Bodies(lower=Block(width=48.0, height=20.0)), cycles=2)
+ONE_BLOCK = load_scene("hertz-paper").vary(
+    bodies=Bodies(lower=Block(width=48.0, height=20.0)), cycles=2
+)
 
 
 def test_increments_of_unlike_bodies_end_where_a_node_lets_go_and_lose_no_friction_work() -> None:
-    """A node that let go before the end of its increment was open there, and W of one block on a half-plane 7e-4 too small."""
+    """A node that let go before the end of its increment was open there, and W of one block on a
+    half-plane 7e-4 too small.
+    """
     mesh = MeshSettings(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
-    usual, short = (halfplane_fe.solve(ONE_BLOCK, mesh, SolverSettings(steps_per_cycle=n)) for n in (24, 192))
+    usual, short = (
+        halfplane_fe.solve(ONE_BLOCK, mesh, SolverSettings(steps_per_cycle=n)) for n in (24, 192)
+    )
     opening = [after.gap[before.closed & ~after.closed] for before, after in pairwise(usual.states)]
     assert sum(len(part) for part in opening) > 50
     assert max(float(part.max(initial=0.0)) for part in opening) < 1e-9
@@ -357,12 +523,24 @@ def test_increments_of_unlike_bodies_end_where_a_node_lets_go_and_lose_no_fricti
 
 
 def test_what_events_leave_of_a_force_does_not_stay_missing_from_the_load() -> None:
-    """Of coupled bodies an event is met to 1e-9: the next increment solves for it, whether or not a node changes its state."""
+    """Of coupled bodies an event is met to 1e-9: the next increment solves for it, whether or not a
+    node changes its state.
+    """
     time = np.linspace(0.0, 1.0, 25)
-    rows = np.column_stack([time, 500 + 40 * np.sin(2 * np.pi * time), 60 * (np.sin(2 * np.pi * time - 0.7) + np.sin(0.7))])
-    scene = load_scene("pad-on-block").vary(load={"kind": "time_series", "rows": rows.tolist(), "repeats": False})
+    rows = np.column_stack(
+        [
+            time,
+            500 + 40 * np.sin(2 * np.pi * time),
+            60 * (np.sin(2 * np.pi * time - 0.7) + np.sin(0.7)),
+        ]
+    )
+    scene = load_scene("pad-on-block").vary(
+        load={"kind": "time_series", "rows": rows.tolist(), "repeats": False}
+    )
     checks = halfplane_fe.solve(scene, MeshSettings.coarse()).record.certificates
-    assert max(float(np.max(np.abs(checks[law]))) for law in ("equilibrium", "energy_balance")) < 1e-12
+    assert (
+        max(float(np.max(np.abs(checks[law]))) for law in ("equilibrium", "energy_balance")) < 1e-12
+    )
 
 
 NEWTON = ContactProblem._active_set
@@ -374,9 +552,14 @@ def no_newton(self: ContactProblem, states: np.ndarray, *rest: object) -> object
 
 
 def test_the_convex_halves_give_newtons_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With Newton's iteration switched off the alternating one has to find every state, of like and of unlike bodies."""
+    """With Newton's iteration switched off the alternating one has to find every state, of like and
+    of unlike bodies.
+    """
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
-    for scene, limit in ((load_scene("cattaneo-mindlin"), 1e-10), (unlike("cattaneo-mindlin"), 1e-9)):
+    for scene, limit in (
+        (load_scene("cattaneo-mindlin"), 1e-10),
+        (unlike("cattaneo-mindlin"), 1e-9),
+    ):
         newton = halfplane_fe.solve(scene, MODEST, settings)
         with monkeypatch.context() as patch:
             patch.setattr(ContactProblem, "_active_set", no_newton)
@@ -387,10 +570,19 @@ def test_the_convex_halves_give_newtons_answer(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_near_gross_sliding_no_node_is_forced_to_stick_beyond_the_cone() -> None:
-    """Unlike bodies, f = 0.039, initial loading and cycle at 0.999 of gross sliding: a false convergence here once left q > f p."""
-    soft, hard = Elastic(young_modulus=2e4, poisson_ratio=0.1), Elastic(young_modulus=2.1e5, poisson_ratio=0.3)
-    load = EllipseLoad(mean_normal_load=100, normal_amplitude=11, tangential_amplitude=3.85, phase_degrees=-87)
-    scene = load_scene("hertz-paper").vary(material=Materials(upper=soft, lower=hard), friction=0.039, load=load)
+    """Unlike bodies, f = 0.039, initial loading and cycle at 0.999 of gross sliding: a false
+    convergence here once left q > f p.
+    """
+    soft, hard = (
+        Elastic(young_modulus=2e4, poisson_ratio=0.1),
+        Elastic(young_modulus=2.1e5, poisson_ratio=0.3),
+    )
+    load = EllipseLoad(
+        mean_normal_load=100, normal_amplitude=11, tangential_amplitude=3.85, phase_degrees=-87
+    )
+    scene = load_scene("hertz-paper").vary(
+        material=Materials(upper=soft, lower=hard), friction=0.039, load=load
+    )
     answer = halfplane_fe.solve(scene, MODEST, SolverSettings(steps_per_cycle=32))
     assert answer.record.certificates["cone"].max() < 1e-9
     assert answer.record.certificates["slip_sign"].max() < 1e-9
@@ -406,20 +598,31 @@ def test_halving_that_never_arrives_ends_with_a_sentence(monkeypatch: pytest.Mon
         return 0.0
 
     monkeypatch.setattr(stepping, "_attempt", stuck)
-    with pytest.raises(ConvergenceError, match="was not reached: nodes touch and let go without end"):
+    with pytest.raises(
+        ConvergenceError, match="was not reached: nodes touch and let go without end"
+    ):
         halfplane_fe.solve(load_scene("cattaneo-mindlin"), MODEST)
 
 
 def test_solve_raises_and_keeps_the_steps_solved_so_far(monkeypatch):
-    """Sets of nodes that never agree from some instant on: what was solved is kept, and says that."""
+    """Sets of nodes that never agree from some instant on: what was solved is kept, and says
+    that.
+    """
     active_set = ContactProblem._active_set
-    gives_up = lambda self, history, time, loads: (None, 2, 3) if time > 3 else active_set(self, history, time, loads)  # noqa: E731
+
+    def gives_up(self, history, time, loads):
+        return (None, 2, 3) if time > 3 else active_set(self, history, time, loads)
+
     scene = load_scene("hertz-paper")
     scales = halfplane_fe.solve(scene, COARSE, SolverSettings(steps_per_cycle=8)).scales
     monkeypatch.setattr(ContactProblem, "_active_set", gives_up)
     monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
-    with pytest.raises(ConvergenceError, match=r"after \d+ iterations at time .* normal load .* tangential load") as caught:
-        halfplane_fe.solve(scene, COARSE, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf), scales=scales)
+    with pytest.raises(
+        ConvergenceError, match=r"after \d+ iterations at time .* normal load .* tangential load"
+    ) as caught:
+        halfplane_fe.solve(
+            scene, COARSE, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf), scales=scales
+        )
     partial = caught.value.partial
     assert partial is not None
     assert (partial.record.converged, partial.record.termination) == (False, "not converged")
@@ -431,8 +634,14 @@ def test_solve_raises_and_keeps_the_steps_solved_so_far(monkeypatch):
     assert np.all(np.diff(partial.time) > 0)
 
 
-BAD = ({"method": "mortar"}, {"normal_stiffness": 0.0}, {"tangential_stiffness": float("nan")}, {"steps_per_cycle": 3},
-       {"max_iterations": 1}, {"step_tolerance": 0.0})  # fmt: skip
+BAD = (
+    {"method": "mortar"},
+    {"normal_stiffness": 0.0},
+    {"tangential_stiffness": float("nan")},
+    {"steps_per_cycle": 3},
+    {"max_iterations": 1},
+    {"step_tolerance": 0.0},
+)
 
 
 @pytest.mark.parametrize("settings", BAD, ids=str)
@@ -442,16 +651,20 @@ def test_settings_refuse_bad_values(settings):
         SolverSettings(**settings)
 
 
-# --------------------------------------------------------------------------------------- penalty layer and exact law
+# ---------------------------------------------------------------------- penalty layer and exact law
 
 
 def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
-    """To the last bit: where the law is met the projection of (p - r g, q + r ds) is (p, q) for any r."""
+    """To the last bit: where the law is met the projection of (p - r g, q + r ds) is (p, q) for any
+    r.
+    """
     plain = layer_run("hertz-paper", "augmented_lagrangian", 1e3)
     for weight in (1.0, 1e6):
         other = layer_run("hertz-paper", "augmented_lagrangian", weight)
         for field in ("time", "pressure", "shear", "slip", "state"):
-            np.testing.assert_array_equal(getattr(other, field), getattr(plain, field), err_msg=f"{field}, {weight:g}")
+            np.testing.assert_array_equal(
+                getattr(other, field), getattr(plain, field), err_msg=f"{field}, {weight:g}"
+            )
         assert other.work.counts["contact iterations"] == plain.work.counts["contact iterations"]
     audit = plain.penalty
     assert np.isinf([audit.normal_stiffness, audit.tangential_stiffness]).all()
@@ -461,21 +674,37 @@ def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
 
 
 def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
-    """From the compliance of the bodies alone: they overlap where they touch, and move against each other where they stick."""
+    """From the compliance of the bodies alone: they overlap where they touch, and move against each
+    other where they stick.
+    """
     answer = layer_run("hertz-paper", "penalty", 1e2)
-    audit, weights, unit = answer.penalty, answer.condensed[0].weights, answer.scales.load / answer.scales.modulus
+    audit, weights, unit = (
+        answer.penalty,
+        answer.condensed[0].weights,
+        answer.scales.load / answer.scales.modulus,
+    )
     layer = answer.pressure / audit.normal_stiffness
-    assert audit.normal_stiffness == pytest.approx(1e2 * answer.scales.modulus / answer.settings["element_size"])
+    assert audit.normal_stiffness == pytest.approx(
+        1e2 * answer.scales.modulus / answer.settings["element_size"]
+    )
     assert audit.penetration == pytest.approx(layer.max())
     one, other = (body.compliance[1, :, 1, :] for body in answer.condensed)
     last = len(answer.time) - 1
     closed = answer.states[last].closed
-    gap = answer.scene.profile.height(answer.x) - answer.normal_approach[last] + (one + other) @ (answer.pressure[last] * weights)
+    gap = (
+        answer.scene.profile.height(answer.x)
+        - answer.normal_approach[last]
+        + (one + other) @ (answer.pressure[last] * weights)
+    )
     np.testing.assert_allclose(gap[closed], -layer[last][closed], atol=1e-10 * unit)
     depth = answer.contact_half_width.max() ** 2 / (2 * answer.scene.profile.radius)
     assert audit.penetration_share == pytest.approx(audit.penetration / depth)
     stuck = np.abs(answer.x) < 0.5 * answer.permanent_stick_half_width
-    assert 0.2 * audit.creep < np.ptp(answer.slip[answer.last_cycle][:, stuck], axis=0).max() <= audit.creep
+    assert (
+        0.2 * audit.creep
+        < np.ptp(answer.slip[answer.last_cycle][:, stuck], axis=0).max()
+        <= audit.creep
+    )
     note = answer.record.notes[0]
     assert note.startswith("penalty layer, stiffness ")
     assert f"overlap by up to {audit.penetration:.2g} [length]" in note
@@ -487,12 +716,14 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
     assert np.isnan([pressed.elastic_slip_share, pressed.creep_share]).all()
 
 
-# ---------------------------------------------------------------------------- records longer than an answer can hold
+# ----------------------------------------------------------- records longer than an answer can hold
 
 
 @cache
 def solved(rows: int, most: int, repeats: bool = False) -> FiniteElementSolution:
-    """The first `rows` of the record, kept at `most` instants; as a cycle, with its first row again at the end."""
+    """The first `rows` of the record, kept at `most` instants; as a cycle, with its first row again
+    at the end.
+    """
     record = long_record.rows_of(rows)
     if repeats:
         record = np.vstack([record, [record[-1, 0] + 0.01, *record[0, 1:]]])
@@ -505,55 +736,118 @@ def solved(rows: int, most: int, repeats: bool = False) -> FiniteElementSolution
 @cache
 def long_scene() -> Scene:
     """The example with a block and a pad, f = 0.7."""
-    bodies = {"lower": {"kind": "block", "width": 40.0, "height": 20.0}, "upper": {"kind": "pad", "width": 20.0, "height": 15.0}}
-    return load_scene("hertz-paper").vary(bodies=bodies, friction={"coefficient": 0.7}, tolerances={})
+    bodies = {
+        "lower": {"kind": "block", "width": 40.0, "height": 20.0},
+        "upper": {"kind": "pad", "width": 20.0, "height": 15.0},
+    }
+    return load_scene("hertz-paper").vary(
+        bodies=bodies, friction={"coefficient": 0.7}, tolerances={}
+    )
 
 
-MORE = (pytest.param(120, 200, False, marks=pytest.mark.slow), pytest.param(11, 16, True, marks=pytest.mark.slow))
+MORE = (
+    pytest.param(120, 200, False, marks=pytest.mark.slow),
+    pytest.param(11, 16, True, marks=pytest.mark.slow),
+)
 
 
 @pytest.mark.parametrize(("rows", "most", "repeats"), [(30, 12, False), *MORE])
-def test_instants_that_are_left_out_cost_nothing_but_themselves(rows: int, most: int, repeats: bool, tmp_path: Path) -> None:
-    """Each instant is as in the whole answer; what is of the whole path is that of the whole answer to rounding, and it is said."""
+def test_instants_that_are_left_out_cost_nothing_but_themselves(
+    rows: int, most: int, repeats: bool, tmp_path: Path
+) -> None:
+    """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
+    to rounding, and it is said.
+    """
     found, whole = solved(rows, most, repeats), solved(rows, 10**9, repeats)
     assert len(found.time) == len(found.states) <= most < len(whole.time)
     assert found.thinned > whole.thinned
     kept = np.searchsorted(whole.time, found.time)
-    for name in ("time", "normal_load", "pressure", "shear", "slip", "state", "contact_edges", "stick_edges"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(whole, name)[kept], err_msg=name)
+    for name in (
+        "time",
+        "normal_load",
+        "pressure",
+        "shear",
+        "slip",
+        "state",
+        "contact_edges",
+        "stick_edges",
+    ):
+        np.testing.assert_array_equal(
+            getattr(found, name), getattr(whole, name)[kept], err_msg=name
+        )
     assert found.steady_from == whole.steady_from
-    for name in ("dissipation", "dissipation_density", "cycle_dissipation", "permanent_stick_half_width", "loop_work"):
-        assert getattr(found, name) == pytest.approx(getattr(whole, name), rel=1e-14, nan_ok=True), name
+    for name in (
+        "dissipation",
+        "dissipation_density",
+        "cycle_dissipation",
+        "permanent_stick_half_width",
+        "loop_work",
+    ):
+        assert getattr(found, name) == pytest.approx(
+            getattr(whole, name), rel=1e-14, nan_ok=True
+        ), name
     for name, energy in whole.record.energy.items():
-        assert found.record.energy[name].sum() == pytest.approx(energy.sum(), rel=1e-10, abs=1e-13), name
-    assert all(found.record.certificates[name].max() == worst.max() for name, worst in whole.record.certificates.items())
-    assert (found.record.iterations.sum(), found.work.counts) == (whole.record.iterations.sum(), whole.work.counts)
+        assert found.record.energy[name].sum() == pytest.approx(
+            energy.sum(), rel=1e-10, abs=1e-13
+        ), name
+    assert all(
+        found.record.certificates[name].max() == worst.max()
+        for name, worst in whole.record.certificates.items()
+    )
+    assert (found.record.iterations.sum(), found.work.counts) == (
+        whole.record.iterations.sum(),
+        whole.work.counts,
+    )
     missing = len(whole.time) - len(found.time)
-    assert any(note.startswith(f"{missing} of {len(whole.time)} instants") for note in found.record.notes)
+    assert any(
+        note.startswith(f"{missing} of {len(whole.time)} instants") for note in found.record.notes
+    )
     assert found.work.skipped["instants"][0] == missing
     if repeats:  # a cycle keeps its start and its end
-        assert found.time[found.last_cycle[[0, -1]]].tolist() == whole.time[whole.last_cycle[[0, -1]]].tolist()
+        assert (
+            found.time[found.last_cycle[[0, -1]]].tolist()
+            == whole.time[whole.last_cycle[[0, -1]]].tolist()
+        )
     elif rows < most:  # every row stays
         assert np.isin(long_record.rows_of(rows)[:, 0], found.time).all()
-    else:  # evenly many of them, no more than nine rows of 0.01 s between two, which must not count as straight lines
+    else:
+        # evenly many of them, no more than nine rows of 0.01 s between two, which must not count as
+        # straight lines
         assert len(found.time) >= 6
         assert np.diff(found.time).max() < 0.1
         own = semi_analytic.solve(found.scene, x=found.x, time=found.time)
         on_kept = semi_analytic.solve(found.scene, x=found.x, time=found.time, straight_steps=True)
-        assert own.dissipation == pytest.approx(semi_analytic.solve(found.scene).dissipation, rel=1e-12)
+        assert own.dissipation == pytest.approx(
+            semi_analytic.solve(found.scene).dissipation, rel=1e-12
+        )
         assert on_kept.dissipation < 0.995 * own.dissipation
-        page = write(compare(own, found, polygon_reference=own), tmp_path / "out").read_text(encoding="utf-8")
+        page = write(compare(own, found, polygon_reference=own), tmp_path / "out").read_text(
+            encoding="utf-8"
+        )
         assert "instants of this long path are left out" in page
         assert ContactSolution.load(tmp_path / "out" / "result.nc").thinned
 
 
-# Loads over 90 N/mm and f; measured: 1.3e-5 and 5e-5. Without the area of a curve by shares 1.0e-3 and 9e-5, without kinks between
-# the first and the last start 1.5e-4 in the second, with nodes that have just touched among those that start 9e-5.
+# Loads over 90 N/mm and f; measured: 1.3e-5 and 5e-5. Without the area of a curve by shares 1.0e-3
+# and 9e-5, without kinks between the first and the last start 1.5e-4 in the second, with nodes that
+# have just touched among those that start 9e-5.
 @pytest.mark.parametrize(
     ("profile", "friction", "loads", "increments", "most"),
     [
-        ({"kind": "flat_rounded", "radius": 1000.0, "flat_half_length": 1.6322}, 0.102626, (0.627, 0.36, 0.0149, 147.74), 24, 1e-4),
-        ({"kind": "hertz", "radius": 1000.0}, 0.927802, (0.32043, 0.27012, 0.4069, 142.858), 12, 7e-5),
+        (
+            {"kind": "flat_rounded", "radius": 1000.0, "flat_half_length": 1.6322},
+            0.102626,
+            (0.627, 0.36, 0.0149, 147.74),
+            24,
+            1e-4,
+        ),
+        (
+            {"kind": "hertz", "radius": 1000.0},
+            0.927802,
+            (0.32043, 0.27012, 0.4069, 142.858),
+            12,
+            7e-5,
+        ),
     ],
     ids=["hardly slips", "slips"],
 )
@@ -562,8 +856,15 @@ def test_few_increments_have_the_dissipation_of_many(profile, friction, loads, i
     load = ellipse_of(90.0, swing, mean, amplitude, phase, friction)
     scene = load_scene("hertz-paper").vary(profile=profile, friction=friction, load=load)
     mesh = MeshSettings(element_size=1 / 24, edge_element_size=1 / 40, growth=0.5)
-    many = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=384, step_tolerance=np.inf))
-    few = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=increments, step_tolerance=np.inf), scales=many.scales)
+    many = halfplane_fe.solve(
+        scene, mesh, SolverSettings(steps_per_cycle=384, step_tolerance=np.inf)
+    )
+    few = halfplane_fe.solve(
+        scene,
+        mesh,
+        SolverSettings(steps_per_cycle=increments, step_tolerance=np.inf),
+        scales=many.scales,
+    )
     assert few.dissipation == pytest.approx(many.dissipation, rel=most)
 
 

@@ -1,4 +1,6 @@
-"""Fields in the bodies against the interface, Hertz and Flamant; edges of contact and stick and their uncertainty."""
+"""Fields in the bodies against the interface, Hertz and Flamant; edges of contact and stick and
+their uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,22 @@ from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
 from scene_cases import scene_of
-from scenes import Block, Bodies, Elastic, EllipseLoad, InputError, Materials, SurfaceState, load_scene
+from scenes import (
+    Block,
+    Bodies,
+    Elastic,
+    EllipseLoad,
+    InputError,
+    Materials,
+    SurfaceState,
+    load_scene,
+)
 from tolerances import check
 
-UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
+UNLIKE = Materials(
+    upper=Elastic(young_modulus=70e3, poisson_ratio=0.33),
+    lower=Elastic(young_modulus=210e3, poisson_ratio=0.3),
+)
 FINE = MeshSettings(element_size=1 / 24, edge_element_size=1 / 24, far_radius=8.0, growth=0.15)
 
 
@@ -74,7 +88,8 @@ FACES = {
 
 @pytest.mark.parametrize("name", FACES)
 def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
-    """Upper less lower face: along x the slip, along y the gap less the one at the start; rigid motion and tilt included.
+    """Upper less lower face: along x the slip, along y the gap less the one at the start; rigid
+    motion and tilt included.
 
     The bodies have the parts of T and K that only the mesh makes, which the interface has not.
     """
@@ -85,40 +100,66 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     unit = answer.scales.load / answer.scales.modulus
     for step, snapshot in zip(steps, fields(answer, answer.time[steps]), strict=True):
         assert snapshot.time == answer.time[step]
-        assert (snapshot.normal_load, snapshot.tangential_load) == (answer.normal_load[step], answer.tangential_load[step])
+        assert (snapshot.normal_load, snapshot.tangential_load) == (
+            answer.normal_load[step],
+            answer.tangential_load[step],
+        )
         lower, upper = (on_surface(body, answer.x) for body in snapshot.bodies)
         apart = upper - lower
         gap = answer.scene.profile.height(answer.x) + apart[:, 1]
-        p, q = (getattr(answer.states[step], name) * answer.scales.load for name in ("pressure", "shear"))
+        p, q = (
+            getattr(answer.states[step], name) * answer.scales.load
+            for name in ("pressure", "shear")
+        )
         of_mesh, gap_of_mesh = (made.tangential - smooth.tangential) @ q, np.zeros_like(gap)
         if made.coupling is not None:
             local = made.coupling - smooth.coupling
             of_mesh, gap_of_mesh = of_mesh - local @ p, local.T @ q
         check("fields", float(np.abs(apart[:, 0] + of_mesh - answer.slip[step]).max() / unit))
-        check("fields", float(np.abs(gap + gap_of_mesh - answer.states[step].gap * unit).max() / unit))
+        check(
+            "fields", float(np.abs(gap + gap_of_mesh - answer.states[step].gap * unit).max() / unit)
+        )
         assert np.abs(of_mesh).max() < 2e-3 * unit
 
 
 def test_stress_of_hertz_is_largest_below_the_surface():
-    """Plane strain, nu = 0.3: von Mises largest, 0.557 p0, at 0.704 a; tau 0.300 p0 at 0.786 a; on the axis the closed form.
+    """Plane strain, nu = 0.3: von Mises largest, 0.557 p0, at 0.704 a; tau 0.300 p0 at 0.786 a; on
+    the axis the closed form.
 
-    With m = sqrt(a^2 + z^2): s_xx = -p0 [(a^2 + 2 z^2)/(a m) - 2 z/a], s_yy = -p0 a/m, s_zz = nu (s_xx + s_yy). Johnson (4.46).
+    With m = sqrt(a^2 + z^2): s_xx = -p0 [(a^2 + 2 z^2)/(a m) - 2 z/a], s_yy = -p0 a/m, s_zz = nu
+    (s_xx + s_yy). Johnson (4.46).
     """
     (snapshot,) = fields(fe_run(load_scene("hertz-normal"), FINE), [1.0])
     p0 = PROBLEMS["hertz"].exact["peak_pressure"]
     for body in snapshot.bodies:
         place = body.points[np.argmax(body.von_mises)]
-        assert np.hypot(place[0], abs(place[1]) - 0.704) < 0.12  # two nodes are no nearer to each other there
-        axis = np.flatnonzero((np.abs(body.points[:, 0]) < 1e-9) & (np.abs(body.points[:, 1]) < 2) & (body.points[:, 1] != 0))
+        # two nodes are no nearer to each other there
+        assert np.hypot(place[0], abs(place[1]) - 0.704) < 0.12
+        axis = np.flatnonzero(
+            (np.abs(body.points[:, 0]) < 1e-9)
+            & (np.abs(body.points[:, 1]) < 2)
+            & (body.points[:, 1] != 0)
+        )
         z = np.abs(body.points[axis, 1])
         m = np.sqrt(1 + z**2)
         xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
-        check("stress", float(np.abs(body.stress[axis] - np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)).max() / p0))
-        np.testing.assert_allclose(body.von_mises, von_mises(body.stress), rtol=1e-12, atol=1e-12 * p0)
+        check(
+            "stress",
+            float(
+                np.abs(body.stress[axis] - np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)).max()
+                / p0
+            ),
+        )
+        np.testing.assert_allclose(
+            body.von_mises, von_mises(body.stress), rtol=1e-12, atol=1e-12 * p0
+        )
         assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=5e-3)
         tau = np.abs(body.stress[axis, 0] - body.stress[axis, 1]) / 2 / p0
         check("shear stress", float(np.abs(tau - (z - z**2 / m)).max()))
-        assert (tau.max(), z[tau.argmax()]) == (pytest.approx(0.3003, abs=0.005), pytest.approx(0.786, abs=0.1))
+        assert (tau.max(), z[tau.argmax()]) == (
+            pytest.approx(0.3003, abs=0.005),
+            pytest.approx(0.786, abs=0.1),
+        )
 
 
 def von_mises(stress):
@@ -129,7 +170,9 @@ def von_mises(stress):
 
 
 def test_stress_on_both_faces_is_the_traction_between_them():
-    """s_yy = -p and s_xy = q on either face: the shear along +x on the lower body is a stress of the same sign in both."""
+    """s_yy = -p and s_xy = q on either face: the shear along +x on the lower body is a stress of
+    the same sign in both.
+    """
     answer = fe_run(load_scene("cattaneo-mindlin"), FINE)
     step = int(np.argmax(answer.tangential_load))
     (snapshot,) = fields(answer, [answer.time[step]])
@@ -138,8 +181,12 @@ def test_stress_on_both_faces_is_the_traction_between_them():
     for body in snapshot.bodies:
         surface = np.flatnonzero(body.points[:, 1] == 0)
         surface = surface[np.argsort(body.points[surface, 0])]
-        normal, shear = (np.interp(answer.x, body.points[surface, 0], body.stress[surface, k]) for k in (1, 2))
-        check("stress on the face", float(np.abs(normal + answer.pressure[step])[inside].max() / p0))
+        normal, shear = (
+            np.interp(answer.x, body.points[surface, 0], body.stress[surface, k]) for k in (1, 2)
+        )
+        check(
+            "stress on the face", float(np.abs(normal + answer.pressure[step])[inside].max() / p0)
+        )
         check("stress on the face", float(np.abs(shear - answer.shear[step])[inside].max() / p0))
         assert np.abs(answer.shear[step])[inside].min() > 0.05 * p0
 
@@ -150,12 +197,16 @@ def test_nearest_step_is_taken_and_instants_outside_are_refused():
     assert snapshot.time == answer.time[np.argmin(np.abs(answer.time - 0.4999))]
     assert fields(answer, []) == ()
     for instant in (-0.1, 1.1):
-        with pytest.raises(InputError, match=f"instant {instant:.6g} lies outside the solved time, 0 to 1"):
+        with pytest.raises(
+            InputError, match=f"instant {instant:.6g} lies outside the solved time, 0 to 1"
+        ):
             fields(answer, [instant])
 
 
 def test_tension_at_the_trailing_edge_on_a_coarse_mesh():
-    """2 f p0 sqrt(Q/(f P)): to 2e-3 with elements of a/40, opposite at the other edge and body; nodes have 71 to 88 % of it."""
+    """2 f p0 sqrt(Q/(f P)): to 2e-3 with elements of a/40, opposite at the other edge and body;
+    nodes have 71 to 88 % of it.
+    """
     scene, share = load_scene("cattaneo-mindlin"), 0.1
     load, f = scene.load.cycle[0][0], scene.friction.coefficient
     scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
@@ -163,7 +214,10 @@ def test_tension_at_the_trailing_edge_on_a_coarse_mesh():
     step = int(np.argmax(answer.tangential_load))
     (values,), (uncertain,) = edge_tension(answer, [step])
     exact = semi_analytic.edge_tension(scene, answer.time[step])[0][0, 0, 0]
-    check("tension at the trailing edge", float(np.abs(values / (exact * np.array([[1, -1], [-1, 1]])) - 1).max()))
+    check(
+        "tension at the trailing edge",
+        float(np.abs(values / (exact * np.array([[1, -1], [-1, 1]])) - 1).max()),
+    )
     assert np.all(np.abs(np.abs(values) - exact) <= uncertain)
     assert np.all(uncertain < 0.025 * exact)
 
@@ -172,16 +226,23 @@ def partial_slip(profile):
     """Constant P, and Q to 0.6 f P and back."""
     scene = load_scene("cattaneo-mindlin")
     load = scene.load.cycle[0][0]
-    turns = [[load, 0.6 * scene.friction.coefficient * load], [load, -0.6 * scene.friction.coefficient * load]]
+    turns = [
+        [load, 0.6 * scene.friction.coefficient * load],
+        [load, -0.6 * scene.friction.coefficient * load],
+    ]
     return scene.vary(profile=profile, expected=[], load={"cycle": turns}, cycles=1)
 
 
 @pytest.mark.parametrize("elements", [32, 160])
 @pytest.mark.parametrize("exponent", [2.0, 3.0, 4.0, 5.3])
-def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions(exponent, elements):
-    """p^2 near the edge is no parabola: of x^4 the tension is 6e-3 low with elements of a/160, of x^5.3 1.6e-2.
+def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions(
+    exponent, elements
+):
+    """p^2 near the edge is no parabola: of x^4 the tension is 6e-3 low with elements of a/160, of
+    x^5.3 1.6e-2.
 
-    Readings of half as many nodes, or one degree more, show it; alone the rims stated 3.6e-3 and 9.5e-3.
+    Readings of half as many nodes, or one degree more, show it; alone the rims stated 3.6e-3 and
+    9.5e-3.
     """
     scene = partial_slip({"kind": "power_law", "exponent": exponent, "length": 1.0, "rise": 5e-4})
     half_width = semi_analytic.solve(scene, x=[0.0], time=[1.0]).contact_half_width[0]
@@ -207,10 +268,21 @@ def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions
 
 FLAT_BOTTOMS = {
     "hertz": {"kind": "hertz", "radius": 1000.0},
-    **{f"x^{n:g}": {"kind": "power_law", "exponent": n, "length": 1.0, "rise": 5e-4} for n in (2.5, 4.0, 5.3, 8.0)},
+    **{
+        f"x^{n:g}": {"kind": "power_law", "exponent": n, "length": 1.0, "rise": 5e-4}
+        for n in (2.5, 4.0, 5.3, 8.0)
+    },
     # b/a = 0.3, 0.7, 0.95
-    **{f"flat {b:g}": {"kind": "flat_rounded", "radius": 1000.0, "flat_half_length": b} for b in (0.43, 2.0, 8.0)},
-    "compound": {"kind": "compound", "inner_radius": 1e3, "outer_radius": 300.0, "inner_half_length": 0.7},
+    **{
+        f"flat {b:g}": {"kind": "flat_rounded", "radius": 1000.0, "flat_half_length": b}
+        for b in (0.43, 2.0, 8.0)
+    },
+    "compound": {
+        "kind": "compound",
+        "inner_radius": 1e3,
+        "outer_radius": 300.0,
+        "inner_half_length": 0.7,
+    },
 }
 
 
@@ -218,11 +290,15 @@ FLAT_BOTTOMS = {
 @pytest.mark.parametrize("preset", ["coarse", "default"])
 @pytest.mark.parametrize("name", FLAT_BOTTOMS)
 def test_tension_is_covered_wherever_the_edges_stand_in_their_elements(name, preset):
-    """Stated over true error at the median of 22 profiles: 9.4 on coarse meshes, 5.7 on default ones."""
+    """Stated over true error at the median of 22 profiles: 9.4 on coarse meshes, 5.7 on default
+    ones.
+    """
     scene, mesh = partial_slip(FLAT_BOTTOMS[name]), MeshSettings.preset(preset)
     known = fe_run(scene, COARSE, FEW_STEPS).scales
     for share in (0.0, 0.25, 0.5, 0.75):
-        moved = replace(known, reach=known.reach + share * mesh.edge_element_size * known.half_width)
+        moved = replace(
+            known, reach=known.reach + share * mesh.edge_element_size * known.half_width
+        )
         answer = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=16), scales=moved)
         turned = np.flatnonzero(np.isin(answer.time, [2.0, 3.0])).tolist()
         tension, uncertain = edge_tension(answer, turned)
@@ -232,8 +308,9 @@ def test_tension_is_covered_wherever_the_edges_stand_in_their_elements(name, pre
 
 @pytest.mark.parametrize("name", ["flat-rounded-paper", "blocks"])
 def test_tension_does_not_hang_on_the_last_digits_of_the_pressure(name):
-    """At an event the node that meets or leaves has a pressure of round-off, of either sign or none; between blocks every instant
-    has a part of all that are sampled. Every seventh event, and the instant after it, stand for all."""
+    """At an event the node that meets or leaves has a pressure of round-off, of either sign or
+    none; between blocks every instant has a part of all that are sampled. Every seventh event, and
+    the instant after it, stand for all."""
     answer, rng = fe_run(load_scene(name), MeshSettings.coarse()), np.random.default_rng(1)
     largest = answer.pressure.max(axis=1, keepdims=True)
     at_events = (answer.pressure != 0) & (np.abs(answer.pressure) < 1e-9 * largest)
@@ -250,12 +327,17 @@ def test_tension_does_not_hang_on_the_last_digits_of_the_pressure(name):
 
 @pytest.mark.parametrize(
     ("name", "most", "median"),
-    [("hertz-paper", 1.6e-3, 6e-4), ("flat-rounded-paper", 2e-3, 1.2e-3), ("compound-curvature", 2.5e-3, 1e-3)],
+    [
+        ("hertz-paper", 1.6e-3, 6e-4),
+        ("flat-rounded-paper", 2e-3, 1.2e-3),
+        ("compound-curvature", 2.5e-3, 1e-3),
+    ],
     ids=["hertz", "flat", "compound"],
 )
 def test_tension_through_a_cycle_on_elements_of_a_40(name, most, median):
-    """Of the instants with almost the largest tension; measured 1.3e-3 and 4e-4, 1.7e-3 and 9e-4, 2.0e-3 and 4e-4; without the
-    form of p by the kinks of the profile 3.5e-3 and 2.5e-3, 2.6e-2 and 1.9e-2."""
+    """Of the instants with almost the largest tension; measured 1.3e-3 and 4e-4, 1.7e-3 and 9e-4,
+    2.0e-3 and 4e-4; without the form of p by the kinks of the profile 3.5e-3 and 2.5e-3, 2.6e-2 and
+    1.9e-2."""
     answer = fe_run(load_scene(name), MeshSettings(edge_element_size=1 / 40))
     exact = semi_analytic.edge_tension(answer.scene, answer.time)[0][:, 0, 0]
     last = answer.time > answer.time[-1] - answer.scene.load.path().period
@@ -271,24 +353,42 @@ def test_tension_through_a_cycle_on_elements_of_a_40(name, most, median):
 
 @pytest.mark.parametrize("name", ["flat-rounded-paper", "compound-curvature", "rounded-wedge"])
 def test_pressure_over_the_form_of_a_kinked_profile_is_a_root(name):
-    """Of theory's pressure, between edges that need not be the middle's; its slope at the kinks is infinite."""
+    """Of theory's pressure, between edges that need not be the middle's; its slope at the kinks is
+    infinite.
+    """
     scene = load_scene(name)
     time = float(scene.load.path().cycle[0].start)
-    exact = semi_analytic.solve(scene, x=np.linspace(-1.3, 1.3, 1001), time=[time], fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        scene, x=np.linspace(-1.3, 1.3, 1001), time=[time], fields=("pressure", "shear")
+    )
     a, closed = float(exact.contact_half_width[0]), exact.pressure[0] > 0
     x, p = exact.x[closed] + 0.2, exact.pressure[0, closed]
     nodal = Nodal(
-        x, p, exact.shear[0, closed], (0.1, 0.3), (0.2 - a, 0.2 + a), 1.0, 0.0, False, profile_kinks(scene) + np.array([0.2, 0.0])
+        x,
+        p,
+        exact.shear[0, closed],
+        (0.1, 0.3),
+        (0.2 - a, 0.2 + a),
+        1.0,
+        0.0,
+        False,
+        profile_kinks(scene) + np.array([0.2, 0.0]),
     )
     over_root = p / _form(nodal)(x) / np.sqrt(a**2 - (x - 0.2) ** 2)
     assert np.ptp(over_root) < 1e-8 * over_root.max()
-    assert np.ptp(p / np.sqrt(a**2 - (x - 0.2) ** 2)) > 0.05 * np.max(p / np.sqrt(a**2 - (x - 0.2) ** 2))
+    assert np.ptp(p / np.sqrt(a**2 - (x - 0.2) ** 2)) > 0.05 * np.max(
+        p / np.sqrt(a**2 - (x - 0.2) ** 2)
+    )
 
 
 @pytest.mark.parametrize("body", ["lower", "upper"])
 def test_stress_at_any_place_is_that_of_theory(body):
-    """At the face and below it, through a cycle between half-planes, on a coarse mesh; measured 4e-3 p0."""
-    answer = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS)
+    """At the face and below it, through a cycle between half-planes, on a coarse mesh; measured
+    4e-3 p0.
+    """
+    answer = fe_run(
+        load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS
+    )
     side = 1 if body == "lower" else -1
     x = np.array([-2.0, -1.1, -0.9, -0.3, 0.0, 0.4, 0.8, 1.2])
     y = -side * np.array([0.0, 0.01, 0.0, 0.3, 0.786, 0.0, 0.02, 0.0])
@@ -297,8 +397,11 @@ def test_stress_at_any_place_is_that_of_theory(body):
     exact = semi_analytic.stress(answer.scene, x, y, times, body=body)
     off = np.abs(found - exact).max(axis=2) / answer.pressure.max()
     assert off[:, y != 0].max() < 6e-3
-    assert np.quantile(off, 0.95) < 4e-3  # on the face more while the stick edge, where the slope is infinite, goes past
-    assert np.abs(found - stress(answer, -x, y, times, body=body)).max() > 0.3 * answer.pressure.max()
+    # on the face more while the stick edge, where the slope is infinite, goes past
+    assert np.quantile(off, 0.95) < 4e-3
+    assert (
+        np.abs(found - stress(answer, -x, y, times, body=body)).max() > 0.3 * answer.pressure.max()
+    )
 
 
 def test_places_outside_are_refused():
@@ -311,13 +414,17 @@ def test_places_outside_are_refused():
     assert np.isnan(lower.edge_tension).all()
     assert np.isfinite(upper.edge_tension).all()
     assert largest_edge_tension(flat) is None
-    blocks = answer.scene.vary(bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0)))
+    blocks = answer.scene.vary(
+        bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0))
+    )
     with pytest.raises(InputError, match="further from the contact"):
         stress(fe_run(blocks, COARSE, FEW_STEPS), 0.0, -5.0, 1.0)
 
 
 def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
-    """A field without tractions on the face, of which a strip below it is hidden, comes back at the face."""
+    """A field without tractions on the face, of which a strip below it is hidden, comes back at the
+    face.
+    """
     rng = np.random.default_rng(3)
     x, y = rng.uniform(-3, 3, 2000), -rng.uniform(0, 3, 2000)
     field = rest_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
@@ -330,7 +437,9 @@ def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
 
 @pytest.mark.slow
 def test_tension_between_blocks_does_not_depend_on_the_mesh():
-    """Blocks three half-widths high: a fifth more than theory has; a/40 against a/160, and nodal stress beside the edge."""
+    """Blocks three half-widths high: a fifth more than theory has; a/40 against a/160, and nodal
+    stress beside the edge.
+    """
     shape = Bodies(lower=Block(width=8.0, height=3.0), upper=Block(width=20.0, height=10.0))
     scene = load_scene("cattaneo-mindlin").vary(bodies=shape)
     found = []
@@ -341,13 +450,15 @@ def test_tension_between_blocks_does_not_depend_on_the_mesh():
         found.append(values[0])
         (snapshot,) = fields(answer, [answer.time[step]])
         for one, body in enumerate(snapshot.bodies):
-            np.testing.assert_allclose(body.edge_tension, values[0, one], atol=float(uncertain.max()))
+            np.testing.assert_allclose(
+                body.edge_tension, values[0, one], atol=float(uncertain.max())
+            )
     theory = semi_analytic.edge_tension(scene, 2.0)[0][0, 0, 0]
     assert theory / found[1][0, 0] == pytest.approx(0.806, abs=0.003)
     assert np.abs(found[0] - found[1]).max() < 2e-3 * theory
 
 
-# ------------------------------------------------------------------------------------------------------------- edges
+# -------------------------------------------------------------------------------------------- edges
 
 
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
@@ -383,7 +494,10 @@ def test_uncertainty_is_honest_and_not_absurd(edge):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("edge", EDGES)
-@pytest.mark.parametrize("name", [*SCENES, "phase-45", "near-sliding", "motor", "harmonics", "tiny-slip", "compound-curvature"])
+@pytest.mark.parametrize(
+    "name",
+    [*SCENES, "phase-45", "near-sliding", "motor", "harmonics", "tiny-slip", "compound-curvature"],
+)
 def test_uncertainty_is_honest_on_the_default_mesh(name, edge):
     """Least measured: 99.87 %, compound-curvature."""
     assert share_honest(*errors_and_uncertainties(name, edge, MeshSettings())) >= 0.99
@@ -395,15 +509,28 @@ def pair(half_width: float) -> np.ndarray:
 
 
 def test_the_form_that_every_smooth_edge_has_is_found_exactly():
-    """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the edge."""
+    """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the
+    edge.
+    """
     modulus, beta, spacing = 3.0, 0.7, 0.01
-    x, shares = np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing]), np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]])
-    pressure, gap = modulus / 2 * beta * np.sqrt(shares * spacing), 2 / 3 * beta * ((1 - shares) * spacing) ** 1.5
+    x, shares = (
+        np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing]),
+        np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]]),
+    )
+    pressure, gap = (
+        modulus / 2 * beta * np.sqrt(shares * spacing),
+        2 / 3 * beta * ((1 - shares) * spacing) ** 1.5,
+    )
     none, closed = 0 * shares, np.tile([False, True, True, False], (len(shares), 1))
-    pressures, gaps = (np.hstack([one[:, :1], two, one[:, 1:]]) for one, two in ((none, pressure), (gap, none)))
+    pressures, gaps = (
+        np.hstack([one[:, :1], two, one[:, 1:]]) for one, two in ((none, pressure), (gap, none))
+    )
     found = contact_edges(x, pressures, gaps, closed, modulus)
     np.testing.assert_allclose(found, [-1.0, 1.0] * (1.0 + shares * spacing), rtol=0, atol=1e-15)
-    np.testing.assert_array_equal(contact_edges(x, pressures, gaps, closed | True, modulus), np.tile(x[[0, -1]], (len(shares), 1)))
+    np.testing.assert_array_equal(
+        contact_edges(x, pressures, gaps, closed | True, modulus),
+        np.tile(x[[0, -1]], (len(shares), 1)),
+    )
     assert np.isnan(contact_edges(x, pressures, gaps, closed & False, modulus)).all()
 
 
@@ -414,23 +541,39 @@ def test_the_fitted_edge_of_a_known_pressure_is_better_than_its_form_whatever_th
     pressure = np.where(np.abs(x) > a - 0.025, 1.05 * pressure, pressure)
     form = [-1, 1] * a + 0.003
     assert np.abs(fitted_contact_edges(x, pressure, closed, form) - [-1, 1] * a).max() < 1e-5
-    np.testing.assert_array_equal(fitted_contact_edges(x, pressure, closed, form + 0.01), form + 0.01)
+    np.testing.assert_array_equal(
+        fitted_contact_edges(x, pressure, closed, form + 0.01), form + 0.01
+    )
 
 
 def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
     x = np.linspace(-1, 1, 41)
-    closed, wide, none = np.abs(x)[None] < 0.11, np.abs(x)[None] < 0.91, np.zeros((1, 41), dtype=bool)
+    closed, wide, none = (
+        np.abs(x)[None] < 0.11,
+        np.abs(x)[None] < 0.91,
+        np.zeros((1, 41), dtype=bool),
+    )
     assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
-    assert np.isnan(stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))).all()
+    assert np.isnan(
+        stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))
+    ).all()
 
 
 def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
     x = np.linspace(-1, 1, 81)
     step = x[1] - x[0]
-    # Half-widths seen and by the law, and the uncertainty: the law has nodes sliding from 0.31 on; two nodes slide, perhaps none.
-    table = [(0.51, 0.51, step), (0.51, 0.31, step + 0.2), (0.86, 0.86, 0.91 - 0.8625 + 0.004), (0.91, 0.91, 2 * step)]
+    # Half-widths seen and by the law, and the uncertainty: the law has nodes sliding from 0.31 on;
+    # two nodes slide, perhaps none.
+    table = [
+        (0.51, 0.51, step),
+        (0.51, 0.31, step + 0.2),
+        (0.86, 0.86, 0.91 - 0.8625 + 0.004),
+        (0.91, 0.91, 2 * step),
+    ]
     seen, law, expected = np.array(table).T[:, :, None]
-    contact, of_contact = (np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004)))
+    contact, of_contact = (
+        np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004))
+    )
     seen, law, closed = np.abs(x) < seen, np.abs(x) < law, np.abs(x) < 0.91 + 0 * seen
     edges = stick_edges(x, seen, closed, contact)
     found = stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
@@ -438,7 +581,8 @@ def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
 
 
 STICK, FORWARD, REVERSE = SurfaceState.STICK, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE
-# Loads and slips (of two nodes) of an increment that follows a fast one, and the states that a reader shall see; f = 0.5.
+# Loads and slips (of two nodes) of an increment that follows a fast one, and the states that a
+# reader shall see; f = 0.5.
 CREEP = {
     "driven, however slowly": ((0.0, 1e-6), (0.0, 1e-9), (STICK, FORWARD)),
     "driven by P that falls": ((-1e-6, 0.0), (0.0, 1e-9), (STICK, FORWARD)),
@@ -455,10 +599,15 @@ CREEP = {
 @pytest.mark.parametrize(("loads", "slip", "seen"), CREEP.values(), ids=CREEP.keys())
 def test_what_only_creeps_sticks(loads, slip, seen):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
-    rest, slip = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8)), np.array(slip)
+    rest, slip = (
+        InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8)),
+        np.array(slip),
+    )
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
     before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
-    after = replace(before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1]))
+    after = replace(
+        before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1])
+    )
     states = [rest, before, after]
     assert visible_states(states, [], 0.5)[2].tolist() == list(seen)
     first = rest.changed(state=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
@@ -466,18 +615,26 @@ def test_what_only_creeps_sticks(loads, slip, seen):
 
 
 def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
-    """On either side, and not where the shear says nothing of an edge: then by the nodes' states."""
+    """On either side, and not where the shear says nothing of an edge: then by the nodes'
+    states.
+    """
     x, contact = np.linspace(-1.0, 1.0, 401), np.array([[-0.95, 0.95]])
     edge, closed = 0.6037, np.abs(x)[None] < 0.95
     stick = np.abs(x)[None] < edge
     limit = 1.0 + 0.0 * closed
     shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
     found = stick_edges(x, stick, closed, contact, limit, shear)
-    np.testing.assert_allclose(found, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))  # the squares are not quite straight
+    # the squares are not quite straight
+    np.testing.assert_allclose(found, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))
     by_status = stick_edges(x, stick, closed, contact)
     np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
-    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)), by_status)  # rises outwards
-    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))[:, 0], by_status[:, 0])
+    # rises outwards
+    np.testing.assert_array_equal(
+        stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)), by_status
+    )
+    np.testing.assert_array_equal(
+        stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))[:, 0], by_status[:, 0]
+    )
 
 
 def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:

@@ -1,8 +1,10 @@
-"""Patch tests of the interface: weights, mortar sides, two blocks on flat, inclined and curved faces, matching or not.
+"""Patch tests of the interface: weights, mortar sides, two blocks on flat, inclined and curved
+faces, matching or not.
 
-The half-disc can't carry a uniform stress, as its arc follows the half-plane (its nodal weights: test_halfplane_fe_elasticity.py);
-two periodic blocks, and blocks bent so that their faces follow a line y = c(x), are coupled by the engine's own interface. The
-stiffness of the bent blocks is assembled here, not by the engine.
+The half-disc can't carry a uniform stress, as its arc follows the half-plane (its nodal weights:
+test_halfplane_fe_elasticity.py); two periodic blocks, and blocks bent so that their faces follow a
+line y = c(x), are coupled by the engine's own interface. The stiffness of the bent blocks is
+assembled here, not by the engine.
 """
 
 from __future__ import annotations
@@ -28,7 +30,10 @@ from meshes import BodyMesh, SurfaceGrading, solid
 from scenes import Block, Elastic, Hertz, SurfaceState
 from tolerances import order_of
 
-STEEL, SOFT = Elastic(young_modulus=2.0, poisson_ratio=0.3), Elastic(young_modulus=0.7, poisson_ratio=0.1)
+STEEL, SOFT = (
+    Elastic(young_modulus=2.0, poisson_ratio=0.3),
+    Elastic(young_modulus=0.7, poisson_ratio=0.1),
+)
 GRADING = SurfaceGrading(inner=0.5, outer=1.1, size=0.2, edge_size=0.1, radius=4.0)
 
 
@@ -36,7 +41,7 @@ def element(order):
     return skfem.ElementVector(skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1())
 
 
-# ------------------------------------------------------------------------------------------------------- two periodic blocks
+# ------------------------------------------------------------------------------ two periodic blocks
 
 
 BLOCK = 2.0
@@ -44,11 +49,17 @@ BLOCK = 2.0
 
 @functools.cache
 def block(material, height, order):
-    """A block y <= 0, held at its bottom and periodic along x, condensed to its top nodes as `condense` does a half-disc."""
+    """A block y <= 0, held at its bottom and periodic along x, condensed to its top nodes as
+    `condense` does a half-disc.
+    """
     even = np.linspace(0, BLOCK, 9)
     mesh = skfem.MeshTri.init_tensor(even + 0.05 * np.sin(np.pi * even), np.linspace(-height, 0, 4))
     basis = skfem.Basis(mesh, element(order), intorder=2 * order)
-    stiffness = linear_elasticity(*lame_parameters(material.young_modulus, material.poisson_ratio)).assemble(basis).toarray()
+    stiffness = (
+        linear_elasticity(*lame_parameters(material.young_modulus, material.poisson_ratio))
+        .assemble(basis)
+        .toarray()
+    )
     x, y = basis.doflocs
     vertical = np.isin(np.arange(basis.N), basis.get_dofs(elements=True).all(["u^2"]))
     left, right = np.flatnonzero(x == 0), np.flatnonzero(x == BLOCK)
@@ -57,7 +68,9 @@ def block(material, height, order):
     fold[right] = fold[left[alike.argmax(axis=1)]]  # the right side is the left side
     top = [np.flatnonzero((y == 0) & (x < BLOCK) & (vertical == i)) for i in (False, True)]
     top = np.array([dofs[np.argsort(x[dofs])] for dofs in top])
-    facets = skfem.FacetBasis(mesh, element(order), facets=mesh.facets_satisfying(lambda place: place[1] == 0), intorder=4)
+    facets = skfem.FacetBasis(
+        mesh, element(order), facets=mesh.facets_satisfying(lambda place: place[1] == 0), intorder=4
+    )
     traction = fold.T @ skfem.LinearForm(lambda v, w: v[0] + 0 * w.x[0]).assemble(facets)
     free = np.flatnonzero((x < BLOCK) & (y > -height))
     inverse = np.zeros((basis.N, basis.N))
@@ -76,13 +89,23 @@ def block(material, height, order):
     )
 
 
-@pytest.mark.parametrize(("order", "upper"), [(1, SOFT), (2, SOFT), (2, STEEL)], ids=["linear", "quadratic", "like bodies"])
 @pytest.mark.parametrize(
-    "share", [0.0, 0.5, -0.5, 1 - 1e-9, -1 + 1e-9], ids=["pressed", "stick", "stick back", "slide", "slide back"]
+    ("order", "upper"),
+    [(1, SOFT), (2, SOFT), (2, STEEL)],
+    ids=["linear", "quadratic", "like bodies"],
+)
+@pytest.mark.parametrize(
+    "share",
+    [0.0, 0.5, -0.5, 1 - 1e-9, -1 + 1e-9],
+    ids=["pressed", "stick", "stick back", "slide", "slide back"],
 )
 def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
-    """Up to the brink of sliding, q = +-f p at every node, pressure and shear are uniform and no node moves on the other side."""
-    interface = couple(block(STEEL, 1.0, order), block(upper, 1.0 if upper is STEEL else 0.6, order))
+    """Up to the brink of sliding, q = +-f p at every node, pressure and shear are uniform and no
+    node moves on the other side.
+    """
+    interface = couple(
+        block(STEEL, 1.0, order), block(upper, 1.0 if upper is STEEL else 0.6, order)
+    )
     zero = np.zeros_like(interface.x)
     contact = ContactProblem(interface, zero, 0.4, Layer(zero, zero))
     pressure, shear = 1.5, share * 0.4 * 1.5
@@ -91,7 +114,8 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
     np.testing.assert_allclose(state.pressure / weights, pressure, rtol=1e-11)
     np.testing.assert_allclose(state.shear / weights, shear, atol=1e-11)
-    # Displacement of the two tops under unit uniform pressure (no strain across) and under unit shear.
+    # Displacement of the two tops under unit uniform pressure (no strain across) and under unit
+    # shear.
     normal = tangential = 0.0
     for material, height in ((STEEL, 1.0), (upper, 1.0 if upper is STEEL else 0.6)):
         young, nu = material.young_modulus, material.poisson_ratio
@@ -104,7 +128,7 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     assert np.all(state.state == SurfaceState.STICK)
 
 
-# ---------------------------------------------------------------------------------------------------------- flat mortar sides
+# -------------------------------------------------------------------------------- flat mortar sides
 
 
 def nodes_of(corners: np.ndarray, order: int) -> np.ndarray:
@@ -145,16 +169,24 @@ def two_sides(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 @given(two_sides(), st.integers(0, 10_000))
-def test_mortar_passes_displacements_tractions_resultant_and_moment(sides: tuple[np.ndarray, np.ndarray, int], seed: int) -> None:
-    """Uniform and linear displacement, a uniform traction as consistent forces, of any forces resultant and moment."""
+def test_mortar_passes_displacements_tractions_resultant_and_moment(
+    sides: tuple[np.ndarray, np.ndarray, int], seed: int
+) -> None:
+    """Uniform and linear displacement, a uniform traction as consistent forces, of any forces
+    resultant and moment.
+    """
     lower, upper, order = sides
     projection = mortar_projection(lower, upper, order)
     for power in range(order + 1):
         np.testing.assert_allclose(projection @ upper**power, lower**power, atol=1e-11)
-    np.testing.assert_allclose(projection.T @ element_loads(lower, order), element_loads(upper, order), atol=1e-12)
+    np.testing.assert_allclose(
+        projection.T @ element_loads(lower, order), element_loads(upper, order), atol=1e-12
+    )
     forces = np.random.default_rng(seed).standard_normal(len(lower))
     received = projection.T @ forces
-    np.testing.assert_allclose([received.sum(), received @ upper], [forces.sum(), forces @ lower], atol=1e-10)
+    np.testing.assert_allclose(
+        [received.sum(), received @ upper], [forces.sum(), forces @ lower], atol=1e-10
+    )
 
 
 def test_matching_sides_give_the_identity_and_sides_of_different_extent_are_refused() -> None:
@@ -164,7 +196,7 @@ def test_matching_sides_give_the_identity_and_sides_of_different_extent_are_refu
         mortar_projection(np.array([0.0, 1.0]), np.array([0.0, 1.1]), 1)
 
 
-# ------------------------------------------------------------------------------------ bent blocks, matching and 1 : 4
+# ------------------------------------------------------------------ bent blocks, matching and 1 : 4
 
 
 MATERIAL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
@@ -184,7 +216,9 @@ def bent(which, line, order, cells, size, base="rollers"):
     """A block whose face follows the line, in its own frame."""
     height, sign = HEIGHTS[which], {"lower": 1.0, "upper": -1.0}[which]
     shape = Block(width=WIDTH, height=height, base=base)
-    body = solid(which, shape, Hertz(radius=1.0), SurfaceGrading(0.0, 1.0, size, size), 0.5, order, cells)
+    body = solid(
+        which, shape, Hertz(radius=1.0), SurfaceGrading(0.0, 1.0, size, size), 0.5, order, cells
+    )
     x, y = body.mesh.p
     moved = np.stack([x, y + sign * LINES[line](x) * (1 + y / height)])
     return dataclasses.replace(body, mesh=dataclasses.replace(body.mesh, doflocs=moved))
@@ -201,12 +235,17 @@ def sizes_of(ratio, coarser):
 
 
 def pair(line, order, cells, ratio, coarser=0.4, base="rollers"):
-    return tuple(condensed(which, line, order, cells, size, base) for which, size in sizes_of(ratio, coarser).items())
+    return tuple(
+        condensed(which, line, order, cells, size, base)
+        for which, size in sizes_of(ratio, coarser).items()
+    )
 
 
 @dataclasses.dataclass
 class Loaded:
-    """A body assembled afresh: its displacement under the tractions of a uniform stress and forces on the contact."""
+    """A body assembled afresh: its displacement under the tractions of a uniform stress and forces
+    on the contact.
+    """
 
     body: object
 
@@ -214,8 +253,11 @@ class Loaded:
         mesh = self.body.mesh
         order = 2 if isinstance(mesh, (skfem.MeshTri2, skfem.MeshQuad2)) else 1
         self.element = skfem.ElementVector(scalar_element(mesh, order))
-        self.basis = skfem.Basis(mesh, self.element, intorder=2 * order)  # as the engine has it: bent elements know the rule
-        self.stiffness = linear_elasticity(*lame_parameters(MATERIAL.young_modulus, MATERIAL.poisson_ratio)).assemble(self.basis)
+        # as the engine has it: bent elements know the rule
+        self.basis = skfem.Basis(mesh, self.element, intorder=2 * order)
+        self.stiffness = linear_elasticity(
+            *lame_parameters(MATERIAL.young_modulus, MATERIAL.poisson_ratio)
+        ).assemble(self.basis)
         self.dofs = [self.basis.get_dofs(elements=True).all([f"u^{i}"]) for i in (1, 2)]
         self.places = self.basis.doflocs[:, self.dofs[0]]
         contact = [self.basis.get_dofs("contact").all([f"u^{i}"]) for i in (1, 2)]
@@ -225,12 +267,21 @@ class Loaded:
         middle = base[0][np.argmin(np.abs(self.basis.doflocs[0, base[0]]))]
         held = np.union1d(base[1], base[0] if self.body.supports["base"] == "fixed" else [middle])
         self.free = np.setdiff1d(np.arange(self.basis.N), held)
-        self.factors = splu(self.stiffness[self.free][:, self.free].tocsc(), permc_spec="MMD_AT_PLUS_A")
+        self.factors = splu(
+            self.stiffness[self.free][:, self.free].tocsc(), permc_spec="MMD_AT_PLUS_A"
+        )
 
     def tractions(self, stress, names):
         """Consistent nodal forces of a uniform stress on the named boundaries."""
-        traction = skfem.LinearForm(lambda v, w: sum(stress[i, j] * w.n[j] * v[i] for i in (0, 1) for j in (0, 1)))
-        return sum(traction.assemble(skfem.FacetBasis(self.body.mesh, self.element, facets=name, intorder=6)) for name in names)
+        traction = skfem.LinearForm(
+            lambda v, w: sum(stress[i, j] * w.n[j] * v[i] for i in (0, 1) for j in (0, 1))
+        )
+        return sum(
+            traction.assemble(
+                skfem.FacetBasis(self.body.mesh, self.element, facets=name, intorder=6)
+            )
+            for name in names
+        )
 
     def moved(self, stress, forces):
         """Displacement of all degrees of freedom."""
@@ -251,14 +302,19 @@ def loaded(*which):
 
 
 def both_loaded(line, order, cells, ratio, coarser=0.4, base="rollers"):
-    return {which: loaded(which, line, order, cells, size, base) for which, size in sizes_of(ratio, coarser).items()}
+    return {
+        which: loaded(which, line, order, cells, size, base)
+        for which, size in sizes_of(ratio, coarser).items()
+    }
 
 
 PRESSURE, SHEAR, SHIFT = 1.5, 0.4, 0.2
 
 
 def patch_errors(line, kind, ratio, stress, coarser=0.4):
-    """Uniform p and q of the stress on a straight line, or of a hydrostatic one: errors of forces and displacements, relative."""
+    """Uniform p and q of the stress on a straight line, or of a hydrostatic one: errors of forces
+    and displacements, relative.
+    """
     base = "fixed" if stress[0, 1] else "rollers"
     lower, upper = pair(line, *kind, ratio, coarser, base)
     interface = couple(lower, upper)
@@ -268,14 +324,19 @@ def patch_errors(line, kind, ratio, stress, coarser=0.4):
     forces = body_forces(lower, upper, pressure * interface.weights, shear * interface.weights)
     errors, young, nu = {}, MATERIAL.young_modulus, MATERIAL.poisson_ratio
     for which, body in both_loaded(line, *kind, ratio, coarser, base).items():
-        own = stress if which == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])  # reflected in y = 0
+        # reflected in y = 0
+        own = stress if which == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])
         strain = ((1 + nu) * (own - nu * np.trace(own) * np.eye(2))) / young
-        x, y = body.places[0], body.places[1] + HEIGHTS[which]  # a block that stands on y = -height: no rotation of the base
+        # a block that stands on y = -height: no rotation of the base
+        x, y = body.places[0], body.places[1] + HEIGHTS[which]
         exact = np.stack([strain[0, 0] * x + 2 * strain[0, 1] * y, strain[1, 1] * y])
         found = body.moved(own, forces[which])
-        errors[f"forces, {which}"] = np.abs(forces[which] - body.consistent(own)).max() / np.abs(forces[which]).max()
+        errors[f"forces, {which}"] = (
+            np.abs(forces[which] - body.consistent(own)).max() / np.abs(forces[which]).max()
+        )
         errors[f"displacement, {which}"] = max(
-            np.abs(found[dofs] - one).max() / np.abs(exact).max() for dofs, one in zip(body.dofs, exact, strict=True)
+            np.abs(found[dofs] - one).max() / np.abs(exact).max()
+            for dofs, one in zip(body.dofs, exact, strict=True)
         )
     return errors
 
@@ -286,15 +347,21 @@ HYDROSTATIC = -PRESSURE * np.eye(2)
 
 
 def one_line(line):
-    """Ratio, order and cells with which both sides follow one line: chords of unlike corners do not follow a curve."""
+    """Ratio, order and cells with which both sides follow one line: chords of unlike corners do not
+    follow a curve.
+    """
     every = ((ratio, order, cells) for ratio in RATIOS for order, cells in KINDS)
     return [case for case in every if line in STRAIGHT or case[0] == 1 or case[1] == 2]
 
 
 def case(line, rest, name, *before):
-    """The finer side below with all but quadratic triangles, and the flat line, only among the slow tests."""
+    """The finer side below with all but quadratic triangles, and the flat line, only among the slow
+    tests.
+    """
     mild = (rest[0] == 4.0 and rest[1:] != (2, "triangles")) or (line == "flat" and rest[0] == 0.25)
-    return pytest.param(line, *before, *rest, id=f"{line}, {name}, {rest}", marks=[pytest.mark.slow] if mild else [])
+    return pytest.param(
+        line, *before, *rest, id=f"{line}, {name}, {rest}", marks=[pytest.mark.slow] if mild else []
+    )
 
 
 EXACT = [
@@ -311,16 +378,23 @@ EXACT = [
 
 @pytest.mark.parametrize(("line", "stress", "ratio", "order", "cells"), EXACT)
 def test_a_uniform_stress_passes_to_both_bodies(line, stress, ratio, order, cells):
-    """Forces are the consistent ones of either side, and the bodies take up the linear field: worst of all 1e-13."""
+    """Forces are the consistent ones of either side, and the bodies take up the linear field: worst
+    of all 1e-13.
+    """
     errors = patch_errors(line, (order, cells), ratio, stress)
     assert max(errors.values()) < 1e-12, errors
 
 
 @pytest.mark.parametrize("ratio", [0.25, 4.0])
 def test_linear_sides_that_do_not_match_follow_a_curve_to_first_and_second_order(ratio):
-    """Chords of unlike corners differ in slope by O(h), in place by O(h^2): nodal forces err by 1 % at h = a/10."""
+    """Chords of unlike corners differ in slope by O(h), in place by O(h^2): nodal forces err by 1 %
+    at h = a/10.
+    """
     sizes = (0.4, 0.2, 0.1)
-    found = [patch_errors("parabola, a/R = 0.3", (1, "triangles"), ratio, HYDROSTATIC, size) for size in sizes]
+    found = [
+        patch_errors("parabola, a/R = 0.3", (1, "triangles"), ratio, HYDROSTATIC, size)
+        for size in sizes
+    ]
     for which in HEIGHTS:
         assert 0.9 < order_of(sizes, [errors[f"forces, {which}"] for errors in found]) < 1.5
         assert 1.8 < order_of(sizes, [errors[f"displacement, {which}"] for errors in found]) < 2.4
@@ -344,7 +418,8 @@ HELD = [case(line, rest, "hydrostatic") for line in LINES for rest in one_line(l
 
 @pytest.mark.parametrize(("line", "ratio", "order", "cells"), HELD)
 def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells):
-    """Pressed by the resultants of a uniform pressure every node is closed, sticks, and bears p w: to 1e-9 of it.
+    """Pressed by the resultants of a uniform pressure every node is closed, sticks, and bears p w:
+    to 1e-9 of it.
 
     The other boundaries bear the pressure: what that does to gap and slip is known.
     """
@@ -356,21 +431,35 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
         found = body.moved(HYDROSTATIC, 0.0)
         moved[which] = found[body.contact]
     moved["upper"] = moved["upper"] * np.array([[1.0], [-1.0]])
-    along = [np.einsum("dncm,cm->dn", getattr(coupled, which), moved[which]) for which in ("lower", "upper")]
+    along = [
+        np.einsum("dncm,cm->dn", getattr(coupled, which), moved[which])
+        for which in ("lower", "upper")
+    ]
     gap, slip = along[1] - along[0]
     zero, (n_x, n_y) = np.zeros_like(interface.x), interface.normals
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
-    # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were made, once the upper body has
-    # come back by the shift that is planted here.
-    wanted, rest, sticks = PRESSURE * interface.weights, problem.at_rest(), np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
+    # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were
+    # made, once the upper body has come back by the shift that is planted here.
+    wanted, rest, sticks = (
+        PRESSURE * interface.weights,
+        problem.at_rest(),
+        np.full(len(zero), SurfaceState.STICK, dtype=np.int8),
+    )
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)
     loads = interface.carried(wanted, 0 * wanted)
-    values = rest.values + np.array([*loads, 1.0]) @ systems.answers(sticks, 2, np.arange(2 * len(zero)), lacking)
+    values = rest.values + np.array([*loads, 1.0]) @ systems.answers(
+        sticks, 2, np.arange(2 * len(zero)), lacking
+    )
     state = InterfaceState(1.0, loads, values, sticks)
     np.testing.assert_allclose(state.pressure / interface.weights, PRESSURE, rtol=1e-9)
     np.testing.assert_allclose(state.shear / interface.weights, 0.0, atol=1e-9 * PRESSURE)
     np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)
-    strain = (1 + MATERIAL.poisson_ratio) * (1 - 2 * MATERIAL.poisson_ratio) / MATERIAL.young_modulus * PRESSURE
+    strain = (
+        (1 + MATERIAL.poisson_ratio)
+        * (1 - 2 * MATERIAL.poisson_ratio)
+        / MATERIAL.young_modulus
+        * PRESSURE
+    )
     assert state.approach == pytest.approx(strain * sum(HEIGHTS.values()), rel=1e-9)
     assert state.shift == pytest.approx(SHIFT, rel=1e-9)

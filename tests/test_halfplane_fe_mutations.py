@@ -1,7 +1,9 @@
-"""Faults that must fail: wrong answers, a broken engine, laws broken by a thousandth, and the table of `benchmarks/must_fail.py`.
+"""Faults that must fail: wrong answers, a broken engine, laws broken by a thousandth, and the table
+of `benchmarks/must_fail.py`.
 
-Several well-known friction tests exercise no friction at all. Here friction is taken away, the history is dropped, dQ changes sign,
-q is replaced by p, and each is refused; the right answer passes the same checks.
+Several well-known friction tests exercise no friction at all. Here friction is taken away, the
+history is dropped, dQ changes sign, q is replaced by p, and each is refused; the right answer
+passes the same checks.
 """
 
 from __future__ import annotations
@@ -36,15 +38,24 @@ def refused(problem, answer):
     """Names of the checks of `test_answers_agree_with_the_closed_forms` that fail."""
     group = "hertz" if "hertz" in problem.tags else "flat and rounded"
     found = errors(problem, answer)
-    return {metric for metric, error in found.items() if not error <= TOLERANCES[f"{group} {metric}"].limit}
+    return {
+        metric
+        for metric, error in found.items()
+        if not error <= TOLERANCES[f"{group} {metric}"].limit
+    }
 
 
-# ----------------------------------------------------------------------------------------------------------- wrong answers
+# ------------------------------------------------------------------------------------ wrong answers
 
 
 def without_friction(answer):
     still = np.zeros_like(answer.shear)
-    return replace(answer, shear=still, dissipation=0.0, tangential_displacement=np.zeros_like(answer.tangential_displacement))
+    return replace(
+        answer,
+        shear=still,
+        dissipation=0.0,
+        tangential_displacement=np.zeros_like(answer.tangential_displacement),
+    )
 
 
 def shear_is_pressure(answer):
@@ -60,7 +71,9 @@ def shear_in_proportion(answer):
 
 
 def shear_turned_round(answer):
-    return replace(answer, shear=-answer.shear, tangential_displacement=-answer.tangential_displacement)
+    return replace(
+        answer, shear=-answer.shear, tangential_displacement=-answer.tangential_displacement
+    )
 
 
 def of_another_instant(answer, problem):
@@ -77,38 +90,53 @@ def test_wrong_shear_is_refused_on_every_problem(problem):
     assert refused(problem, answer) == set()
     for mutation in (without_friction, shear_is_pressure, shear_turned_round):
         assert "shear" in refused(problem, mutation(answer)), mutation.__name__
-    assert ("shear" in refused(problem, shear_in_proportion(answer))) == ("full stick" not in problem.tags)
+    assert ("shear" in refused(problem, shear_in_proportion(answer))) == (
+        "full stick" not in problem.tags
+    )
     if problem in CYCLES:
         assert "shear" in refused(problem, of_another_instant(answer, problem))
         for factor in (0.0, -1.0, 0.98, 1.02, 2.0):
-            assert refused(problem, replace(answer, dissipation=factor * answer.dissipation)) == {"dissipation"}
+            assert refused(problem, replace(answer, dissipation=factor * answer.dissipation)) == {
+                "dissipation"
+            }
 
 
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS.keys())
 def test_a_few_per_cent_are_refused(problem):
     answer = fe_run(problem.scene)
-    for field, share in (("pressure", 0.02), ("contact_half_width", 0.01), ("stick_half_width", 0.1)):
-        assert field in refused(problem, replace(answer, **{field: (1 + share) * getattr(answer, field)}))
+    for field, share in (
+        ("pressure", 0.02),
+        ("contact_half_width", 0.01),
+        ("stick_half_width", 0.1),
+    ):
+        assert field in refused(
+            problem, replace(answer, **{field: (1 + share) * getattr(answer, field)})
+        )
 
 
-# --------------------------------------------------------------------------------------------------------- a broken engine
+# ---------------------------------------------------------------------------------- a broken engine
 
 
 def solve_broken(problem):
-    """The answer of the engine as it is now, no increment halved, or None where it gives up by itself.
+    """The answer of the engine as it is now, no increment halved, or None where it gives up by
+    itself.
 
-    Where Newton's sets chase each other there is no second way: with a broken law that one ends after nine seconds, without an
-    answer too.
+    Where Newton's sets chase each other there is no second way: with a broken law that one ends
+    after nine seconds, without an answer too.
     """
     try:
         with mock.patch.object(ContactProblem, "_alternating", return_value=(None, 1, 1)):
-            return halfplane_fe.solve(problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf))
+            return halfplane_fe.solve(
+                problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf)
+            )
     except (ConvergenceError, ArithmeticError, ValueError):
         return None
 
 
 def in_first_revolution(name):
-    """The problem at the same point of the first revolution, where its shear is true already (its stick zone and W are not)."""
+    """The problem at the same point of the first revolution, where its shear is true already (its
+    stick zone and W are not).
+    """
     problem = PROBLEMS[name]
     path = problem.scene.load.path()
     time = path.cycle_start + (problem.time - path.cycle_start) % path.period
@@ -121,7 +149,8 @@ def sliding(self, history, time, loads):
     return state.changed(shear=np.sign(loads[1]) * self.friction * state.pressure), iterations
 
 
-# First branches alone would not see a lost memory: that is why the table of problems has half reversals in it.
+# First branches alone would not see a lost memory: that is why the table of problems has half
+# reversals in it.
 BROKEN = [
     (EQUILIBRIUM, "paper, reverse slip ends", False),
     (forgetting, "mindlin, half-way back", True),
@@ -132,9 +161,15 @@ BROKEN = [
 ]
 
 
-@pytest.mark.parametrize(("engine", "name", "seen"), BROKEN, ids=lambda value: getattr(value, "__name__", value))
+@pytest.mark.parametrize(
+    ("engine", "name", "seen"), BROKEN, ids=lambda value: getattr(value, "__name__", value)
+)
 def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen):
-    problem = PROBLEMS[name] if PROBLEMS[name].scene.load.path().period is None else in_first_revolution(name)
+    problem = (
+        PROBLEMS[name]
+        if PROBLEMS[name].scene.load.path().period is None
+        else in_first_revolution(name)
+    )
     with must_fail.equilibrium(engine):
         answer = solve_broken(problem)
     assert (answer is None or "shear" in refused(problem, answer)) == seen
@@ -142,7 +177,9 @@ def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen)
 
 @pytest.mark.parametrize(("factor", "ends"), [(0.0, True), (0.5, True), (0.9, False), (1.1, False)])
 def test_engine_with_other_friction_is_refused(factor, ends):
-    """With f -> 0 nothing holds the tangential load, and the engine says so; with a little less or more it slips elsewhere."""
+    """With f -> 0 nothing holds the tangential load, and the engine says so; with a little less or
+    more it slips elsewhere.
+    """
     problem = PROBLEMS["mindlin, Q largest"]
     with must_fail.friction(factor):
         answer = solve_broken(problem)
@@ -150,12 +187,20 @@ def test_engine_with_other_friction_is_refused(factor, ends):
     assert ends or {"shear", "dissipation"} <= refused(problem, answer)
 
 
-# ------------------------------------------------------------------------------------------------- violations of the laws
+# --------------------------------------------------------------------------- violations of the laws
 def a_law_broken(answer, law):
     """The answer with one law broken by a thousandth."""
-    step, changed = len(answer.time) - 1, {name: np.array(getattr(answer, name)) for name in ("pressure", "shear", "slip")}
-    state, (pressure, shear, slip) = answer.state[step], (values[step] for values in changed.values())
-    node = int(np.flatnonzero(np.isin(state, [SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE]))[0])
+    step, changed = (
+        len(answer.time) - 1,
+        {name: np.array(getattr(answer, name)) for name in ("pressure", "shear", "slip")},
+    )
+    state, (pressure, shear, slip) = (
+        answer.state[step],
+        (values[step] for values in changed.values()),
+    )
+    node = int(
+        np.flatnonzero(np.isin(state, [SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE]))[0]
+    )
     amount, sense = 1e-3 * answer.pressure.max(), np.sign(shear[node])
     match law:
         case "tension":
@@ -177,7 +222,11 @@ def a_law_broken(answer, law):
         case "stick beyond contact":
             changed = {"stick_half_width": answer.contact_half_width * 1.001}
         case "negative dissipation":
-            changed = {"dissipation_density": answer.dissipation_density - 1e-3 * answer.dissipation_density.max()}
+            changed = {
+                "dissipation_density": (
+                    answer.dissipation_density - 1e-3 * answer.dissipation_density.max()
+                )
+            }
     return replace(answer, **changed)
 
 
@@ -190,7 +239,7 @@ def test_every_planted_violation_of_the_laws_is_seen():
         assert law_violations(a_law_broken(answer, law))[law] > 1e-5, law
 
 
-# --------------------------------------------------------------------------------------- the table of the benchmark
+# ----------------------------------------------------------------------- the table of the benchmark
 FAULTS = {fault.name: fault for fault in must_fail.FAULTS}
 
 
@@ -198,14 +247,25 @@ FAULTS = {fault.name: fault for fault in must_fail.FAULTS}
 def caught(name: str | None) -> frozenset[str]:
     """The checks that the answer with that fault fails, on the default mesh."""
     answer = must_fail.solved(FAULTS.get(name))
-    found = dict.fromkeys(must_fail.LIMITS, float("inf")) if isinstance(answer, str) else must_fail.figures(answer)
-    return frozenset(check for check, limit in must_fail.LIMITS.items() if not found[check] <= limit)
+    found = (
+        dict.fromkeys(must_fail.LIMITS, float("inf"))
+        if isinstance(answer, str)
+        else must_fail.figures(answer)
+    )
+    return frozenset(
+        check for check, limit in must_fail.LIMITS.items() if not found[check] <= limit
+    )
 
 
 def test_every_fault_of_the_list_is_in_the_table_and_names_checks_that_exist() -> None:
-    frozen = json.loads((Path(__file__).parent / "contract" / "planted_faults.json").read_text(encoding="utf-8"))
+    frozen = json.loads(
+        (Path(__file__).parent / "contract" / "planted_faults.json").read_text(encoding="utf-8")
+    )
     assert set(FAULTS) >= {row["fault"] for row in frozen if row["part"] == "finite elements"}
-    assert all(fault.caught_by and set(fault.caught_by) <= set(must_fail.LIMITS) for fault in must_fail.FAULTS)
+    assert all(
+        fault.caught_by and set(fault.caught_by) <= set(must_fail.LIMITS)
+        for fault in must_fail.FAULTS
+    )
 
 
 @pytest.mark.slow
@@ -225,9 +285,13 @@ def healthy_on_a_coarse_mesh() -> dict[str, float]:
     return must_fail.figures(must_fail.solved(None, COARSE))
 
 
-@pytest.mark.parametrize("name", ["history dropped", "sign of Q flipped", "pressure of sliding nodes 1 % short"])
+@pytest.mark.parametrize(
+    "name", ["history dropped", "sign of Q flipped", "pressure of sliding nodes 1 % short"]
+)
 def test_faults_are_caught_on_a_coarse_mesh_too(name: str) -> None:
-    """What needs no reference has one limit on any mesh; against theory, shear is off by more than a coarse mesh costs."""
+    """What needs no reference has one limit on any mesh; against theory, shear is off by more than
+    a coarse mesh costs.
+    """
     healthy = healthy_on_a_coarse_mesh()
     broken = must_fail.figures(must_fail.solved(FAULTS[name], COARSE))
     for check in FAULTS[name].caught_by:

@@ -1,4 +1,6 @@
-"""What a finite-element answer says of its doubt: revolutions that do not repeat, coarse meshes, slip nobody can see, slivers."""
+"""What a finite-element answer says of its doubt: revolutions that do not repeat, coarse meshes,
+slip nobody can see, slivers.
+"""
 
 import functools
 import html
@@ -46,14 +48,27 @@ sys.path.remove(str(BENCHMARKS))
 
 ROUGH = MeshSettings(element_size=0.25, edge_element_size=0.125, growth=1.0)
 FEW = SolverSettings(steps_per_cycle=8)
-OPTIONS = ("--element-size", "0.25", "--edge-element-size", "0.125", "--growth", "1", "--steps-per-cycle", "8", "--quiet")
+OPTIONS = (
+    "--element-size",
+    "0.25",
+    "--edge-element-size",
+    "0.125",
+    "--growth",
+    "1",
+    "--steps-per-cycle",
+    "8",
+    "--quiet",
+)
 BLOCK = {"kind": "block", "width": 18.0, "height": 18.0, "base": "rollers", "sides": "guided"}
 
 
 # Rounded from one of 7 found among 40 random pairs with a block on rollers under tilted ellipses.
 ON_ROLLERS: dict[str, Any] = {
     "name": "blocks-on-rollers",
-    "material": {"lower": {"young_modulus": 210e3, "poisson_ratio": 0.3}, "upper": {"young_modulus": 31e3, "poisson_ratio": 0.18}},
+    "material": {
+        "lower": {"young_modulus": 210e3, "poisson_ratio": 0.3},
+        "upper": {"young_modulus": 31e3, "poisson_ratio": 0.18},
+    },
     "profile": {"kind": "flat_rounded", "radius": 500.0, "flat_half_length": 0.37},
     "friction": {"coefficient": 0.1},
     "bodies": {"lower": BLOCK, "upper": BLOCK},
@@ -78,7 +93,7 @@ def drift_note(solution: ContactSolution) -> str:
     return note
 
 
-# ------------------------------------------------------------------------------------------------- no revolution repeats
+# ---------------------------------------------------------------------------- no revolution repeats
 def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drifts() -> None:
     solution = unsettled()
     before, last = solution.cycle_dissipation
@@ -103,7 +118,9 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
 
 
 @pytest.mark.slow
-def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out, scene_file = tmp_path / "out", tmp_path / "blocks-on-rollers.json"
     scene_file.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")
     main(["run", str(scene_file), "--no-budget", "--out", str(out), *OPTIONS])
@@ -112,7 +129,9 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, cap
     assert f"Note: {note}." in words
     content = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert note in content["result"]["notes"]
-    assert content["result"]["dissipation_drift"] == pytest.approx(unsettled().dissipation_drift, rel=1e-6)
+    assert content["result"]["dissipation_drift"] == pytest.approx(
+        unsettled().dissipation_drift, rel=1e-6
+    )
     shown = html.unescape((out / "report.html").read_text(encoding="utf-8"))
     assert f"finite elements: {note}" in shown
     # And that the mesh is as rough as that of the coarse run.
@@ -121,12 +140,13 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, cap
     assert "the dissipation has no uncertainty estimate" in shown
 
 
-# --------------------------------------------------------------------------------------------- the uncertainty of the dissipation
+# --------------------------------------------------------------- the uncertainty of the dissipation
 
 
 @pytest.mark.parametrize("elements", [48, pytest.param(160, marks=pytest.mark.slow)])
 def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(elements: int) -> None:
-    """phase-180 dissipates 1.8e-3 A f^2 P^2, a third of what it does at 90 degrees; the error in A f^2 P^2 is the same.
+    """phase-180 dissipates 1.8e-3 A f^2 P^2, a third of what it does at 90 degrees; the error in A
+    f^2 P^2 is the same.
 
     Shifting nodes by a share of an element moves W by up to 3e-4 at a/48 and 3e-5 at a/160.
     """
@@ -136,42 +156,74 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
     for share in (0.0, 0.375, 0.625, 0.75):
         apart = share * known.half_width / elements
         scales = replace(known, inner=known.inner + apart, reach=known.reach + apart)
-        solution = halfplane_fe.solve(scene, MeshSettings(edge_element_size=1 / elements), scales=scales)
+        solution = halfplane_fe.solve(
+            scene, MeshSettings(edge_element_size=1 / elements), scales=scales
+        )
         shares.append(abs(solution.dissipation - true) / solution.dissipation_uncertainty)
     assert 0.2 < max(shares) <= 1
 
 
-def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The difference from the coarse run over the square of the refinement; shares of what edges between nodes would add, of
-    W (h/a)^2, of W for elements that grow away from the edges; and of what kinks in increments add in the last cycle.
+def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The difference from the coarse run over the square of the refinement; shares of what edges
+    between nodes would add, of W (h/a)^2, of W for elements that grow away from the edges; and of
+    what kinks in increments add in the last cycle.
     """
     module, runs = sys.modules["halfplane_fe.solve"], []
     run_path = module.run_path
-    monkeypatch.setattr(module, "run_path", lambda *given, **named: runs.append(run_path(*given, **named)) or runs[-1])
+    monkeypatch.setattr(
+        module,
+        "run_path",
+        lambda *given, **named: runs.append(run_path(*given, **named)) or runs[-1],
+    )
     never_halved = replace(FEW, step_tolerance=np.inf)
-    solution = halfplane_fe.solve(load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), never_halved)
-    refinement, apart = solution.scales.element * 32, abs(solution.dissipation - solution.scales.dissipation)
+    solution = halfplane_fe.solve(
+        load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), never_halved
+    )
+    refinement, apart = (
+        solution.scales.element * 32,
+        abs(solution.dissipation - solution.scales.dissipation),
+    )
     unit, work = solution.scales.load**2 / solution.scales.modulus, solution.dissipation
     steps = 0.2 * runs[-1].column("bent")[runs[-1].cycle_starts[-1] :].sum() * unit
     assert steps > 1e-5 * work
     scatter = runs[-1].excess[-1].scatter * unit
     assert scatter > 1e-4 * work
-    of_mesh = apart / (refinement**2 - 1) + 0.15 * scatter + 0.1 * work / 32**2 + 0.01875 * ROUGH.growth**4 * work
+    of_mesh = (
+        apart / (refinement**2 - 1)
+        + 0.15 * scatter
+        + 0.1 * work / 32**2
+        + 0.01875 * ROUGH.growth**4 * work
+    )
     assert solution.dissipation_uncertainty == pytest.approx(steps + of_mesh, rel=1e-9)
-    assert any(f" ± {solution.dissipation_uncertainty:.2g} (" in value for _, value in summary_rows(solution))
+    assert any(
+        f" ± {solution.dissipation_uncertainty:.2g} (" in value
+        for _, value in summary_rows(solution)
+    )
     solution.save(tmp_path / "one.nc")
-    assert ContactSolution.load(tmp_path / "one.nc").dissipation_uncertainty == solution.dissipation_uncertainty
-    peak = semi_analytic.solve(load_scene("hertz-paper"), x=solution.x, time=solution.time).pressure.max()
+    assert (
+        ContactSolution.load(tmp_path / "one.nc").dissipation_uncertainty
+        == solution.dissipation_uncertainty
+    )
+    peak = semi_analytic.solve(
+        load_scene("hertz-paper"), x=solution.x, time=solution.time
+    ).pressure.max()
     assert abs(solution.pressure.max() - peak) < solution.largest_pressure_uncertainty < 1e-2 * peak
 
 
 TIPS = {
-    **{f"x^{n:g}": PowerLaw(exponent=n, length=1.0, rise=5e-4) for n in (1.15, 1.3, 1.5, 1.7, 1.9, 2.5, 4.0, 6.0)},
+    **{
+        f"x^{n:g}": PowerLaw(exponent=n, length=1.0, rise=5e-4)
+        for n in (1.15, 1.3, 1.5, 1.7, 1.9, 2.5, 4.0, 6.0)
+    },
     "hertz": Hertz(radius=1000.0),
     "flat": FlatRounded(radius=1000.0, flat_half_length=0.7),
     "sharp wedge": Wedge(tip_radius=200.0, tip_half_length=2e-3),
     "table": Tabulated(points=[[x / 10, 5e-4 * (x / 10) ** 1.6] for x in range(26)]),
-    "function": CallableProfile(slope_function=lambda x: 7e-4 * np.sign(x) * np.abs(x) ** 0.4, extent=3.0),
+    "function": CallableProfile(
+        slope_function=lambda x: 7e-4 * np.sign(x) * np.abs(x) ** 0.4, extent=3.0
+    ),
 }
 # Largest errors, of p0, on the default mesh.
 AT_TIP = {"x^1.3": 1e-2, "x^1.5": 3e-3, "x^1.7": 1e-3, "sharp wedge": 1e-3, "function": 1e-2}
@@ -182,26 +234,45 @@ AT_TIP = {"x^1.3": 1e-2, "x^1.5": 3e-3, "x^1.7": 1e-3, "sharp wedge": 1e-3, "fun
     [
         ("x^1.3", "coarse"),
         ("sharp wedge", "coarse"),
-        *(pytest.param(name, preset, marks=pytest.mark.slow) for name in TIPS for preset in ("coarse", "default", "fine")),
+        *(
+            pytest.param(name, preset, marks=pytest.mark.slow)
+            for name in TIPS
+            for preset in ("coarse", "default", "fine")
+        ),
     ],
 )
 def test_peak_pressure_is_covered_and_tips_are_meshed(name: str, preset: str) -> None:
-    """Elements are halved towards a tip, so that the error of x^1.3 is 0.4 % for 7 % without; the statement covers what is left."""
+    """Elements are halved towards a tip, so that the error of x^1.3 is 0.4 % for 7 % without; the
+    statement covers what is left.
+    """
     scene = load_scene("hertz-normal").vary(profile=TIPS[name], expected=[])
     solution = halfplane_fe.solve(scene, MeshSettings.preset(preset), FEW)
     a = float(solution.contact_half_width.max())
     places = np.union1d(solution.x, np.concatenate([np.linspace(-a, a, 2001), scene.profile.kinks]))
-    peak = float(semi_analytic.solve(scene, x=places, time=solution.time[-1:], fields=("pressure",)).pressure.max())
+    peak = float(
+        semi_analytic.solve(
+            scene, x=places, time=solution.time[-1:], fields=("pressure",)
+        ).pressure.max()
+    )
     error = abs(float(solution.pressure.max()) - peak)
     assert error <= solution.largest_pressure_uncertainty < 0.2 * peak
     assert error < AT_TIP.get(name, 0.1) * peak
 
 
 def layers(height: float) -> Scene:
-    """Two like layers of that height, mm, pressed into each other and sheared; a is 0.46 to 0.75 mm."""
+    """Two like layers of that height, mm, pressed into each other and sheared; a is 0.46 to 0.75
+    mm.
+    """
     bodies = Bodies(lower=Block(width=20.0, height=height), upper=Block(width=20.0, height=height))
-    load = {"kind": "ellipse", "mean_normal_load": 90.6, "normal_amplitude": 30.2, "tangential_amplitude": 10.0}
-    return load_scene("hertz-normal").vary(bodies=bodies, load=load, friction=0.5, cycles=1, expected=[])
+    load = {
+        "kind": "ellipse",
+        "mean_normal_load": 90.6,
+        "normal_amplitude": 30.2,
+        "tangential_amplitude": 10.0,
+    }
+    return load_scene("hertz-normal").vary(
+        bodies=bodies, load=load, friction=0.5, cycles=1, expected=[]
+    )
 
 
 def test_elements_that_are_large_beside_a_thin_body_count_in_the_uncertainty_of_the_peak() -> None:
@@ -209,7 +280,10 @@ def test_elements_that_are_large_beside_a_thin_body_count_in_the_uncertainty_of_
     mesh, height = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80, growth=0.5), 0.08
     solution = halfplane_fe.solve(layers(height), mesh, FEW)
     elements = mesh.element_size * solution.scales.half_width
-    assert solution.largest_pressure_uncertainty > 0.003 * (elements / height) ** 2 * solution.pressure.max()
+    assert (
+        solution.largest_pressure_uncertainty
+        > 0.003 * (elements / height) ** 2 * solution.pressure.max()
+    )
 
 
 @pytest.mark.slow
@@ -224,19 +298,23 @@ def test_peak_pressure_of_thin_layers_is_covered(height: float) -> None:
 
 
 def test_an_unknown_uncertainty_and_one_beyond_the_tolerance_are_noted() -> None:
-    """A mesh hardly finer than that of the coarse run; nothing sheared; penalty layers count the whole difference."""
+    """A mesh hardly finer than that of the coarse run; nothing sheared; penalty layers count the
+    whole difference.
+    """
     known = halfplane_fe.solve(load_scene("cattaneo-mindlin"), ROUGH, FEW)
     assert np.isnan(known.dissipation_uncertainty)
     assert any("the dissipation has no uncertainty estimate" in note for note in known.record.notes)
     assert halfplane_fe.solve(load_scene("hertz-normal"), ROUGH, FEW).dissipation_uncertainty == 0
     mesh = replace(ROUGH, edge_element_size=1 / 32)
-    soft = SolverSettings(steps_per_cycle=8, method="penalty", normal_stiffness=10.0, tangential_stiffness=10.0)
+    soft = SolverSettings(
+        steps_per_cycle=8, method="penalty", normal_stiffness=10.0, tangential_stiffness=10.0
+    )
     layer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), mesh, soft, scales=known.scales)
     assert layer.dissipation_uncertainty >= abs(layer.dissipation - known.scales.dissipation)
     assert any(note.startswith("the dissipation is uncertain by") for note in layer.record.notes)
 
 
-# ------------------------------------------------------------------------------------------------ under stress
+# ------------------------------------------------------------------------------------- under stress
 
 
 COARSE = MeshSettings.coarse()
@@ -244,18 +322,25 @@ SHORT = SolverSettings(steps_per_cycle=24)
 
 
 def test_a_over_r_plays_no_part_in_the_tractions():
-    """P = 4 E* mm: a = 2.3 R for R = 1 mm; the datum of the approach lay inside the contact, where no compliance is positive."""
+    """P = 4 E* mm: a = 2.3 R for R = 1 mm; the datum of the approach lay inside the contact, where
+    no compliance is positive.
+    """
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=1.0)
     answer = halfplane_fe.solve(scene, COARSE, SHORT)
     wanted = ("pressure", "tangential_displacement", "normal_approach", "dissipation")
     exact = semi_analytic.solve(scene, x=answer.x, time=answer.time, fields=wanted)
     assert answer.dissipation == pytest.approx(exact.dissipation, rel=3e-3)  # 6e-4
     loaded = answer.normal_load > 0.5 * answer.normal_load.max()
-    off, size = ((values[loaded] ** 2 @ answer.weights) for values in (answer.pressure - exact.pressure, exact.pressure))
+    off, size = (
+        (values[loaded] ** 2 @ answer.weights)
+        for values in (answer.pressure - exact.pressure, exact.pressure)
+    )
     assert np.sqrt(np.max(off / size)) < 0.015  # measured 5.3e-3 to 7.2e-3
     unit = 2 / np.pi * answer.normal_load.max()  # 2 P/(pi E*): what one power of e in L counts
     for name in ("normal_approach", "tangential_displacement"):
-        np.testing.assert_allclose(getattr(answer, name), getattr(exact, name), rtol=0, atol=3e-3 * unit, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(answer, name), getattr(exact, name), rtol=0, atol=3e-3 * unit, err_msg=name
+        )
 
 
 def test_failing_at_the_very_first_increment_is_told_as_such(monkeypatch):
@@ -276,30 +361,47 @@ def test_failing_at_the_very_first_increment_is_told_as_such(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("friction", [1e-6, 100.0])
 def test_friction_of_any_size_scales_the_shear_and_nothing_else(friction):
-    """Q in proportion to f: W/f^2 is the same. With q counted over p, f = 1e-3 kept its initial loading: W a third too large."""
+    """Q in proportion to f: W/f^2 is the same. With q counted over p, f = 1e-3 kept its initial
+    loading: W a third too large.
+    """
     one, other = (
-        halfplane_fe.solve(make_scene(ellipse(3.0, 1.0, 0.4 * f, 1.6 * f, 70.0), f, radius=100.0), COARSE, SHORT)
+        halfplane_fe.solve(
+            make_scene(ellipse(3.0, 1.0, 0.4 * f, 1.6 * f, 70.0), f, radius=100.0), COARSE, SHORT
+        )
         for f in (1.0, friction)
     )
-    assert other.dissipation / friction**2 == pytest.approx(one.dissipation, rel=1e-12)  # the same increments
+    # the same increments
+    assert other.dissipation / friction**2 == pytest.approx(one.dissipation, rel=1e-12)
     assert other.steady_from == one.steady_from
 
 
 @pytest.mark.parametrize(
     ("share", "words"),
-    [(0.6, None), (0.03, "the error of the dissipation is a factor"), (1e-6, "no node slips: a slip zone")],
+    [
+        (0.6, None),
+        (0.03, "the error of the dissipation is a factor"),
+        (1e-6, "no node slips: a slip zone"),
+    ],
 )
 def test_slip_zones_that_the_mesh_does_not_see_are_told(share, words):
-    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 0.5 * share), (1.0, -0.5 * share)]), 0.5, radius=100.0)
+    scene = make_scene(
+        polygon([(1.0, 0.0)], [(1.0, 0.5 * share), (1.0, -0.5 * share)]), 0.5, radius=100.0
+    )
     answer = halfplane_fe.solve(scene, COARSE, SHORT)
     exact = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
-    notes = [note for note in answer.record.notes if not note.startswith("the dissipation is uncertain by")]
+    notes = [
+        note
+        for note in answer.record.notes
+        if not note.startswith("the dissipation is uncertain by")
+    ]
     assert [words in note for note in notes] == [True] if words else notes == []
     assert (abs(answer.dissipation / exact - 1) > 0.05) == (words is not None)
 
 
 def test_a_flank_that_the_mesh_does_not_see_is_told():
-    """1 - b/a = 1e-3, elements of a/32: the pressure is a quarter off in L2, which the edges' uncertainty does not say."""
+    """1 - b/a = 1e-3, elements of a/32: the pressure is a quarter off in L2, which the edges'
+    uncertainty does not say.
+    """
     scene = make_scene(ellipse(), 0.5, flat=1.0)
     load = float(contact_of(scene.profile, scene.material).load(1.001))
     scene = make_scene(ellipse(*(np.array([0.75, 0.25, 0.05, 0.2]) * load), 70.0), 0.5, flat=1.0)
@@ -311,28 +413,52 @@ def test_a_flank_that_the_mesh_does_not_see_is_told():
 
 @pytest.mark.parametrize(("ratio", "told"), [(1.0, False), (4.0, True), (20.0, True)])
 def test_a_coarse_side_is_told_and_its_tractions_are_off_by_no_more(ratio, told):
-    """Upper elements 4 and 20 times as long: q off by 9 % and 26 % of f p in L2, p by 4 % and 11 %; not a word of it before."""
-    answer = halfplane_fe.solve(make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5), replace(COARSE, upper_ratio=ratio), SHORT)
+    """Upper elements 4 and 20 times as long: q off by 9 % and 26 % of f p in L2, p by 4 % and 11 %;
+    not a word of it before.
+    """
+    answer = halfplane_fe.solve(
+        make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5),
+        replace(COARSE, upper_ratio=ratio),
+        SHORT,
+    )
     notes = [note for note in answer.record.notes if "on the coarser side" in note]
     assert bool(notes) == told
     found = np.flatnonzero(answer.normal_load > 0.3 * answer.normal_load.max())[-20::4]
-    exact = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time[found], fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        answer.scene, x=answer.x, time=answer.time[found], fields=("pressure", "shear")
+    )
     size = np.sqrt(exact.pressure**2 @ answer.weights)
     off = np.sqrt((answer.shear[found] - exact.shear) ** 2 @ answer.weights) / (0.5 * size)
-    said = float(re.search(r"shear may be off by (\d+)%", notes[0])[1]) / 100 if "shear may be" in "".join(notes) else 0.5
+    said = (
+        float(re.search(r"shear may be off by (\d+)%", notes[0])[1]) / 100
+        if "shear may be" in "".join(notes)
+        else 0.5
+    )
     assert off.max() <= (said if told else 0.05)
 
 
 @pytest.mark.parametrize("edge", [1 / 16, 1 / 64])
 def test_what_a_mesh_dissipates_where_nothing_slips_is_told(edge):
-    """dQ/dP = f: full stick, all of it next to slipping; 1.5e-6 and 3e-8 of A f^2 P^2, with no note once."""
-    answer = halfplane_fe.solve(make_scene(ellipse(2.0, 1.0, 0.05, 0.5, 0.0), 0.5), replace(COARSE, edge_element_size=edge), SHORT)
+    """dQ/dP = f: full stick, all of it next to slipping; 1.5e-6 and 3e-8 of A f^2 P^2, with no note
+    once.
+    """
+    answer = halfplane_fe.solve(
+        make_scene(ellipse(2.0, 1.0, 0.05, 0.5, 0.0), 0.5),
+        replace(COARSE, edge_element_size=edge),
+        SHORT,
+    )
     (note,) = (
-        note for note in answer.record.notes if "the mesh alone" in note or "the error of the dissipation is a factor" in note
+        note
+        for note in answer.record.notes
+        if "the mesh alone" in note or "the error of the dissipation is a factor" in note
     )
     unit = 2 * (0.5 * answer.normal_load.max()) ** 2
     said = re.search(r"up to (\S+) of", note)
-    assert 0 < answer.dissipation <= (unit * float(said[1]) if said else answer.dissipation_uncertainty)
+    assert (
+        0
+        < answer.dissipation
+        <= (unit * float(said[1]) if said else answer.dissipation_uncertainty)
+    )
 
 
 def test_so_little_load_that_it_may_be_none_is_refused_as_that():
@@ -350,7 +476,9 @@ def test_a_block_like_a_needle_is_refused_in_a_sentence():
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
     scene = scene.vary(bodies=Bodies(lower=Block(width=90.0, height=1e8)))
     with pytest.raises(ConvergenceError) as caught:
-        halfplane_fe.solve(scene, replace(COARSE, edge_element_size=1 / 64, element_size=1 / 16), SHORT)
+        halfplane_fe.solve(
+            scene, replace(COARSE, edge_element_size=1 / 64, element_size=1 / 16), SHORT
+        )
     step, _, reason = str(caught.value).partition(": ")
     assert step in {"condensation", "contact"}
     assert reason
@@ -358,7 +486,9 @@ def test_a_block_like_a_needle_is_refused_in_a_sentence():
 
 
 def test_slivers_do_no_harm_or_are_refused_and_many_increments_move_nothing():
-    """A hundredth of a degree: p 6.5e-3, q 3.3e-2, W 1.0e-3; stiffness that is rounding; 600 increments on lines against 16."""
+    """A hundredth of a degree: p 6.5e-3, q 3.3e-2, W 1.0e-3; stiffness that is rounding; 600
+    increments on lines against 16.
+    """
     found = stress.with_slivers(1e-4)
     assert found.shown["aspect"] > 1e4
     assert max(found.errors.values()) < 0.05

@@ -1,4 +1,6 @@
-"""Where increments end, which paths have no solution, named troubles of bodies, and pairs turned upside down."""
+"""Where increments end, which paths have no solution, named troubles of bodies, and pairs turned
+upside down.
+"""
 
 from __future__ import annotations
 
@@ -41,20 +43,29 @@ TURN = 2 * math.pi
 
 
 def looped(phase=90.0, **changed):
-    values = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 0.2, "tangential_amplitude": 1}
+    values = {
+        "mean_normal_load": 3,
+        "normal_amplitude": 1,
+        "mean_tangential_load": 0.2,
+        "tangential_amplitude": 1,
+    }
     return EllipseLoad(**(values | {"phase_degrees": phase} | changed))
 
 
-# ------------------------------------------------------------------------------------------------------------ turning points
+# ----------------------------------------------------------------------------------- turning points
 
 
 @given(phase=st.floats(10, 170), friction=st.floats(0.3, 2), start=st.floats(0, TURN))
 def test_turning_points_of_an_ellipse(phase, friction, start):
-    """P turns at 0 and pi; Q -+ f P, sinusoids too, where their rates vanish: six in a revolution, two half a turn apart each."""
+    """P turns at 0 and pi; Q -+ f P, sinusoids too, where their rates vanish: six in a revolution,
+    two half a turn apart each.
+    """
     leg = ellipse_segment(start, start + TURN, (3, 0.2), (1, 0.7), math.radians(phase))
     tangential = 0.7 * np.exp(-1j * math.radians(phase))
     phases = [-np.angle(tangential - sign * friction) for sign in (1, -1)] + [0.0]
-    expected = np.sort(start + (np.array([p + half for p in phases for half in (0, math.pi)]) - start) % TURN)
+    expected = np.sort(
+        start + (np.array([p + half for p in phases for half in (0, math.pi)]) - start) % TURN
+    )
     found = np.array(turning_points(leg, friction))
     apart = np.diff(np.append(expected, expected[0] + TURN))
     if apart.min() > 1e-3 and min(expected[0] - start, start + TURN - expected[-1]) > 1e-3:
@@ -75,16 +86,28 @@ def test_straight_legs_do_not_turn_and_a_parabola_where_its_slope_is_f():
 
 @pytest.mark.parametrize("order", [300])
 def test_every_turn_of_a_high_harmonic_is_found(order):
-    """Q = 10 sin t + 30 sin(k t): its rate has a zero next to each of cos(k t), however few samples an ellipse would need."""
-    leg = HarmonicLoad(mean_normal_load=90, tangential_harmonics=[(10, 90), *[(0, 0)] * (order - 2), (30, 90)]).path().cycle[0]
+    """Q = 10 sin t + 30 sin(k t): its rate has a zero next to each of cos(k t), however few samples
+    an ellipse would need.
+    """
+    leg = (
+        HarmonicLoad(
+            mean_normal_load=90, tangential_harmonics=[(10, 90), *[(0, 0)] * (order - 2), (30, 90)]
+        )
+        .path()
+        .cycle[0]
+    )
     found = np.array(turning_points(leg, 0.5))
-    np.testing.assert_allclose(found, (np.arange(2 * order) + 0.5) * math.pi / order, atol=1 / (2 * order**2))
+    np.testing.assert_allclose(
+        found, (np.arange(2 * order) + 0.5) * math.pi / order, atol=1 / (2 * order**2)
+    )
 
 
 @pytest.mark.parametrize("order", [512, 720])
 def test_sliding_between_the_samples_of_a_slow_path_is_refused(order):
     """512 and 720 samples of a turn all fall where sin(k t) is nothing."""
-    load = HarmonicLoad(mean_normal_load=90, tangential_harmonics=[*[(0, 0)] * (order - 1), (50, 90)])
+    load = HarmonicLoad(
+        mean_normal_load=90, tangential_harmonics=[*[(0, 0)] * (order - 1), (50, 90)]
+    )
     with pytest.raises(InadmissibleLoadError, match="gross sliding"):
         check_admissible(load.path(), 0.5)
     paper = load_scene("hertz-paper")
@@ -110,12 +133,15 @@ def test_the_largest_load_is_where_it_turns_round_not_at_a_sample(phase, number)
     """P0 + P_k, of a single harmonic of the normal load with any phase."""
     harmonics = ((0.0, 0.0),) * (number - 1) + ((20.0, phase),)
     load = HarmonicLoad(
-        mean_normal_load=90.0, mean_tangential_load=0.0, normal_harmonics=harmonics, tangential_harmonics=((8.0, 0.0),)
+        mean_normal_load=90.0,
+        mean_tangential_load=0.0,
+        normal_harmonics=harmonics,
+        tangential_harmonics=((8.0, 0.0),),
     )
     assert largest_load(load_scene("harmonics").vary(load=load)) == pytest.approx(110.0, rel=1e-13)
 
 
-# ------------------------------------------------------------------------------------------------------------- admissibility
+# ------------------------------------------------------------------------------------ admissibility
 
 
 ADMISSIBLE = {
@@ -126,13 +152,55 @@ ADMISSIBLE = {
     "down and up": (PolygonLoad(initial_loading=[(2, 0.5), (1, -0.4), (3, 1.4)]), 0.5),
 }
 REFUSED = {
-    "sliding at a corner": (PolygonLoad(initial_loading=[(1, 0), (1, 0.6), (2, 0)]), 0.5, "gross sliding", 2.0, (1.0, 0.6)),
-    "exactly f P": (PolygonLoad(initial_loading=[(1, 0), (1, 0.5)]), 0.5, "gross sliding", 2.0, (1.0, 0.5)),
-    "sliding backwards": (PolygonLoad(initial_loading=[(1, 0), (1, -0.6)]), 0.5, "gross sliding", 2.0, (1.0, -0.6)),
-    "sliding on the initial loading": (PolygonLoad(initial_loading=[(1, 0.7), (2, 0)]), 0.5, "gross sliding", 1.0, (1.0, 0.7)),
-    "shear without friction": (PolygonLoad(initial_loading=[(1, 0), (1, 0.1)]), 0.0, "gross sliding", 2.0, (1.0, 0.1)),
-    "separation": (PolygonLoad(initial_loading=[(1, 0)], cycle=[(-0.5, 0)]), 0.5, "separation", 2.0, (-0.5, 0.0)),
-    "full unloading": (PolygonLoad(initial_loading=[(1, 0)], cycle=[(0, 0)]), 0.5, "separation", 2.0, (0.0, 0.0)),
+    "sliding at a corner": (
+        PolygonLoad(initial_loading=[(1, 0), (1, 0.6), (2, 0)]),
+        0.5,
+        "gross sliding",
+        2.0,
+        (1.0, 0.6),
+    ),
+    "exactly f P": (
+        PolygonLoad(initial_loading=[(1, 0), (1, 0.5)]),
+        0.5,
+        "gross sliding",
+        2.0,
+        (1.0, 0.5),
+    ),
+    "sliding backwards": (
+        PolygonLoad(initial_loading=[(1, 0), (1, -0.6)]),
+        0.5,
+        "gross sliding",
+        2.0,
+        (1.0, -0.6),
+    ),
+    "sliding on the initial loading": (
+        PolygonLoad(initial_loading=[(1, 0.7), (2, 0)]),
+        0.5,
+        "gross sliding",
+        1.0,
+        (1.0, 0.7),
+    ),
+    "shear without friction": (
+        PolygonLoad(initial_loading=[(1, 0), (1, 0.1)]),
+        0.0,
+        "gross sliding",
+        2.0,
+        (1.0, 0.1),
+    ),
+    "separation": (
+        PolygonLoad(initial_loading=[(1, 0)], cycle=[(-0.5, 0)]),
+        0.5,
+        "separation",
+        2.0,
+        (-0.5, 0.0),
+    ),
+    "full unloading": (
+        PolygonLoad(initial_loading=[(1, 0)], cycle=[(0, 0)]),
+        0.5,
+        "separation",
+        2.0,
+        (0.0, 0.0),
+    ),
     "ellipse lifts off": (looped(normal_amplitude=4), 5.0, "separation", 3 * math.pi, (-1.0, 0.2)),
     "ellipse slides": (
         looped(normal_amplitude=0, tangential_amplitude=1.6),
@@ -154,14 +222,24 @@ def test_inadmissible_paths_are_named_with_instant_and_loads(name):
     with pytest.raises(InadmissibleLoadError, match=reason) as caught:
         check_admissible(load.path(), friction)
     found = caught.value
-    assert (found.time, found.normal_load, found.tangential_load) == pytest.approx((time, *loads), abs=1e-9)
-    assert f"at time {found.time:.6g} with P = {found.normal_load:.6g}, Q = {found.tangential_load:.6g}" in str(found)
+    assert (found.time, found.normal_load, found.tangential_load) == pytest.approx(
+        (time, *loads), abs=1e-9
+    )
+    assert (
+        f"at time {found.time:.6g} with P = {found.normal_load:.6g}, Q ="
+        f" {found.tangential_load:.6g}" in str(found)
+    )
     assert "\n" not in str(found)
 
 
-@pytest.mark.parametrize(("friction", "force", "length"), [(1e-15, 1, 1), (1e-12, 1e6, 1e-3), (0.3, 1e-6, 1e3), (1e3, 1, 1)])
+@pytest.mark.parametrize(
+    ("friction", "force", "length"),
+    [(1e-15, 1, 1), (1e-12, 1e6, 1e-3), (0.3, 1e-6, 1e3), (1e3, 1, 1)],
+)
 def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length):
-    """'Just' is relative to f P: Q = f P (1 - 1e-9) is solved, to the same tangential displacement, f P (1 + 1e-9) refused."""
+    """'Just' is relative to f P: Q = f P (1 - 1e-9) is solved, to the same tangential displacement,
+    f P (1 + 1e-9) refused.
+    """
     steel = Elastic(young_modulus=210e3 * force / length**2, poisson_ratio=0.3)
     profile, largest = Hertz(radius=1000 * length), 100 * force / length
 
@@ -180,7 +258,9 @@ def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length)
     exact = semi_analytic.solve(scene(1 - 1e-9), x=[0.0], fields=("tangential_displacement",))
     fe = halfplane_fe.solve(scene(1 - 1e-9), mesh=coarse)
     require_admissible(scene(1 - 1e-9), "mine")
-    assert fe.tangential_displacement[-1] == pytest.approx(exact.tangential_displacement[-1], rel=1e-3)
+    assert fe.tangential_displacement[-1] == pytest.approx(
+        exact.tangential_displacement[-1], rel=1e-3
+    )
     for share in (1 + 1e-9, -1 - 1e-9, 1.001):
         with pytest.raises(InputError, match="gross sliding"):
             require_admissible(scene(share), "mine")
@@ -191,25 +271,48 @@ def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length)
 
 
 def test_solve_refuses_before_any_work(monkeypatch):
-    monkeypatch.setattr(import_module("halfplane_fe.solve"), "find_scales", lambda scene: pytest.fail("work was done"))
+    monkeypatch.setattr(
+        import_module("halfplane_fe.solve"),
+        "find_scales",
+        lambda scene: pytest.fail("work was done"),
+    )
     scene = load_scene("cattaneo-mindlin").vary(load=REFUSED["sliding at a corner"][0])
     with pytest.raises(InadmissibleLoadError, match="gross sliding"):
         halfplane_fe.solve(scene)
 
 
-# ------------------------------------------------------------------------------------------------ named troubles of bodies
+# ------------------------------------------------------------------------- named troubles of bodies
 
 
 solving = importlib.import_module("halfplane_fe.solve")  # the package has a function of that name
-COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.125", "--growth", "1.0", "--steps-per-cycle", "8")
-STEEL, ALUMINIUM = "{ young_modulus = 210e3, poisson_ratio = 0.3 }", "{ young_modulus = 70e3, poisson_ratio = 0.33 }"
+COARSE = (
+    "--order",
+    "1",
+    "--element-size",
+    "0.25",
+    "--edge-element-size",
+    "0.125",
+    "--growth",
+    "1.0",
+    "--steps-per-cycle",
+    "8",
+)
+STEEL, ALUMINIUM = (
+    "{ young_modulus = 210e3, poisson_ratio = 0.3 }",
+    "{ young_modulus = 70e3, poisson_ratio = 0.33 }",
+)
 HERTZ = '{ kind = "hertz", radius = 50.0 }'
-BLOCK, PAD = '{ kind = "block", width = 12.0, height = 6.0 }', '{ kind = "pad", width = 6.0, height = 4.0 }'
+BLOCK, PAD = (
+    '{ kind = "block", width = 12.0, height = 6.0 }',
+    '{ kind = "pad", width = 6.0, height = 4.0 }',
+)
 LOOSE = '{ kind = "block", width = 12.0, height = 6.0, base = "rollers" }'
 SHEARED = "[[500.0, 0.0], [500.0, 60.0]]"
 
 
-def written(folder, lower=BLOCK, upper=PAD, initial_loading=SHEARED, profile=HERTZ, materials=(STEEL, STEEL)):
+def written(
+    folder, lower=BLOCK, upper=PAD, initial_loading=SHEARED, profile=HERTZ, materials=(STEEL, STEEL)
+):
     """A scene file: material of the lower body first."""
     text = [
         f"material = {{ lower = {materials[0]}, upper = {materials[1]} }}",
@@ -231,27 +334,41 @@ def bodies(folder, *arguments, **others):
 FAULTS = {
     "slides off": (
         {"lower": LOOSE},
-        "bodies.lower: nothing holds the block against the tangential load, it slides off: its base is on rollers and its sides "
-        "are free; take base = 'fixed' or sides = 'guided'",
+        (
+            "bodies.lower: nothing holds the block against the tangential load, it slides off: its"
+            " base is on rollers and its sides are free; take base = 'fixed' or sides = 'guided'"
+        ),
     ),
     "pad wider than its block": (
         {"upper": '{ kind = "pad", width = 13.0, height = 4.0 }'},
-        "bodies is refused: the upper body, a pad of width 13, is wider than the block that it faces, of width 12: make the "
-        "pad narrower or the block wider",
+        (
+            "bodies is refused: the upper body, a pad of width 13, is wider than the block that it"
+            " faces, of width 12: make the pad narrower or the block wider"
+        ),
     ),
     "contact past the end of the face": (
         {"upper": '{ kind = "pad", width = 0.9, height = 4.0 }'},
-        "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = 0.45: make the bodies wider, "
-        "or the load less",
+        (
+            "bodies: the contact at the largest load reaches past the end of the narrower face, at"
+            " |x| = 0.45: make the bodies wider, or the load less"
+        ),
     ),
     "contact past the end of the face, sheared": (
-        {"lower": '{ kind = "block", width = 0.9, height = 10.0 }', "upper": '{ kind = "pad", width = 0.9, height = 5.0 }'},
-        "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = 0.45: make the bodies wider, "
-        "or the load less",
+        {
+            "lower": '{ kind = "block", width = 0.9, height = 10.0 }',
+            "upper": '{ kind = "pad", width = 0.9, height = 5.0 }',
+        },
+        (
+            "bodies: the contact at the largest load reaches past the end of the narrower face, at"
+            " |x| = 0.45: make the bodies wider, or the load less"
+        ),
     ),
     "pad too low": (
         {"upper": '{ kind = "pad", width = 11.0, height = 0.3 }'},
-        "bodies.upper.height = 0.3 is refused: the pad's face goes as deep at its sides; make it higher",
+        (
+            "bodies.upper.height = 0.3 is refused: the pad's face goes as deep at its sides; make"
+            " it higher"
+        ),
     ),
     "separation": ({"initial_loading": "[[500.0, 0.0], [0.0, 0.0]]"}, "separation"),
     "gross sliding": ({"initial_loading": "[[500.0, 0.0], [500.0, -210.0]]"}, "gross sliding"),
@@ -266,7 +383,8 @@ def test_faults_of_input_end_in_one_sentence_and_exit_code_2(name, tmp_path, mon
     assert main(["fe", path.name, "--quiet", *COARSE]) == 2
     printed = capsys.readouterr()
     told = " ".join(printed.err.split())
-    if name in ("separation", "gross sliding"):  # with the loads and the instant, as for half-planes
+    # with the loads and the instant, as for half-planes
+    if name in ("separation", "gross sliding"):
         assert told.startswith("halfplane: scene.toml: ")
         assert words in told
         assert "time 2" in told
@@ -278,8 +396,11 @@ def test_faults_of_input_end_in_one_sentence_and_exit_code_2(name, tmp_path, mon
 
 def test_without_a_tangential_load_rollers_hold(tmp_path):
     mesh = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, growth=1.0, order=1)
-    pressed = halfplane_fe.solve(bodies(tmp_path, lower=LOOSE, initial_loading="[[500.0, 0.0]]"), mesh)
-    # Elastically the block spreads on its rollers and the pad does not: friction bears that, and nothing is left over.
+    pressed = halfplane_fe.solve(
+        bodies(tmp_path, lower=LOOSE, initial_loading="[[500.0, 0.0]]"), mesh
+    )
+    # Elastically the block spreads on its rollers and the pad does not: friction bears that, and
+    # nothing is left over.
     assert float(np.abs(pressed.tangential_load).max()) == 0
     assert pressed.pressure[-1] == pytest.approx(pressed.pressure[-1][::-1], rel=1e-8)
 
@@ -289,18 +410,25 @@ def too_small(find_scales):
 
     def planted(question, work):
         found = find_scales(question, work)
-        return dataclasses.replace(found, half_width=0.5 * found.half_width, reach=0.5 * found.reach, inner=0.0)
+        return dataclasses.replace(
+            found, half_width=0.5 * found.half_width, reach=0.5 * found.reach, inner=0.0
+        )
 
     return planted
 
 
-def test_contact_that_reaches_the_end_of_the_meshed_side_is_not_converged(tmp_path, monkeypatch, capsys):
+def test_contact_that_reaches_the_end_of_the_meshed_side_is_not_converged(
+    tmp_path, monkeypatch, capsys
+):
     path = written(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(solving, "find_scales", too_small(solving.find_scales))
     assert main(["fe", path.name, "--quiet", *COARSE]) == 3
     complaint = " ".join(capsys.readouterr().err.split())
-    assert complaint.startswith("halfplane: scene: not converged: the contact reached the end of the meshed side at |x| = 0.")
+    assert complaint.startswith(
+        "halfplane: scene: not converged: the contact reached the end of the meshed side at |x|"
+        " = 0."
+    )
     assert "the coarse run took it for smaller, 0." in complaint
     assert list(tmp_path.rglob("partial*")), "what was solved is kept"
 
@@ -312,7 +440,9 @@ def humped(depth):
         face = FACE_OF(shape, profile)
         if face.flat:
             return face
-        return dataclasses.replace(face, depth=lambda x: face.depth(x) - depth * (np.abs(x) > 0.2), arc=None)
+        return dataclasses.replace(
+            face, depth=lambda x: face.depth(x) - depth * (np.abs(x) > 0.2), arc=None
+        )
 
     return planted
 
@@ -324,14 +454,21 @@ FACE_OF = solids.face_of
 def test_faces_that_overlap_before_any_load_are_refused(turned, tmp_path, monkeypatch):
     order = (PAD, BLOCK) if turned else (BLOCK, PAD)
     monkeypatch.setattr(solids, "face_of", humped(0.002))
-    with pytest.raises(InputError, match=r"^bodies: initial penetration: the faces overlap by 0\.00[12]\d* at x = -?0\.\d+$"):
+    with pytest.raises(
+        InputError,
+        match=r"^bodies: initial penetration: the faces overlap by 0\.00[12]\d* at x = -?0\.\d+$",
+    ):
         halfplane_fe.solve(bodies(tmp_path, *order), MeshSettings.coarse())
 
 
 def test_linear_sides_that_do_not_match_are_no_penetration(tmp_path):
-    """The weighted gap of a linear side is -h^2/6R at the middle: it was taken for an overlap and refused."""
+    """The weighted gap of a linear side is -h^2/6R at the middle: it was taken for an overlap and
+    refused.
+    """
     question = bodies(tmp_path, initial_loading="[[500.0, 0.0]]")
-    mesh = MeshSettings(element_size=1 / 6, edge_element_size=1 / 12, order=1, upper_ratio=0.25, growth=1.0)
+    mesh = MeshSettings(
+        element_size=1 / 6, edge_element_size=1 / 12, order=1, upper_ratio=0.25, growth=1.0
+    )
     found = halfplane_fe.solve(question, mesh)
     matching = halfplane_fe.solve(question, dataclasses.replace(mesh, upper_ratio=1.0))
     assert found.contact_half_width[-1] == pytest.approx(matching.contact_half_width[-1], rel=0.05)

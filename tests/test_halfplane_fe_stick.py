@@ -1,4 +1,6 @@
-"""Stick zones of finite elements: of unlike bodies by the law alone, permanent stick by one definition."""
+"""Stick zones of finite elements: of unlike bodies by the law alone, permanent stick by one
+definition.
+"""
 
 from __future__ import annotations
 
@@ -9,21 +11,34 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe.edges import law_states
 from meshes import MeshSettings
-from scenes import STICK, Elastic, Friction, Hertz, Materials, PolygonLoad, Scene, TimeSeriesLoad, load_scene
+from scenes import (
+    STICK,
+    Elastic,
+    Friction,
+    Hertz,
+    Materials,
+    PolygonLoad,
+    Scene,
+    TimeSeriesLoad,
+    load_scene,
+)
 
 RADIUS = 1000.0
 LOAD = 1e-3
 FINER = MeshSettings(edge_element_size=1 / 80)
 
-# Goodman's limit of small f and beta: beta K(c/a) = f K(sqrt(1 - c^2/a^2)), K the complete elliptic integral. By beta/f.
+# Goodman's limit of small f and beta: beta K(c/a) = f K(sqrt(1 - c^2/a^2)), K the complete elliptic
+# integral. By beta/f.
 GOODMAN = {0.5: 0.9851714310094, 1.0: 1 / np.sqrt(2), 2.0: 3 - 2 * np.sqrt(2)}
 
 
 def on_rubber(beta: float) -> Materials:
-    """A soft incompressible body, shear modulus 1, below one of Poisson's ratio 0, with Dundurs' constant beta.
+    """A soft incompressible body, shear modulus 1, below one of Poisson's ratio 0, with Dundurs'
+    constant beta.
 
-    Plane strain, kappa = 3 - 4 nu: beta = [mu_u (kappa_l - 1) - mu_l (kappa_u - 1)]/[mu_u (kappa_l + 1) + mu_l (kappa_u + 1)],
-    so that kappa_u = 3 and kappa_l = 1 + 4e leave -beta = (2 - 4 e mu)/(4 + (2 + 4 e) mu).
+    Plane strain, kappa = 3 - 4 nu: beta = [mu_u (kappa_l - 1) - mu_l (kappa_u - 1)]/[mu_u (kappa_l
+    + 1) + mu_l (kappa_u + 1)], so that kappa_u = 3 and kappa_l = 1 + 4e leave -beta = (2 - 4 e
+    mu)/(4 + (2 + 4 e) mu).
     """
     e = 1e-4
     mu = (2 - 4 * beta) / (4 * e + beta * (2 + 4 * e))
@@ -52,16 +67,22 @@ def pressed(beta: float, friction: float) -> Scene:
         pytest.param(0.2, 0.12, 0.272, marks=pytest.mark.slow),
     ],
 )
-def test_stick_edge_of_unlike_bodies_that_are_only_pressed(beta: float, friction: float, expected: float) -> None:
+def test_stick_edge_of_unlike_bodies_that_are_only_pressed(
+    beta: float, friction: float, expected: float
+) -> None:
     answer = halfplane_fe.solve(pressed(beta, friction), mesh=FINER)
     assert abs(answer.settings["dundurs"]["beta"]) == pytest.approx(beta)
     np.testing.assert_array_equal(answer.state, law_states(answer.states))
-    # Growing in proportion: all instants are one state in another size, and each is known to the distance of two nodes.
+    # Growing in proportion: all instants are one state in another size, and each is known to the
+    # distance of two nodes.
     late = answer.normal_load > 0.5 * LOAD
     share = answer.stick_half_width[late] / answer.contact_half_width[late]
     assert float(np.median(share)) == pytest.approx(expected, abs=5e-3)
     uncertainty = answer.stick_edge_uncertainty[-1] / answer.contact_half_width[-1]
-    assert np.all(np.abs(np.abs(answer.stick_edges[-1] / answer.contact_half_width[-1]) - expected) <= uncertainty)
+    assert np.all(
+        np.abs(np.abs(answer.stick_edges[-1] / answer.contact_half_width[-1]) - expected)
+        <= uncertainty
+    )
     # A node in the slip zone is reported to stick only where it has not moved in its increment.
     by_law = np.stack([state.state for state in answer.states])
     overruled = (answer.state == STICK) & (by_law != STICK)
@@ -85,18 +106,27 @@ def cattaneo_mindlin(share: float) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("share", "mesh"), [(0.9, MeshSettings.coarse()), pytest.param(0.9, MeshSettings(), marks=pytest.mark.slow)]
+    ("share", "mesh"),
+    [(0.9, MeshSettings.coarse()), pytest.param(0.9, MeshSettings(), marks=pytest.mark.slow)],
 )
-def test_permanent_stick_is_the_intersection_of_the_stick_zones_of_the_last_cycle(share: float, mesh: MeshSettings) -> None:
+def test_permanent_stick_is_the_intersection_of_the_stick_zones_of_the_last_cycle(
+    share: float, mesh: MeshSettings
+) -> None:
     answer = halfplane_fe.solve(cattaneo_mindlin(share), mesh=mesh)
     left, right = answer.stick_edges[answer.last_cycle].T
-    assert answer.permanent_stick_half_width == pytest.approx((right.min() - left.max()) / 2, rel=1e-12)
+    assert answer.permanent_stick_half_width == pytest.approx(
+        (right.min() - left.max()) / 2, rel=1e-12
+    )
     expected = semi_analytic.solve(answer.scene).permanent_stick_half_width
-    assert answer.permanent_stick_half_width == pytest.approx(expected, abs=0.2 * answer.settings["element_size"])
+    assert answer.permanent_stick_half_width == pytest.approx(
+        expected, abs=0.2 * answer.settings["element_size"]
+    )
 
 
 def test_an_instant_whose_nodes_move_next_to_nothing_does_not_narrow_the_permanent_stick() -> None:
-    """Between unlike bodies single increments label nodes slip that move by 1e-9 to 1e-5 of the largest range of slip."""
+    """Between unlike bodies single increments label nodes slip that move by 1e-9 to 1e-5 of the
+    largest range of slip.
+    """
     answer = halfplane_fe.solve(load_scene("unlike-beta-fifth"), mesh=MeshSettings.coarse())
     cycle = answer.last_cycle
     range_of_slip = np.ptp(answer.slip[cycle], axis=0)

@@ -1,4 +1,6 @@
-"""Measured loops: f and W lie within what is stated, whatever the form of Q or U over time and wherever rows begin."""
+"""Measured loops: f and W lie within what is stated, whatever the form of Q or U over time and
+wherever rows begin.
+"""
 
 import functools
 
@@ -17,17 +19,29 @@ FRICTION, LOAD, SHARE = 0.55, 160.0, 0.7
 LARGEST = SHARE * FRICTION * LOAD
 SCENE = load_scene("cattaneo-mindlin").vary(
     friction=FRICTION,
-    load={"kind": "polygon", "initial_loading": [(LOAD, 0.0), (LOAD, LARGEST)], "cycle": [(LOAD, -LARGEST)]},
+    load={
+        "kind": "polygon",
+        "initial_loading": [(LOAD, 0.0), (LOAD, LARGEST)],
+        "cycle": [(LOAD, -LARGEST)],
+    },
 )
 # Where P varies a little, rows are placed by time.
-VARYING = SCENE.vary(load={"kind": "polygon", "initial_loading": [(LOAD, LARGEST)], "cycle": [(0.95 * LOAD, -LARGEST)]})
+VARYING = SCENE.vary(
+    load={
+        "kind": "polygon",
+        "initial_loading": [(LOAD, LARGEST)],
+        "cycle": [(0.95 * LOAD, -LARGEST)],
+    }
+)
 
 
 def steady_cycle(scene, count=4001):
     """Shares of a cycle, U and Q there, and its W, by theory."""
     path, shares = scene.load.path(), np.linspace(0.0, 1.0, count)
     times = path.cycle_start + path.period * (1 + shares)
-    solution = semi_analytic.solve(scene, x=0.0, time=times, fields=("tangential_displacement", "dissipation"), cycles="steady")
+    solution = semi_analytic.solve(
+        scene, x=0.0, time=times, fields=("tangential_displacement", "dissipation"), cycles="steady"
+    )
     return shares, solution.tangential_displacement, solution.tangential_load, solution.dissipation
 
 
@@ -42,7 +56,9 @@ RIG = 0.3 * np.ptp(CYCLE[1]) / np.ptp(CYCLE[2])
 
 
 def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, seed=0):
-    """Rows of U and Q of a rig that moves its Q or its U by a sine or a triangle; share 0 is the highest Q."""
+    """Rows of U and Q of a rig that moves its Q or its U by a sine or a triangle; share 0 is the
+    highest Q.
+    """
     _, shift, load, _ = CYCLE
     share = np.mod(start + cycles * np.arange(count + closed) / count, 1.0)
     wave = np.cos(2 * np.pi * share) if form == "sine" else 4 * np.abs(share - 0.5) - 1
@@ -56,7 +72,10 @@ def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, s
     u, q = (answer, driven) if control == "Q" else (driven, answer)
     u = u + RIG * q + 0.1 * np.ptp(shift)
     random = np.random.default_rng(seed)
-    return [values + noise * np.ptp(values) / 2 * random.standard_normal(len(values)) for values in (u, q)]
+    return [
+        values + noise * np.ptp(values) / 2 * random.standard_normal(len(values))
+        for values in (u, q)
+    ]
 
 
 def loop_of(u, q, **more):
@@ -82,7 +101,9 @@ EXACT = [
 
 
 @pytest.mark.parametrize(("control", "form", "count", "cycles", "start", "closed"), EXACT)
-def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(control, form, count, cycles, start, closed):
+def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(
+    control, form, count, cycles, start, closed
+):
     u, q = rows_of(control, form, count, cycles, start, closed)
     found = score_loop(loop_of(u, q), SCENE)
     assert holds(found) == (True, True)
@@ -91,15 +112,24 @@ def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(control, form,
     assert found.high - found.low < 1e-4 * FRICTION
     assert found.compliance == pytest.approx(RIG, rel=1e-5)
     assert found.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
-    # A polygon within the loop: its error is of the order of the square of the step, and what is stated is no more than needed.
+    # A polygon within the loop: its error is of the order of the square of the step, and what is
+    # stated is no more than needed.
     assert 0 < found.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
 
 
-NOISY = [("Q", "sine", 240, 1, 0.2), ("Q", "triangle", 600, 5, 0.0), ("U", "sine", 600, 1, 0.5), ("U", "triangle", 40, 1, 0.9)]
+NOISY = [
+    ("Q", "sine", 240, 1, 0.2),
+    ("Q", "triangle", 600, 5, 0.0),
+    ("U", "sine", 600, 1, 0.5),
+    ("U", "triangle", 40, 1, 0.9),
+]
 
 
 def test_noise_is_covered_by_the_intervals():
-    found = [score_loop(loop_of(*rows_of(*case, noise=0.01, seed=seed)), SCENE) for seed, case in enumerate(NOISY)]
+    found = [
+        score_loop(loop_of(*rows_of(*case, noise=0.01, seed=seed)), SCENE)
+        for seed, case in enumerate(NOISY)
+    ]
     inside = np.array([holds(score) for score in found])
     assert inside.sum(axis=0).min() >= len(NOISY) - 1
     for score, (_, _, count, _, _) in zip(found, NOISY, strict=True):
@@ -119,10 +149,14 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     assert stated.noise == pytest.approx(step / np.sqrt(12))
 
 
-LONGER_WAVE = pytest.mark.xfail(strict=True, reason="one cycle from its peak fits a part of a larger triangle as well")
+LONGER_WAVE = pytest.mark.xfail(
+    strict=True, reason="one cycle from its peak fits a part of a larger triangle as well"
+)
 
 
-@pytest.mark.parametrize(("start", "closed"), [pytest.param(0.0, True, marks=LONGER_WAVE), (0.0, False), (0.37, True)])
+@pytest.mark.parametrize(
+    ("start", "closed"), [pytest.param(0.0, True, marks=LONGER_WAVE), (0.0, False), (0.37, True)]
+)
 def test_rows_of_a_load_that_varies_begin_anywhere(start, closed):
     shares, shift, load, work = varying_cycle()
     places = np.mod(start + np.arange(240 + closed) / 240, 1.0)
@@ -159,7 +193,7 @@ def test_the_area_is_that_of_the_polygon():
     assert noisy.by_noise > found.by_noise == 0
 
 
-# ------------------------------------------------------------------------------------------------------ tables of loops
+# ---------------------------------------------------------------------------------- tables of loops
 def written(path, head, first, second, tail=""):
     rows = [f"{a:.7g},{b:.7g}{tail}" for a, b in zip(first.tolist(), second.tolist(), strict=True)]
     path.write_text("\n".join([*head, *rows]) + "\n", encoding="utf-8")
@@ -173,18 +207,27 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
     assert "The column 'Tangential force (N)' is in N: times 1, over the thickness 12" in found.said
     assert score_loop(found, SCENE).agrees
     with pytest.raises(
-        InputError, match=r"state factors.load in a mapping, by which it is multiplied, or the thickness of the contact"
+        InputError,
+        match=(
+            r"state factors.load in a mapping, by which it is multiplied, or the thickness of the"
+            r" contact"
+        ),
     ):
         read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N/mm)"], 1e3 * u, q)
-    with pytest.raises(InputError, match="is in N/mm, a force per length, and the mapping states a thickness"):
+    with pytest.raises(
+        InputError, match="is in N/mm, a force per length, and the mapping states a thickness"
+    ):
         read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
 
 
 def test_two_columns_without_names_are_taken_by_number(tmp_path):
     u, q = rows_of("Q", "triangle", 100)
     written(tmp_path / "loop.csv", [], u, q)
-    with pytest.raises(InputError, match=r"such as U,Q; it has numbers only; or take them by number: columns.slip = 1"):
+    with pytest.raises(
+        InputError,
+        match=r"such as U,Q; it has numbers only; or take them by number: columns.slip = 1",
+    ):
         read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     (tmp_path / "map.toml").write_text("[columns]\nslip = 1\n", encoding="utf-8")
     mapping = load_mapping(tmp_path / "map.toml")
@@ -194,7 +237,11 @@ def test_two_columns_without_names_are_taken_by_number(tmp_path):
     with pytest.raises(InputError, match=r"columns.slip = 3, and there are 2 columns"):
         read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 3}}), SCENE)
     with pytest.raises(InputError, match=r"takes 'column 1' for U and for Q"):
-        read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 1, "tangential_load": 1}}), SCENE)
+        read_loop(
+            tmp_path / "loop.csv",
+            Mapping.model_validate({"columns": {"slip": 1, "tangential_load": 1}}),
+            SCENE,
+        )
 
 
 def test_the_step_of_the_digits_is_that_of_the_file_in_the_units_of_the_scene(tmp_path):
@@ -207,7 +254,13 @@ def test_the_step_of_the_digits_is_that_of_the_file_in_the_units_of_the_scene(tm
 
 def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
     u, q = rows_of("Q", "triangle", 100)
-    head = ["Test Parameters", "Mode,Standard", 'Tip,"r: 2 um"', "Length,5000.0 um", "U [mm],Q [N/mm],"]
+    head = [
+        "Test Parameters",
+        "Mode,Standard",
+        'Tip,"r: 2 um"',
+        "Length,5000.0 um",
+        "U [mm],Q [N/mm],",
+    ]
     written(tmp_path / "loop.csv", head, u, q, tail=",,")
     found = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
@@ -215,7 +268,9 @@ def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
 
 
 def test_empty_cells_behind_the_rows_are_no_columns(tmp_path):
-    """A stylus export: settings above, one empty cell behind the headings and two behind the rows."""
+    """A stylus export: settings above, one empty cell behind the headings and two behind the
+    rows.
+    """
     rows = "".join(f"{x:.1f},{x * x:.4f},,\n" for x in np.arange(-20, 21) * 0.1)
     text = f"Scan Parameters\nMode,Standard\n\nScan Data\nLateral,Height,\n{rows}"
     (tmp_path / "trace.csv").write_text(text, encoding="utf-8")

@@ -1,4 +1,6 @@
-"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry; files; Ctrl-C."""
+"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror
+symmetry; files; Ctrl-C.
+"""
 
 import functools
 import itertools
@@ -33,14 +35,19 @@ SHAPES = {
     "cylinder": (Cylinder(radius=5.0), Hertz(radius=5.0)),
 }
 KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
-CASES = [*((name, order, "triangles") for name in DISCS for order in (1, 2)), *((name, *kind) for name in SHAPES for kind in KINDS)]
+CASES = [
+    *((name, order, "triangles") for name in DISCS for order in (1, 2)),
+    *((name, *kind) for name in SHAPES for kind in KINDS),
+]
 EVERY = pytest.mark.parametrize(("name", "order", "cells"), CASES)
 
 
 @functools.cache
 def body(name, order=2, cells="triangles"):
     return (
-        half_disc(name, DISCS[name], 0.25, order) if name in DISCS else solid("upper", *SHAPES[name], GRADING, 0.25, order, cells)
+        half_disc(name, DISCS[name], 0.25, order)
+        if name in DISCS
+        else solid("upper", *SHAPES[name], GRADING, 0.25, order, cells)
     )
 
 
@@ -65,7 +72,9 @@ def exact_area(name):
         return rectangle
     if isinstance(profile, Wedge):
         b, R = profile.tip_half_length, profile.tip_radius
-        return rectangle - 2 * (b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R))
+        return rectangle - 2 * (
+            b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R)
+        )
     if isinstance(profile, Tabulated):
         return rectangle - shape.width**3 / (24 * 10.0)
     R, b = profile.radius, getattr(profile, "flat_half_length", 0.0)
@@ -109,7 +118,9 @@ def test_boundaries_have_one_name_each_and_lie_where_they_are_named(name, order,
     assert np.abs(free[0]).min() == pytest.approx(grading.outer, rel=1e-12)
     assert far <= np.abs(free[0]).max() <= half_width(name) * (1 + 1e-11)
     if name in DISCS:  # mid-side points too
-        np.testing.assert_allclose(np.hypot(*places(name, "far_field", order, cells)), grading.radius, rtol=1e-10)
+        np.testing.assert_allclose(
+            np.hypot(*places(name, "far_field", order, cells)), grading.radius, rtol=1e-10
+        )
         return
     base = places(name, "base", order, cells)
     assert np.all(base[1] <= -deepest(name) * (1 - 1e-11))
@@ -122,26 +133,35 @@ def test_boundaries_have_one_name_each_and_lie_where_they_are_named(name, order,
 
 @EVERY
 def test_area_and_shape(name, order, cells):
-    """Worst area: 8.5e-3 with chords, 6e-6 with curved sides; angles 27 degrees, shapes 0.70 and 0.39. None is folded."""
+    """Worst area: 8.5e-3 with chords, 6e-6 with curved sides; angles 27 degrees, shapes 0.70 and
+    0.39. None is folded.
+    """
     one = body(name, order, cells)
     element = skfem.ElementTriP1() if cells == "triangles" else skfem.ElementQuad1()
     basis = skfem.Basis(one.mesh, element, intorder=6)
     error = float(basis.dx.sum()) / exact_area(name) - 1
-    limits = {"block": (1e-11, 1e-11), "cylinder": (6e-3, 5e-6)} | dict.fromkeys(DISCS, (1.2e-2, 1e-5))
+    limits = {"block": (1e-11, 1e-11), "cylinder": (6e-3, 5e-6)} | dict.fromkeys(
+        DISCS, (1.2e-2, 1e-5)
+    )
     assert abs(error) < limits.get(name, (5e-4, 2e-7))[order - 1]
     assert one.quality["area_error"] == pytest.approx(error, abs=1e-9)
     worst, mean = (0.6, 0.9) if cells == "triangles" else (0.25, 0.85)
     assert one.quality["least_angle"] > 20
     assert one.quality["worst_shape"] > worst
     assert one.quality["mean_shape"] > mean
-    assert (one.quality["elements"], one.quality["nodes"]) == (one.mesh.t.shape[1], one.mesh.p.shape[1])
+    assert (one.quality["elements"], one.quality["nodes"]) == (
+        one.mesh.t.shape[1],
+        one.mesh.p.shape[1],
+    )
     determinant = basis.mapping.detDF(basis.X)
     assert np.all(np.sign(determinant) == np.sign(determinant[:, :1]))
 
 
 @EVERY
 def test_nodes_lie_on_the_true_face_cut_as_asked(name, order, cells):
-    """Mid-side ones too, at the mean x of their corners: what the mortar coupling relies on. An arc is no parabola."""
+    """Mid-side ones too, at the mean x of their corners: what the mortar coupling relies on. An arc
+    is no parabola.
+    """
     grading = DISCS.get(name, GRADING)
     x, y = places(name, "contact", order, cells)
     np.testing.assert_allclose(y, -depth(name, x), rtol=1e-12, atol=1e-16)
@@ -152,11 +172,16 @@ def test_nodes_lie_on_the_true_face_cut_as_asked(name, order, cells):
     corners = x[::order]
     steps, inside = np.diff(corners), np.abs(corners[1:] + corners[:-1]) / 2 < grading.inner
     # Quadrilaterals come in twos: six pieces of 0.1 where triangles have five of 0.12.
-    np.testing.assert_allclose(steps[inside], grading.size if cells == "triangles" else 0.1, rtol=1e-9)
+    np.testing.assert_allclose(
+        steps[inside], grading.size if cells == "triangles" else 0.1, rtol=1e-9
+    )
     np.testing.assert_allclose(steps[~inside], grading.edge_size, rtol=1e-9)
     x, y = places(name, "free", order, cells)
     np.testing.assert_allclose(
-        np.hypot(x, y + 5.0) if name == "cylinder" else y + depth(name, x), 5.0 * (name == "cylinder"), rtol=1e-11, atol=1e-11
+        np.hypot(x, y + 5.0) if name == "cylinder" else y + depth(name, x),
+        5.0 * (name == "cylinder"),
+        rtol=1e-11,
+        atol=1e-11,
     )
 
 
@@ -168,7 +193,10 @@ def test_points_and_elements_are_their_own_mirror_image_to_the_last_bit(name, or
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, elements)
 
     def outlines(sign):
-        return {frozenset(zip((sign * x + 0.0).tolist(), y.tolist(), strict=True)) for x, y in corners.transpose(2, 0, 1)}
+        return {
+            frozenset(zip((sign * x + 0.0).tolist(), y.tolist(), strict=True))
+            for x, y in corners.transpose(2, 0, 1)
+        }
 
     assert outlines(1.0) == outlines(-1.0)
 
@@ -192,30 +220,61 @@ ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]
 @pytest.mark.parametrize("growth", [0.1, 1.0])
 @pytest.mark.parametrize(("inner", "size", "edge_size"), ROUGH)
 @pytest.mark.parametrize(
-    ("name", "cells"), [("pad, flat_rounded", "triangles"), ("pad, tabulated", "quadrilaterals"), ("disc, even", "triangles")]
+    ("name", "cells"),
+    [
+        ("pad, flat_rounded", "triangles"),
+        ("pad, tabulated", "quadrilaterals"),
+        ("disc, even", "triangles"),
+    ],
 )
-def test_corners_of_the_admitted_settings_make_sound_meshes(name, cells, inner, size, edge_size, growth):
-    """Quadrilaterals with two sides in line along the face (shape 0.004) came out of these before."""
+def test_corners_of_the_admitted_settings_make_sound_meshes(
+    name, cells, inner, size, edge_size, growth
+):
+    """Quadrilaterals with two sides in line along the face (shape 0.004) came out of these
+    before.
+    """
     for radius in (2.2, 40.0) if name in DISCS else (None,):
         grading = SurfaceGrading(inner, 1.1, size, edge_size, *([radius] if radius else []))
-        one = half_disc("any", grading, growth, 2) if radius else solid("upper", *SHAPES[name], grading, growth, 2, cells)
+        one = (
+            half_disc("any", grading, growth, 2)
+            if radius
+            else solid("upper", *SHAPES[name], grading, growth, 2, cells)
+        )
         assert one.quality["worst_shape"] > 0.15
         assert one.quality["least_angle"] > 10
         assert abs(one.quality["area_error"]) < (5e-3 if radius else 1e-5)
 
 
-# --------------------------------------------------------------------------------------------------------------- refusals
+# ----------------------------------------------------------------------------------------- refusals
 
 
 @pytest.mark.parametrize(
     ("shape", "sentence"),
     [
-        (Block(width=2.2, height=5.0), "bodies.upper: the contact reaches |x| = 1.1, past the end of the block's face at 1.1: "),
-        (Pad(width=2.0, height=5.0), "bodies.upper: the contact reaches |x| = 1.1, past the end of the pad's face at 1: "),
-        (Cylinder(radius=1.05), "bodies.upper: the contact reaches |x| = 1.1, past the end of the cylinder's face at 1.05: "),
+        (
+            Block(width=2.2, height=5.0),
+            (
+                "bodies.upper: the contact reaches |x| = 1.1, past the end of the block's face at"
+                " 1.1: "
+            ),
+        ),
+        (
+            Pad(width=2.0, height=5.0),
+            "bodies.upper: the contact reaches |x| = 1.1, past the end of the pad's face at 1: ",
+        ),
+        (
+            Cylinder(radius=1.05),
+            (
+                "bodies.upper: the contact reaches |x| = 1.1, past the end of the cylinder's face"
+                " at 1.05: "
+            ),
+        ),
         (
             Pad(width=12.0, height=2.0),
-            "bodies.upper.height = 2 is refused: the pad's face goes as deep at its sides; make it higher",
+            (
+                "bodies.upper.height = 2 is refused: the pad's face goes as deep at its sides; make"
+                " it higher"
+            ),
         ),
     ],
 )
@@ -246,7 +305,7 @@ def test_settings_refuse_bad_values(settings, rule):
     assert str(caught.value).startswith("mesh: ")
 
 
-# ------------------------------------------------------------------------------------------------------ files, interrupts
+# -------------------------------------------------------------------------------- files, interrupts
 def test_a_field_file_of_other_elements_is_refused(tmp_path):
     """What is written is read back in test_reports_fields."""
     with pytest.raises(KeyError):
@@ -291,7 +350,9 @@ def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(mo
 
     monkeypatch.setattr(gmsh.model.mesh, "generate", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
+        half_disc(
+            "body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
+        )
     assert not gmsh.isInitialized()
     monkeypatch.undo()
     half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
@@ -299,7 +360,9 @@ def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(mo
 
 @pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal here")
 def test_a_pipe_that_breaks_after_meshing_is_an_error_and_not_the_end():
-    """gmsh sets the signal back to what ends a process: a command whose reader has gone would die without a word."""
+    """gmsh sets the signal back to what ends a process: a command whose reader has gone would die
+    without a word.
+    """
     half_disc("lower", EVEN, 0.25, 1)
     reader, writer = os.pipe()
     os.close(reader)

@@ -1,4 +1,6 @@
-"""Packages: each file on its map, imports in no circle, the interface shown, pins and licences, a wheel that runs."""
+"""Packages: each file on its map, imports in no circle, the interface shown, pins and licences, a
+wheel that runs.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ BENCHMARKS = ROOT / "benchmarks"
 PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
 
 
-# -------------------------------------------------------------------------------------------------------- names and files
+# ---------------------------------------------------------------------------------- names and files
 def named(text: str | None) -> Counter[str]:
     """Files that a docstring names, with how often."""
     return Counter(re.findall(r"\b\w+\.py\b", text or ""))
@@ -46,30 +48,48 @@ def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() 
     assert {*type(scene).model_fields, "save", "vary"} <= set(dir(scene))
     assert {"pressure", "dissipation", "to_dataset", "plot"} <= set(dir(solution))
     hidden = {"model_dump", "copy", "merged"}
-    assert not [name for name in (*dir(scene), *dir(scene.load), *dir(solution)) if name.startswith("_") or name in hidden]
+    assert not [
+        name
+        for name in (*dir(scene), *dir(scene.load), *dir(solution))
+        if name.startswith("_") or name in hidden
+    ]
 
 
 def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
-    """Some of either import some of the other, all by plain names: whoever comes second would get the wrong one."""
-    one, other = ({path.name for path in (ROOT / folder).glob("*.py")} for folder in ("benchmarks", "tests"))
+    """Some of either import some of the other, all by plain names: whoever comes second would get
+    the wrong one.
+    """
+    one, other = (
+        {path.name for path in (ROOT / folder).glob("*.py")} for folder in ("benchmarks", "tests")
+    )
     assert one & other == set()
 
 
 def imported(text: str, modules: set[str], types: bool = True) -> set[str]:
-    """Modules that a file imports, wherever in it, for types alone too or not; of a package its `__init__`."""
+    """Modules that a file imports, wherever in it, for types alone too or not; of a package its
+    `__init__`.
+    """
     parts = [
         part
         for part in ast.parse(text).body
         if types or not (isinstance(part, ast.If) and ast.unparse(part.test) == "TYPE_CHECKING")
     ]
     nodes = [node for part in parts for node in ast.walk(part) if isinstance(node, ast.ImportFrom)]
-    names = {(node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names}
+    names = {
+        (node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names
+    }
     return {whole if whole in modules else part for part, whole in names if {part, whole} & modules}
 
 
 def circle(package: str, texts: dict[str, str]) -> set[str]:
-    """What is left when modules that import none of those left are taken away, again and again: nothing, without a circle."""
-    left = {name: imported(text, set(texts), types=package != "reports") for name, text in texts.items() if name != package}
+    """What is left when modules that import none of those left are taken away, again and again:
+    nothing, without a circle.
+    """
+    left = {
+        name: imported(text, set(texts), types=package != "reports")
+        for name, text in texts.items()
+        if name != package
+    }
     while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
         left = {name: needs for name, needs in left.items() if name not in last}
     return set(left)
@@ -78,22 +98,42 @@ def circle(package: str, texts: dict[str, str]) -> set[str]:
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_go_round_in_no_circle(package: str) -> None:
     """Through all folders of reports, where imports for types alone may."""
-    files = {".".join(path.relative_to(ROOT).with_suffix("").parts): path for path in (ROOT / package).rglob("*.py")}
-    texts = {name.removesuffix(".__init__"): path.read_text(encoding="utf-8") for name, path in files.items()}
-    assert circle(package, texts) == set()
-    assert circle("a", {"a": "", "a.b": "from a import c", "a.c": "from a.d import x", "a.d": "def f():\n from a.b import y"}) == {
-        *("a.b", "a.c", "a.d")
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): path
+        for path in (ROOT / package).rglob("*.py")
     }
+    texts = {
+        name.removesuffix(".__init__"): path.read_text(encoding="utf-8")
+        for name, path in files.items()
+    }
+    assert circle(package, texts) == set()
+    assert circle(
+        "a",
+        {
+            "a": "",
+            "a.b": "from a import c",
+            "a.c": "from a.d import x",
+            "a.d": "def f():\n from a.b import y",
+        },
+    ) == {*("a.b", "a.c", "a.d")}
 
 
 @pytest.mark.parametrize("name", ["charts", "cli", "comparison", "page"])
 def test_what_the_rest_of_reports_takes_of_a_folder_is_on_its_map(name: str) -> None:
-    """Its docstring, or its `__all__`, names what it offers; all else may change with the folder alone."""
+    """Its docstring, or its `__all__`, names what it offers; all else may change with the folder
+    alone.
+    """
     module = import_module(f"reports.{name}")
     offered = {*re.findall(r"`(\w+)`", module.__doc__ or ""), *getattr(module, "__all__", ())}
     others = [path for path in (ROOT / "reports").rglob("*.py") if path.parent.name != name]
-    nodes = [node for path in others for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
-    froms = [node for node in nodes if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(f"reports.{name}.")]
+    nodes = [
+        node for path in others for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    froms = [
+        node
+        for node in nodes
+        if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(f"reports.{name}.")
+    ]
     modules = {path.stem for path in (ROOT / "reports" / name).glob("*.py")}
     assert {one.name for node in froms for one in node.names} - modules <= offered
 
@@ -102,23 +142,50 @@ def test_charts_import_nothing_of_reports_but_charts_and_units() -> None:
     for path in (ROOT / "reports" / "charts").glob("*.py"):
         nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
         names = [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
-        names += [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
-        other = [n for n in names if n.split(".")[0] == "reports" and not n.startswith(("reports.charts", "reports.units"))]
+        names += [
+            alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names
+        ]
+        other = [
+            n
+            for n in names
+            if n.split(".")[0] == "reports"
+            and not n.startswith(("reports.charts", "reports.units"))
+        ]
         assert not other, f"{path.name}: {other}"
 
 
 def test_nothing_in_the_project_reads_the_folder_beside_it() -> None:
-    """Code, tests, benchmarks, pages and settings; the name stands here in two parts, so that this file is judged too."""
+    """Code, tests, benchmarks, pages and settings; the name stands here in two parts, so that this
+    file is judged too.
+    """
     outside = "../" + "shared"
-    suffixes = {".py", ".md", ".toml", ".ipynb", ".yml", ".yaml", ".sh", ".jinja", ".html", ".js", ".css"}
-    below = [path for folder in (*PACKAGES, "tests", "benchmarks", ".ci", "docs") for path in (ROOT / folder).rglob("*")]
-    files = [path for path in (*below, *ROOT.iterdir()) if path.is_file() and "_build" not in path.parts]
+    suffixes = {
+        ".py",
+        ".md",
+        ".toml",
+        ".ipynb",
+        ".yml",
+        ".yaml",
+        ".sh",
+        ".jinja",
+        ".html",
+        ".js",
+        ".css",
+    }
+    below = [
+        path
+        for folder in (*PACKAGES, "tests", "benchmarks", ".ci", "docs")
+        for path in (ROOT / folder).rglob("*")
+    ]
+    files = [
+        path for path in (*below, *ROOT.iterdir()) if path.is_file() and "_build" not in path.parts
+    ]
     read = [path for path in files if path.suffix in suffixes or path.name in ("Makefile", "run")]
     assert len(read) > 300
     assert not [path for path in read if outside in path.read_text(encoding="utf-8")]
 
 
-# ------------------------------------------------------------------------------------------------------- what pip installs
+# -------------------------------------------------------------------------------- what pip installs
 @pytest.fixture
 def tool(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A module of the benchmarks by its name."""
@@ -127,7 +194,9 @@ def tool(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
-    """The table of licences is that of what is installed; requirements have lower bounds; all that is installed is pinned."""
+    """The table of licences is that of what is installed; requirements have lower bounds; all that
+    is installed is pinned.
+    """
     packages = tool("packages")
     assert packages.LICENCES.read_text(encoding="utf-8") == packages.licences()
     assert {"numpy", "gmsh", "markupsafe"} <= packages.closure().keys()
@@ -137,14 +206,20 @@ def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
     assert all(pin.count("==") == 1 for pin in lowest)
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    oldest, *_, newest = re.findall(r"Python :: (3\.\d+)", " ".join(project["project"]["classifiers"]))
+    oldest, *_, newest = re.findall(
+        r"Python :: (3\.\d+)", " ".join(project["project"]["classifiers"])
+    )
     assert project["project"]["requires-python"] == f">={oldest}"
     assert project["tool"]["mypy"]["python_version"] == oldest
     assert "target-version" not in project["tool"]["ruff"]  # ruff takes requires-python
-    assert f"Any Python from {oldest} to {newest}" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"Any Python from {oldest} to {newest}" in (ROOT / "README.md").read_text(
+        encoding="utf-8"
+    )
 
     beyond = f"3.{int(newest.partition('.')[2]) + 1}"
-    assert project["tool"]["uv"]["environments"] == [f"sys_platform == 'linux' and python_version < '{beyond}'"]
+    assert project["tool"]["uv"]["environments"] == [
+        f"sys_platform == 'linux' and python_version < '{beyond}'"
+    ]
 
     # On the newest Python too, where a requirement may hold that the oldest does not have.
     lines = packages.PINS.read_text(encoding="utf-8").splitlines()
@@ -153,20 +228,30 @@ def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
     pinned = {packages.plain(word): word.partition("==")[2] for word in pins}
     assert len(pinned) == len(pins)
     others = {"halfplane", "pip", "setuptools"}
-    ours = {packages.plain(found.name): found.version for found in distributions() if found.name not in others}
+    ours = {
+        packages.plain(found.name): found.version
+        for found in distributions()
+        if found.name not in others
+    }
     assert {name: pinned.get(name) for name in ours} == ours
 
 
 @pytest.mark.slow
 def test_installed_packages_fit_together() -> None:
-    done = subprocess.run([sys.executable, "-m", "pip", "check"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "check"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout
 
 
-def test_every_command_runs_from_an_installed_wheel(tmp_path: Path, tool: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_command_runs_from_an_installed_wheel(
+    tmp_path: Path, tool: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """On the coarsest mesh."""
     packages, coarse = tool("packages"), " ".join((*COARSE, "--quiet"))
-    commands = {words.replace(packages.COARSE, coarse): code for words, code in packages.COMMANDS.items()}
+    commands = {
+        words.replace(packages.COARSE, coarse): code for words, code in packages.COMMANDS.items()
+    }
     monkeypatch.setattr(packages, "COMMANDS", commands)
     assert packages.every_command(tmp_path / "environment", tmp_path / "there") == []
 
@@ -181,11 +266,25 @@ def test_the_wheel_runs_outside_the_checkout(kind: str, tmp_path: Path) -> None:
 
 
 def test_every_line_of_costly_names_a_test(request: pytest.FixtureRequest) -> None:
-    """Of the files that were collected whole; a file that is not there at all is a stale line too."""
+    """Of the files that were collected whole; a file that is not there at all is a stale line
+    too.
+    """
     here, config = Path(__file__).parent, request.config
     costly = set((here / "costly.txt").read_text(encoding="utf-8").splitlines())
     found = {item.nodeid.removeprefix("tests/") for item in request.session.items}
-    whole = not any("::" in name for name in config.args) and not config.getoption("lf") and not config.getoption("keyword")
-    collected = {name.split("::")[0] for name in found} if whole and not config.getoption("markexpr") else set()
-    lost = {name for name in costly - found if name.split("::")[0] in collected or not (here / name.split("::")[0]).exists()}
+    whole = (
+        not any("::" in name for name in config.args)
+        and not config.getoption("lf")
+        and not config.getoption("keyword")
+    )
+    collected = (
+        {name.split("::")[0] for name in found}
+        if whole and not config.getoption("markexpr")
+        else set()
+    )
+    lost = {
+        name
+        for name in costly - found
+        if name.split("::")[0] in collected or not (here / name.split("::")[0]).exists()
+    }
     assert lost == set()

@@ -1,8 +1,10 @@
-"""Random scenes: of every profile and load through the half-plane engine, and random loops through the finite-element model.
+"""Random scenes: of every profile and load through the half-plane engine, and random loops through
+the finite-element model.
 
-Invariants: mirror (Q -> -Q), scale, superposition (p knows nothing of Q and friction), start-up (the steady cycle knows nothing of
-the mean of Q), energy (slip areas against Q dU), certificates (cone, M(P) = Q), W >= 0. A scene that once broke one stands in
-tests/data/regression_scenes with a line that says what broke.
+Invariants: mirror (Q -> -Q), scale, superposition (p knows nothing of Q and friction), start-up
+(the steady cycle knows nothing of the mean of Q), energy (slip areas against Q dU), certificates
+(cone, M(P) = Q), W >= 0. A scene that once broke one stands in tests/data/regression_scenes with a
+line that says what broke.
 """
 
 from __future__ import annotations
@@ -20,9 +22,26 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from scenes import CallableLoad, CallableProfile, Elastic, InadmissibleLoadError, Materials, Scene, load_scene
+from scenes import (
+    CallableLoad,
+    CallableProfile,
+    Elastic,
+    InadmissibleLoadError,
+    Materials,
+    Scene,
+    load_scene,
+)
 
-PROFILES = ("hertz", "flat_rounded", "power_law", "compound", "wedge", "polynomial", "tabulated", "callable")
+PROFILES = (
+    "hertz",
+    "flat_rounded",
+    "power_law",
+    "compound",
+    "wedge",
+    "polynomial",
+    "tabulated",
+    "callable",
+)
 LOADS = ("ellipse", "polygon", "time_series", "harmonics", "callable")
 SMOOTH = ("harmonics", "callable")
 X = np.linspace(0.0, 12.0, 61)
@@ -34,7 +53,8 @@ class Drawn:
 
     Attributes
     ----------
-    part, sharp : size of the profile's second part over its first, and what else it is made of, 0 to 1
+    part, sharp : size of the profile's second part over its first, and what else it is made of, 0
+        to 1
     mean, swing, use : mean load, its amplitude over it, and how much of the room for Q is taken
     offset : mean tangential load over the room that is left
     """
@@ -65,7 +85,9 @@ class Drawn:
         )
 
 
-def drawn(profiles: tuple[str, ...] = PROFILES, loads: tuple[str, ...] = LOADS) -> st.SearchStrategy[Drawn]:
+def drawn(
+    profiles: tuple[str, ...] = PROFILES, loads: tuple[str, ...] = LOADS
+) -> st.SearchStrategy[Drawn]:
     """Scenes; P stays above a twentieth of its mean, Q within 0.99 of f P."""
     angle = st.floats(-math.pi, math.pi)
     return st.builds(
@@ -90,10 +112,20 @@ def _profile(one: Drawn) -> object:
         case "flat_rounded":
             return {"kind": "flat_rounded", "radius": unit, "flat_half_length": part * unit}
         case "power_law":
-            return {"kind": "power_law", "exponent": 1.0 + 4.0 * one.sharp, "length": unit, "rise": part * unit}
+            return {
+                "kind": "power_law",
+                "exponent": 1.0 + 4.0 * one.sharp,
+                "length": unit,
+                "rise": part * unit,
+            }
         case "compound":
             half = (0.2 + 0.8 * one.sharp) * unit
-            return {"kind": "compound", "inner_radius": unit, "outer_radius": part * unit, "inner_half_length": half}
+            return {
+                "kind": "compound",
+                "inner_radius": unit,
+                "outer_radius": part * unit,
+                "inner_half_length": half,
+            }
         case "wedge":
             return {"kind": "wedge", "tip_radius": unit, "tip_half_length": part * unit}
         case "polynomial":
@@ -102,12 +134,15 @@ def _profile(one: Drawn) -> object:
             rise = part * unit * (np.cosh(X / 3) - 1)
             return {"kind": "tabulated", "points": np.column_stack([unit * X, rise]).tolist()}
         case _:
-            return CallableProfile(slope_function=lambda x: part * np.sinh(x / unit), extent=12 * unit)
+            return CallableProfile(
+                slope_function=lambda x: part * np.sinh(x / unit), extent=12 * unit
+            )
 
 
 def _load(one: Drawn) -> object:
     force, friction, (first, second) = one.length * one.stress, one.friction, one.phases
-    swing = max(one.swing, 0.02) if one.load == "polygon" else one.swing  # no corner stands twice in a row
+    # no corner stands twice in a row
+    swing = max(one.swing, 0.02) if one.load == "polygon" else one.swing
     p0, p1 = force * one.mean, force * one.mean * swing
     room = friction * (p0 - p1)
     q0, q1 = one.sign * one.offset * room * (1 - one.use), one.sign * one.use * room
@@ -118,8 +153,16 @@ def _load(one: Drawn) -> object:
         return {"kind": "ellipse", **amplitudes, **own}
     if one.load == "harmonics":
         turned = 0 if q1 >= 0 else 180
-        waves = [[0.7 * abs(q1), math.degrees(first) + turned], [0.3 * abs(q1), math.degrees(second) + turned]]
-        return {"kind": "harmonics", **amplitudes, "normal_harmonics": [[p1, 0.0]], "tangential_harmonics": waves}
+        waves = [
+            [0.7 * abs(q1), math.degrees(first) + turned],
+            [0.3 * abs(q1), math.degrees(second) + turned],
+        ]
+        return {
+            "kind": "harmonics",
+            **amplitudes,
+            "normal_harmonics": [[p1, 0.0]],
+            "tangential_harmonics": waves,
+        }
     if one.load == "callable":
         return CallableLoad(
             normal_load=lambda t: p0 + p1 * math.cos(t),
@@ -127,7 +170,12 @@ def _load(one: Drawn) -> object:
             duration=2 * math.pi,
             repeats=True,
         )
-    turn = 2 * np.pi * np.arange(25 if one.load == "time_series" else 9) / (24 if one.load == "time_series" else 8)
+    turn = (
+        2
+        * np.pi
+        * np.arange(25 if one.load == "time_series" else 9)
+        / (24 if one.load == "time_series" else 8)
+    )
     waves = q0 + q1 * (0.7 * np.cos(turn - first) + 0.3 * np.cos(2 * turn - second))
     rows = np.column_stack([turn, p0 + p1 * np.cos(turn), waves])
     rows[-1, 1:] = rows[0, 1:]
@@ -137,7 +185,7 @@ def _load(one: Drawn) -> object:
     return {"kind": "polygon", "initial_loading": corners[:1], "cycle": corners[1:]}
 
 
-# ---------------------------------------------------------------------------------------------------- the half-plane engine
+# ---------------------------------------------------------------------------- the half-plane engine
 SCENES, MODELS, BLOCKS = 2000, 200, 40
 REGRESSIONS = sorted((Path(__file__).parent / "data" / "regression_scenes").glob("*.toml"))
 NUMERICAL = ("tabulated", "callable")
@@ -157,7 +205,9 @@ def solved(scene):
 
 def unit_of(scene, answer):
     """f^2 P^2/E* with the largest load."""
-    return (scene.friction.coefficient * float(np.max(answer.normal_load))) ** 2 / (scene.material.lower.young_modulus / 2)
+    return (scene.friction.coefficient * float(np.max(answer.normal_load))) ** 2 / (
+        scene.material.lower.young_modulus / 2
+    )
 
 
 def check(scene, answer):
@@ -171,7 +221,9 @@ def check(scene, answer):
 
 
 def check_fields(one, answer):
-    """Inside the cone, symmetric, and p the same without friction and without Q, at a few instants."""
+    """Inside the cone, symmetric, and p the same without friction and without Q, at a few
+    instants.
+    """
     scene, half = one.scene, float(np.max(answer.contact_half_width))
     wanted = {
         "x": half * np.linspace(-1.05, 1.05, 12),
@@ -189,11 +241,15 @@ def check_fields(one, answer):
 
 
 def same_work(one, answer, changed, factor=1.0):
-    """Other clothes, the same W: to 1e-9, to what the answers say of themselves, or to 1e-12 of f^2 P^2/E*."""
+    """Other clothes, the same W: to 1e-9, to what the answers say of themselves, or to 1e-12 of f^2
+    P^2/E*.
+    """
     try:
         other = solved(changed.scene)
     except InadmissibleLoadError:
-        assert one.use > 0.98 or changed.offset, "only rounding or an offset can make an admissible path slide"
+        assert one.use > 0.98 or changed.offset, (
+            "only rounding or an offset can make an admissible path slide"
+        )
         return
     told = max(each.record.errors.get("dissipation", 0.0) for each in (answer, other))
     off = abs(other.dissipation / factor - answer.dissipation)
@@ -230,7 +286,9 @@ def test_a_few_random_scenes_keep_every_law(one):
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(BLOCKS))
 def test_two_thousand_random_scenes_keep_every_law(block):
-    """One in twenty of those that take seconds a solve is kept, with the laws of one answer; all others with every law."""
+    """One in twenty of those that take seconds a solve is kept, with the laws of one answer; all
+    others with every law.
+    """
     count = {"smooth": 0}
 
     @seed(block)
@@ -256,7 +314,9 @@ def model_of(scene):
 
 
 def check_model(one):
-    """Laws, mirror, and p, q and W against theory to 5 % each, or a note of the very thing that is off."""
+    """Laws, mirror, and p, q and W against theory to 5 % each, or a note of the very thing that is
+    off.
+    """
     scene = one.scene
     try:
         answer = model_of(scene)
@@ -266,24 +326,38 @@ def check_model(one):
     loaded = np.flatnonzero(answer.normal_load > 0.3 * answer.normal_load.max())
     last = np.intersect1d(loaded, np.arange(len(answer.time))[answer.last_cycle])
     chosen = last[np.unique(np.linspace(0, len(last) - 1, 6).astype(int))]
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear")
+    )
     here = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
-    size, friction = np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here]), scene.friction.coefficient
-    apart = {name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, here] for name in ("pressure", "shear")}
+    size, friction = (
+        np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here]),
+        scene.friction.coefficient,
+    )
+    apart = {
+        name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, here]
+        for name in ("pressure", "shear")
+    }
     off = {
         name: float(np.max(np.sqrt(apart[name] ** 2 @ answer.weights[here]) / (unit * size)))
         for name, unit in (("pressure", 1.0), ("shear", friction))
     }
-    assert off["pressure"] <= TOLD or told(answer, "the pressure by", "in the pressure (L2)", "tractions and dissipation"), off
-    assert off["shear"] <= TOLD or told(answer, "the shear may be off", "in the pressure (L2)", "tractions and dissipation"), off
+    assert off["pressure"] <= TOLD or told(
+        answer, "the pressure by", "in the pressure (L2)", "tractions and dissipation"
+    ), off
+    assert off["shear"] <= TOLD or told(
+        answer, "the shear may be off", "in the pressure (L2)", "tractions and dissipation"
+    ), off
     work = solved(scene).dissipation
     astray = abs(answer.dissipation - work)
-    assert astray <= TOLD * work or told(answer, "dissipation is", "its dissipation would", "tractions and dissipation"), (
-        astray / work
-    )
+    assert astray <= TOLD * work or told(
+        answer, "dissipation is", "its dissipation would", "tractions and dissipation"
+    ), astray / work
     assert astray <= 0.1 * work + 1e-3 * 2 * unit_of(scene, answer)
     other = model_of(replace(one, sign=-1.0).scene)
-    assert other.dissipation == pytest.approx(answer.dissipation, rel=1e-4, abs=1e-6 * unit_of(scene, answer))
+    assert other.dissipation == pytest.approx(
+        answer.dissipation, rel=1e-4, abs=1e-6 * unit_of(scene, answer)
+    )
 
 
 @pytest.mark.slow
@@ -291,7 +365,11 @@ def check_model(one):
 def test_random_models_keep_every_law_and_theory(block):
     @seed(1000 + block)
     @settings(max_examples=MODELS // BLOCKS, **LONG)
-    @given(drawn(loads=("ellipse", "polygon", "time_series", "harmonics")).filter(lambda one: not costs_seconds(one)))
+    @given(
+        drawn(loads=("ellipse", "polygon", "time_series", "harmonics")).filter(
+            lambda one: not costs_seconds(one)
+        )
+    )
     def trial(one):
         check_model(one)
 
@@ -310,13 +388,19 @@ def test_scenes_that_once_broke_keep_every_law(path):
     assert off <= 2e-3 * exact.dissipation + 1e-9 * unit_of(scene, exact)
 
 
-# ------------------------------------------------------------------------------ three hundred loops at default settings
+# ---------------------------------------------------------- three hundred loops at default settings
 
 
 def random_case(seed: int) -> tuple[Scene, MeshSettings]:
-    """f from 0.01 to 2, loops up to 0.999 of gross sliding, either sense, like and unlike materials, mesh ratios up to 1 : 4."""
+    """f from 0.01 to 2, loops up to 0.999 of gross sliding, either sense, like and unlike
+    materials, mesh ratios up to 1 : 4.
+    """
     rng = np.random.default_rng(seed)
-    friction, swing, phase = 10 ** rng.uniform(-2, np.log10(2)), rng.uniform(0.0, 0.9), rng.uniform(-180, 180)
+    friction, swing, phase = (
+        10 ** rng.uniform(-2, np.log10(2)),
+        rng.uniform(0.0, 0.9),
+        rng.uniform(-180, 180),
+    )
     mean = 100.0
     angle = np.linspace(0, 2 * np.pi, 4001)
     room = friction * mean * (1 + swing * np.cos(angle))
@@ -349,16 +433,22 @@ def random_case(seed: int) -> tuple[Scene, MeshSettings]:
 
 
 @pytest.mark.parametrize(
-    "seed", [number if number in (120, 190, 290) else pytest.param(number, marks=pytest.mark.slow) for number in range(300)]
+    "seed",
+    [
+        number if number in (120, 190, 290) else pytest.param(number, marks=pytest.mark.slow)
+        for number in range(300)
+    ],
 )
 def test_a_random_admissible_scene_converges_and_keeps_every_law(seed: int) -> None:
     scene, mesh = random_case(seed)
     answer = halfplane_fe.solve(scene, mesh)
     worst = {name: float(values.max()) for name, values in answer.record.certificates.items()}
     assert answer.record.converged
-    # beta/f = 15, 0.33 and 1.4: no convergence, or one jump behind the other, without the mesh's own part of N - T and K
+    # beta/f = 15, 0.33 and 1.4: no convergence, or one jump behind the other, without the mesh's
+    # own part of N - T and K
     if seed in (25, 55, 89):
         assert told(answer, "faces as they are")
-    # Unlike bodies at 0.999 of gross sliding stick at two or three nodes, and the system is as ill conditioned as that sounds.
+    # Unlike bodies at 0.999 of gross sliding stick at two or three nodes, and the system is as ill
+    # conditioned as that sounds.
     assert max(worst.values()) < 1e-7, worst
     assert answer.dissipation >= 0

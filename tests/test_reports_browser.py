@@ -1,4 +1,6 @@
-"""The page in a real browser: quiet, offline, moved by one slider and by keys, nothing over anything else, at every size."""
+"""The page in a real browser: quiet, offline, moved by one slider and by keys, nothing over
+anything else, at every size.
+"""
 
 import shutil
 import xml.etree.ElementTree as ET
@@ -17,23 +19,40 @@ from reports.paper import page as paper
 from scenes import Scene, load_scene
 from test_reports_synthetic import EVIL, evil
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install -e .[browser]")
+sync_api = pytest.importorskip(
+    "playwright.sync_api", reason="playwright is not installed: pip install -e .[browser]"
+)
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine: apt-get install chromium")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium on this machine: apt-get install chromium"
+)
 
 DESKTOP: dict[str, Any] = {"viewport": {"width": 1280, "height": 900}}
-PHONE: dict[str, Any] = {"viewport": {"width": 390, "height": 844}, "device_scale_factor": 2, "is_mobile": True, "has_touch": True}
+PHONE: dict[str, Any] = {
+    "viewport": {"width": 390, "height": 844},
+    "device_scale_factor": 2,
+    "is_mobile": True,
+    "has_touch": True,
+}
 LONG = 600_000  # ms that a busy machine may take
 SIZES = {"desktop": DESKTOP, "dark": DESKTOP | {"color_scheme": "dark"}, "phone": PHONE}
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A page of half-planes whose every word from outside is an attack, and one of real bodies with meshes."""
-    bodies = {"lower": {"kind": "block", "width": 20.0, "height": 12.0}, "upper": {"kind": "pad", "width": 10.0, "height": 8.0}}
+    """A page of half-planes whose every word from outside is an attack, and one of real bodies with
+    meshes.
+    """
+    bodies = {
+        "lower": {"kind": "block", "width": 20.0, "height": 12.0},
+        "upper": {"kind": "pad", "width": 10.0, "height": 8.0},
+    }
     real = Scene.model_validate(load_scene("cattaneo-mindlin").model_dump() | {"bodies": bodies})
     fe = halfplane_fe.solve(real, COARSE, FEW_STEPS)
-    pages = {"nasty": evil(), "bodies": compare(semi_analytic.solve(real, x=fe.x, time=fe.time), fe)}
+    pages = {
+        "nasty": evil(),
+        "bodies": compare(semi_analytic.solve(real, x=fe.x, time=fe.time), fe),
+    }
     found = {}
     for name, comparison in pages.items():
         out = tmp_path_factory.mktemp("page") / name
@@ -45,7 +64,9 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     with sync_api.sync_playwright() as play:
-        started = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        started = play.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+        )
         yield started
         started.close()
 
@@ -59,7 +80,9 @@ def downloaded(page: Any, button: Any) -> tuple[str, bytes]:
 
 @pytest.fixture
 def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]]:
-    """Opens a page; at the end nothing may have been said on the console and nothing asked of any network."""
+    """Opens a page; at the end nothing may have been said on the console and nothing asked of any
+    network.
+    """
     opened, heard, asked = [], [], []
 
     def open_page(name: str | Path, **options: Any) -> Any:
@@ -78,7 +101,9 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
         context.close()
     assert heard == []
     assert [url for url in asked if not url.startswith(("file://", "data:", "blob:"))] == []
-    assert [url for url in asked if url.startswith("file://") and not url.endswith("report.html")] == []
+    assert [
+        url for url in asked if url.startswith("file://") and not url.endswith("report.html")
+    ] == []
 
 
 # What the slider moves, as text: lines, strips, rings, cursors.
@@ -98,7 +123,8 @@ OVERLAPS = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flat
   return texts.flatMap(([a, p], k) => texts.slice(k + 1).filter(([, q]) =>
     Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1.5 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 3
   ).map(([b]) => `${svg.id}: ${a} / ${b}`)); })"""
-# Whatever reaches beyond the window, or scrolls sideways in a box of its own; code in the manual may, and side bars that are away.
+# Whatever reaches beyond the window, or scrolls sideways in a box of its own; code in the manual
+# may, and side bars that are away.
 WIDER = """(but) => [...document.querySelectorAll("body *:not(svg *)")].filter((e) => {
   if (!e.getClientRects().length || e.closest(but)) return false;
   const box = e.getBoundingClientRect();
@@ -114,16 +140,23 @@ CUT_OFF = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flatM
 
 
 def fits(page: Any, wide: str = ".none", cut: bool = True) -> None:
-    """Nothing is wider than its column or cut off, from a small phone to a large screen, but for what matches `wide`."""
+    """Nothing is wider than its column or cut off, from a small phone to a large screen, but for
+    what matches `wide`.
+    """
     for width in (360, 390, 768, 1024, 1440):
         page.set_viewport_size({"width": width, "height": 900})
-        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        page.evaluate(
+            "() => new Promise((drawn) => requestAnimationFrame(() =>"
+            " requestAnimationFrame(drawn)))"
+        )
         assert page.evaluate(WIDER, wide) == [], width
         assert not cut or page.evaluate(CUT_OFF) == [], width
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_every_figure_is_drawn_and_nothing_is_cut_off(visit: Callable[..., Any], tmp_path: Path, size: str) -> None:
+def test_every_figure_is_drawn_and_nothing_is_cut_off(
+    visit: Callable[..., Any], tmp_path: Path, size: str
+) -> None:
     page = visit("bodies", **SIZES[size])
     assert page.evaluate(EMPTY) == []
     assert page.evaluate(OVERLAPS) == []
@@ -146,10 +179,20 @@ def test_the_slider_moves_every_linked_figure(visit: Callable[..., Any], name: s
     assert counts["strips"] == 2
     assert counts["rings"] == 5
     assert counts["cursors"] >= 7
-    # p does not move where P is constant, nor p's difference: that is this scene's truth, not the slider's fault.
-    still = {(kind, k) for kind in before for k, mark in enumerate(before[kind]) if after[kind][k] == mark}
-    fields = page.evaluate('[...document.querySelectorAll("path[data-field]")].map((e) => e.dataset.field)')
-    assert {fields[k] for kind, k in still if kind == "lines"} <= ({"p0", "p1", "dp"} if name == "nasty" else {"p0"})
+    # p does not move where P is constant, nor p's difference: that is this scene's truth, not the
+    # slider's fault.
+    still = {
+        (kind, k)
+        for kind in before
+        for k, mark in enumerate(before[kind])
+        if after[kind][k] == mark
+    }
+    fields = page.evaluate(
+        '[...document.querySelectorAll("path[data-field]")].map((e) => e.dataset.field)'
+    )
+    assert {fields[k] for kind, k in still if kind == "lines"} <= (
+        {"p0", "p1", "dp"} if name == "nasty" else {"p0"}
+    )
     assert not [kind for kind, _ in still if kind != "lines"]
     assert "P " in page.locator("#readout").inner_text()
 
@@ -185,7 +228,9 @@ def test_keys_step_jump_and_play(visit: Callable[..., Any]) -> None:
     assert pressed("ArrowRight") == stopped + 1
 
 
-def test_the_slider_stays_in_sight_and_chosen_instants_have_buttons(visit: Callable[..., Any]) -> None:
+def test_the_slider_stays_in_sight_and_chosen_instants_have_buttons(
+    visit: Callable[..., Any],
+) -> None:
     page = visit("nasty")
     for figure in ("state_map", "slip_history", "errors"):
         page.locator(f"#{figure}").evaluate("(e) => e.scrollIntoView()")
@@ -199,7 +244,9 @@ def test_the_slider_stays_in_sight_and_chosen_instants_have_buttons(visit: Calla
 
 def test_a_click_chooses_a_point_and_a_pointer_reads_numbers(visit: Callable[..., Any]) -> None:
     page = visit("bodies")
-    words = page.evaluate('[...document.querySelectorAll("figure, nav.contents")].map((e) => e.textContent)')
+    words = page.evaluate(
+        '[...document.querySelectorAll("figure, nav.contents")].map((e) => e.textContent)'
+    )
     assert len(words) >= 12
     assert not [text for text in words if "_" in text]
     assert page.locator("#tractions svg .sub").count() >= 12
@@ -229,7 +276,9 @@ def test_nothing_is_wider_than_its_column(visit: Callable[..., Any], name: str) 
 
 
 @pytest.mark.skipif(not MANUAL.is_dir(), reason="the manual is not built: make docs")
-@pytest.mark.parametrize("name", ["index", "report", "verification", "theory", "metrics", "score", "published/blocks"])
+@pytest.mark.parametrize(
+    "name", ["index", "report", "verification", "theory", "metrics", "score", "published/blocks"]
+)
 def test_no_page_of_the_manual_is_wider_than_its_column(browser: Any, name: str) -> None:
     page = browser.new_page()
     page.set_default_timeout(LONG)
@@ -245,7 +294,9 @@ def test_on_a_phone_every_verdict_is_in_sight(visit: Callable[..., Any]) -> None
         assert 0 <= box["x"] <= 390 - box["width"]
 
 
-def test_a_click_on_the_legend_hides_its_curves_and_shows_them_again(visit: Callable[..., Any]) -> None:
+def test_a_click_on_the_legend_hides_its_curves_and_shows_them_again(
+    visit: Callable[..., Any],
+) -> None:
     page = visit("bodies")
     curves = page.locator("#tractions .panel .curve.f.q")
     entry = page.locator("#tractions .legend li", has_text="q, finite elements")
@@ -332,7 +383,9 @@ def test_the_paper_s_page_is_as_interactive(visit: Callable[..., Any], tmp_path:
     page.locator("#panel-figure_07a").focus()
     page.keyboard.press("+")
     assert page.locator("#figure_07a button", has_text="Whole view").is_visible()
-    assert len(downloaded(page, page.locator("#figure_02 .files button", has_text="PNG"))[1]) > 20_000
+    assert (
+        len(downloaded(page, page.locator("#figure_02 .files button", has_text="PNG"))[1]) > 20_000
+    )
     fits(page)
 
 
@@ -348,13 +401,21 @@ def test_words_from_outside_do_nothing(visit: Callable[..., Any]) -> None:
 
 
 def test_no_other_script_may_run(browser: Any, folders: dict[str, Path]) -> None:
-    """The page's own policy refuses a script that is not its own, and any request, even where words were not escaped."""
+    """The page's own policy refuses a script that is not its own, and any request, even where words
+    were not escaped.
+    """
     page = browser.new_page()
     page.set_default_timeout(LONG)
     page.goto(f"file://{folders['nasty']}/report.html")
-    page.evaluate("const s = document.createElement('script'); s.textContent = 'window.pwned = 3'; document.body.append(s)")
+    page.evaluate(
+        "const s = document.createElement('script'); s.textContent = 'window.pwned = 3';"
+        " document.body.append(s)"
+    )
     assert page.evaluate("window.pwned") is None
-    assert page.evaluate("fetch('https://example.org').then(() => 'reached', () => 'refused')") == "refused"
+    assert (
+        page.evaluate("fetch('https://example.org').then(() => 'reached', () => 'refused')")
+        == "refused"
+    )
     page.close()
 
 
@@ -372,13 +433,19 @@ def test_in_print_controls_are_gone_and_tables_whole(visit: Callable[..., Any]) 
     assert not page.locator("#controls").is_visible()
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     table, room = (
-        page.evaluate(f"document.querySelector('#verdict-table'){of}") for of in (".scrollWidth", ".parentNode.clientWidth")
+        page.evaluate(f"document.querySelector('#verdict-table'){of}")
+        for of in (".scrollWidth", ".parentNode.clientWidth")
     )
     assert table <= room
-    assert page.evaluate("getComputedStyle(document.querySelector('svg.panel text')).fill") == "rgb(89, 89, 89)"
+    assert (
+        page.evaluate("getComputedStyle(document.querySelector('svg.panel text')).fill")
+        == "rgb(89, 89, 89)"
+    )
 
 
-def test_tables_in_the_page_are_those_beside_it(visit: Callable[..., Any], folders: dict[str, Path]) -> None:
+def test_tables_in_the_page_are_those_beside_it(
+    visit: Callable[..., Any], folders: dict[str, Path]
+) -> None:
     page = visit("nasty")
     for name in ("tractions", "state_map", "load_path"):
         _, text = downloaded(page, page.locator(f"a[data-csv={name}]"))

@@ -1,4 +1,6 @@
-"""Where errors come from: mesh refinements with known answers, terms that add up, uncertainties that cover, three verdicts."""
+"""Where errors come from: mesh refinements with known answers, terms that add up, uncertainties
+that cover, three verdicts.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +43,7 @@ from scenes import InputError, load_scene
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
 
 
-# --------------------------------------------------------------------------------------------------------------- refinements
+# -------------------------------------------------------------------------------------- refinements
 def refinement(of, sizes=DOUBLING, **more) -> Refinement:
     return Refinement(sizes, tuple(float(of(h)) for h in sizes), **more)
 
@@ -58,7 +60,9 @@ def test_example_of_nasa_to_every_digit():
 @pytest.mark.parametrize("order", [0.7, 1.0, 1.5, 2.0])
 @pytest.mark.parametrize("sizes", [(1.0, 2.0, 4.0), DOUBLING, (1.0, 1.3, 2.1, 4.0, 5.0)])
 def test_powers_are_found_whatever_the_ratios(order, sizes):
-    """On such a curve the uncertainty is a quarter more than the error of the finest run, and falls with it."""
+    """On such a curve the uncertainty is a quarter more than the error of the finest run, and falls
+    with it.
+    """
     for finer in (1.0, 0.5):
         found = extrapolate(refinement(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
         assert found.kind == "monotone"
@@ -92,7 +96,8 @@ def test_rules_for_what_is_no_clean_power():
     assert two.kind == "too few"
     assert abs(two.value - 1.0) <= two.uncertainty
     nowhere = extrapolate(Refinement((1.0, 2.0, 4.0), (1.0, 1.4, 1.3)))
-    assert (nowhere.value, nowhere.uncertainty) == (1.0, pytest.approx(1.2))  # three times the spread
+    # three times the spread
+    assert (nowhere.value, nowhere.uncertainty) == (1.0, pytest.approx(1.2))
     steep = extrapolate(refinement(lambda h: 1 + 0.01 * h**4))
     assert steep.order == pytest.approx(4, abs=1e-3)
     assert "taken for granted" in steep.rule
@@ -109,15 +114,22 @@ def test_rules_for_what_is_no_clean_power():
     assert orders[0] > orders[1]
     found = extrapolate(turned)
     assert ("Roache" in found.rule, found.order) == (True, orders[0])
-    assert found.uncertainty == pytest.approx(1.25 * (turned.values[1] - turned.values[0]) / (2 ** orders[1] - 1), rel=1e-12)
+    assert found.uncertainty == pytest.approx(
+        1.25 * (turned.values[1] - turned.values[0]) / (2 ** orders[1] - 1), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(("noise", "least"), [(1e-4, 1.0), (3e-3, 0.9), (3e-2, 0.9), (1.0, 0.95)])
 @pytest.mark.parametrize("order", [1.0, 2.0])
 def test_scattered_refinements_cover_the_truth(order, noise, least):
-    """Four runs, the noise from far below to far above the trend of 0.01; of 400 draws 94 % to 100 % are covered."""
+    """Four runs, the noise from far below to far above the trend of 0.01; of 400 draws 94 % to 100
+    % are covered.
+    """
     rng = np.random.default_rng(20)
-    found = [extrapolate(refinement(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1))) for _ in range(100)]
+    found = [
+        extrapolate(refinement(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1)))
+        for _ in range(100)
+    ]
     assert np.mean([abs(one.value - 1) <= one.uncertainty for one in found]) >= least
 
 
@@ -133,7 +145,7 @@ def test_refinements_that_are_none():
             Refinement(sizes, values)
 
 
-# ---------------------------------------------------------------------------------------------------------------- budget
+# ------------------------------------------------------------------------------------------- budget
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
 STEPS = SolverSettings(steps_per_cycle=24, step_tolerance=float("inf"))
 
@@ -147,7 +159,8 @@ def compared(name: str, mesh: MeshSettings = MESH, settings: SolverSettings = ST
     scene = load_scene(name)
     result = halfplane_fe.solve(scene, mesh, settings)
     reference, polygon = (
-        semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=straight) for straight in (False, True)
+        semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=straight)
+        for straight in (False, True)
     )
     return compare(reference, result, polygon_reference=polygon)
 
@@ -160,20 +173,37 @@ def paper():
 
 
 def invented(comparison: Comparison, slope: float, limit: float) -> Refinements:
-    """Refinements on which every metric is `limit` + `slope` h, and nothing comes of the far field."""
-    mesh = tuple(Run(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING)
-    return Refinements(mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0)
+    """Refinements on which every metric is `limit` + `slope` h, and nothing comes of the far
+    field.
+    """
+    mesh = tuple(
+        Run(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING
+    )
+    return Refinements(
+        mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0
+    )
 
 
 def test_terms_and_rest_add_up_to_the_metric(paper):
-    """And the uncertainty covers the known error; W's step is theory's on the polygon, with what the run adds for the curve."""
+    """And the uncertainty covers the known error; W's step is theory's on the polygon, with what
+    the run adds for the curve.
+    """
     comparison, refinements = paper
     budget = error_budget(comparison, refinements, plain_seconds=1.0)
     wanted = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
     assert wanted <= {one.metric.key for one in budget.budgets}
     for one in budget.budgets:
-        assert one.rest + sum(term.value or 0.0 for term in one.terms) == pytest.approx(one.total, abs=1e-14)
-        assert [term.name for term in one.terms] == ["mesh", "penalty", "step", "far field", "solver", "half-plane theory"]
+        assert one.rest + sum(term.value or 0.0 for term in one.terms) == pytest.approx(
+            one.total, abs=1e-14
+        )
+        assert [term.name for term in one.terms] == [
+            "mesh",
+            "penalty",
+            "step",
+            "far field",
+            "solver",
+            "half-plane theory",
+        ]
     headlines = [one for one in budget.budgets if one.metric.definition.headline]
     assert sum(one.honest for one in headlines) >= 0.9 * len(headlines)
     exact = comparison.metric("dissipation_step").value
@@ -186,24 +216,48 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
 def test_an_idealisation_error_stands_out_and_vanishes(paper):
     """Planted: 1 % that no mesh cures, beside a mesh error of 0.1 % of first order."""
     comparison, _ = paper
-    comparison = replace(comparison, result=replace(comparison.result, dissipation_uncertainty=float("nan")))
+    comparison = replace(
+        comparison, result=replace(comparison.result, dissipation_uncertainty=float("nan"))
+    )
     metric = replace(comparison.metric("dissipation"), value=1.1e-2)
-    found = error_budget(replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0).budget("dissipation")
+    found = error_budget(
+        replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
+    ).budget("dissipation")
     assert found.rest == pytest.approx(1e-2, rel=1e-6)
     assert found.uncertainty == pytest.approx(1.25e-3, rel=1e-3)
-    assert (found.resolved, found.honest, replace(found, half_planes=False).honest) == (True, False, None)
-    nothing = error_budget(replace(comparison, metrics=(replace(metric, value=1e-3),)), invented(comparison, 1e-3, 0.0), 1.0)
+    assert (found.resolved, found.honest, replace(found, half_planes=False).honest) == (
+        True,
+        False,
+        None,
+    )
+    nothing = error_budget(
+        replace(comparison, metrics=(replace(metric, value=1e-3),)),
+        invented(comparison, 1e-3, 0.0),
+        1.0,
+    )
     assert nothing.budget("dissipation").resolved is False
 
 
-@pytest.mark.parametrize(("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)])
-def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(paper, stated, kept):
-    """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of the mesh and the steps."""
+@pytest.mark.parametrize(
+    ("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)]
+)
+def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(
+    paper, stated, kept
+):
+    """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of
+    the mesh and the steps.
+    """
     comparison, refinements = paper
     values = (0.0, 1e-3, -1e-3)
-    runs = tuple(Run(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True))
-    result = replace(comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation)
-    found = error_budget(replace(comparison, result=result), replace(refinements, mesh=runs), 1.0).budget("dissipation")
+    runs = tuple(
+        Run(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True)
+    )
+    result = replace(
+        comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation
+    )
+    found = error_budget(
+        replace(comparison, result=result), replace(refinements, mesh=runs), 1.0
+    ).budget("dissipation")
     mesh = found.terms[0]
     assert mesh.uncertainty == pytest.approx(6e-3 if kept else stated)
     assert mesh.value is None
@@ -215,16 +269,27 @@ def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_ans
 
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, refinements = paper
-    fallen = tuple(replace(run, values={}, failure=f"{run.label} did not converge") for run in refinements.mesh[1:])
-    found = error_budget(comparison, replace(refinements, mesh=(refinements.mesh[0], *fallen)), 1.0).budget("dissipation")
+    fallen = tuple(
+        replace(run, values={}, failure=f"{run.label} did not converge")
+        for run in refinements.mesh[1:]
+    )
+    found = error_budget(
+        comparison, replace(refinements, mesh=(refinements.mesh[0], *fallen)), 1.0
+    ).budget("dissipation")
     mesh = found.terms[0]
     assert (mesh.value, mesh.uncertainty, mesh.measured) == (None, None, False)
     assert mesh.how.startswith("not measured: 2h did not converge")
     assert (found.uncertainty, found.resolved, found.honest) == (None, None, None)
     metric = comparison.metric("dissipation")
-    terms = tuple(Term(str(u), None, u, "", bound) for u, bound in ((3.0, False), (4.0, False), (0.5, True), (0.25, True)))
+    terms = tuple(
+        Term(str(u), None, u, "", bound)
+        for u, bound in ((3.0, False), (4.0, False), (0.5, True), (0.25, True))
+    )
     assert Budget(metric, terms, True).uncertainty == pytest.approx(5.75)
-    cells = [share(Term("", *numbers, ""), metric) for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))]
+    cells = [
+        share(Term("", *numbers, ""), metric)
+        for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))
+    ]
     assert cells == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
 
 
@@ -233,7 +298,9 @@ def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     budget = error_budget(comparison, refinements, refinements.seconds)
     found = with_budget(comparison, budget)
     assert found.budget is budget
-    assert found.honest.startswith(f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics")
+    assert found.honest.startswith(
+        f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics"
+    )
     assert budget.cost == pytest.approx(2.0)
     assert Report(comparison).honest == "not assessed: the run was made without a budget"
     page = render(found, (), "", {})
@@ -262,14 +329,19 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
     found = step(run("4h", 0.0100), run("4h, halved", 0.0097))
     assert (found.value, found.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
     assert "halved increments" in found.how
-    for lost in (step(), step(run("4h", 0.01), run("4h, halved", None, "4h, halved did not converge"))):
+    for lost in (
+        step(),
+        step(run("4h", 0.01), run("4h, halved", None, "4h, halved did not converge")),
+    ):
         assert not lost.measured
         assert "no answer on the polygon" in lost.how
     # Theory that refuses its polygon: never of a scene without bulk stress and tilt.
     result = comparison.result
     assert budgets.theory_on_steps(result) is not None
 
-    monkeypatch.setattr(semi_analytic, "solve", raising(InputError("straight_steps: not with bulk stress or tilt")))
+    monkeypatch.setattr(
+        semi_analytic, "solve", raising(InputError("straight_steps: not with bulk stress or tilt"))
+    )
     with pytest.raises(InputError):
         budgets.theory_on_steps(result)
     pulled = replace(result, scene=result.scene.vary(load={"bulk_stress_lower": 1.0}))
@@ -293,12 +365,18 @@ def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper)
     assert not any(count for name, count in spared.work.counts.items() if name.startswith("coarse"))
     assert any(count for name, count in whole.work.counts.items() if name.startswith("coarse"))
     assert mesh_ratio(MeshSettings.coarse()) == 2.0
-    assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(2.5 ** (1 / 3))
-    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None  # no room for a refinement
+    assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(
+        2.5 ** (1 / 3)
+    )
+    # no room for a refinement
+    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None
     soft = SolverSettings(method="penalty", normal_stiffness=50.0, tangential_stiffness=20.0)
     mesh, settings = coarser(MESH, soft, 4.0)
     assert (settings.normal_stiffness, settings.tangential_stiffness) == (200.0, 80.0)
-    assert settings.normal_stiffness / mesh.edge_element_size == soft.normal_stiffness / MESH.edge_element_size
+    assert (
+        settings.normal_stiffness / mesh.edge_element_size
+        == soft.normal_stiffness / MESH.edge_element_size
+    )
     assert coarser(MESH, STEPS, 4.0)[1] == STEPS
 
 
@@ -306,13 +384,16 @@ def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper)
 def test_penalty_is_a_term_of_its_own():
     soft = replace(STEPS, method="penalty", normal_stiffness=3.0, tangential_stiffness=3.0)
     comparison = compared("cattaneo-mindlin", settings=soft)
-    found = error_budget(comparison, climb(comparison, MESH, soft, silent), 1.0).budget("dissipation")
+    found = error_budget(comparison, climb(comparison, MESH, soft, silent), 1.0).budget(
+        "dissipation"
+    )
     penalty = found.terms[1]
     exact = compared("cattaneo-mindlin").metric("dissipation").value
     assert abs(found.total - exact) > 1e-3
     assert penalty.value == pytest.approx(found.total - exact, rel=1e-9)
     layered, bare = (
-        halfplane_fe.solve(comparison.scene, *coarser(MESH, law, 0.25)).dissipation / comparison.reference.dissipation
+        halfplane_fe.solve(comparison.scene, *coarser(MESH, law, 0.25)).dissipation
+        / comparison.reference.dissipation
         for law in (soft, STEPS)
     )
     assert abs(penalty.value - (layered - bare)) < penalty.uncertainty < 2 * abs(penalty.value)
@@ -322,9 +403,17 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
     """Of a pair of layers an error of 1.4e-4 was stated as 4e-6."""
     comparison = compared("blocks", MeshSettings.coarse(), replace(STEPS, steps_per_cycle=8))
     result, values = comparison.result, budgets.without_steps(comparison)
-    runs = tuple(Run(f"{size:g}h", size, {k: v for k, v in values.items() if k == "largest_pressure"}) for size in (1.0, 2.0, 4.0))
-    found = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget("largest_pressure")
-    stated = result.largest_pressure_uncertainty / comparison.reference.pressure[comparison.reference.last_cycle].max()
+    runs = tuple(
+        Run(f"{size:g}h", size, {k: v for k, v in values.items() if k == "largest_pressure"})
+        for size in (1.0, 2.0, 4.0)
+    )
+    found = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget(
+        "largest_pressure"
+    )
+    stated = (
+        result.largest_pressure_uncertainty
+        / comparison.reference.pressure[comparison.reference.last_cycle].max()
+    )
     assert found.uncertainty == pytest.approx(stated, rel=1e-2)
     assert found.uncertainty > 1e-4
     assert "the run itself states" in found.terms[0].how
@@ -333,35 +422,61 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
 @pytest.mark.slow
 def test_real_bodies_have_an_idealisation_error_and_no_far_field():
     comparison = compared("blocks", MeshSettings(), SolverSettings())
-    found = error_budget(comparison, climb(comparison, MeshSettings(), SolverSettings(), silent), 1.0).budget("peak_pressure")
+    found = error_budget(
+        comparison, climb(comparison, MeshSettings(), SolverSettings(), silent), 1.0
+    ).budget("peak_pressure")
     assert (found.resolved, found.honest) == (True, None)
     assert found.terms[3].how == "none: the bodies have a size of their own"
 
 
-# ----------------------------------------------------------------------------------------------------------- three states
-# Error and uncertainty over the tolerance, and what follows; the second is the stick edge of `blocks`.
+# ------------------------------------------------------------------------------------- three states
+# Error and uncertainty over the tolerance, and what follows; the second is the stick edge of
+# `blocks`.
 CASES = (
-    *((0.9, 0.05, "within"), (-0.32, 15.0, "undecided"), (0.9, 0.2, "undecided"), (-1.1, 0.05, "outside")),
-    *((1.1, 0.2, "undecided"), (-3.0, 1.5, "outside"), (0.9, None, "within"), (-1.1, None, "outside")),
-    *((0.9, float("inf"), "undecided"), (float("nan"), 0.1, "outside"), (float("nan"), None, "outside")),
+    *(
+        (0.9, 0.05, "within"),
+        (-0.32, 15.0, "undecided"),
+        (0.9, 0.2, "undecided"),
+        (-1.1, 0.05, "outside"),
+    ),
+    *(
+        (1.1, 0.2, "undecided"),
+        (-3.0, 1.5, "outside"),
+        (0.9, None, "within"),
+        (-1.1, None, "outside"),
+    ),
+    *(
+        (0.9, float("inf"), "undecided"),
+        (float("nan"), 0.1, "outside"),
+        (float("nan"), None, "outside"),
+    ),
     *((-1.0, 0.0, "within"), (0.75, 0.25, "within"), (1.25, 0.25, "undecided")),
 )
 
 
 def planted(paper, error: float, doubt: float | None) -> Report:
-    """The report with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0."""
+    """The report with this dissipation, in tolerances, and a budget of one term; all else that is
+    judged is 0.
+    """
     comparison, refinements = paper
     size = comparison.metric("dissipation").tolerance
-    values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
+    values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {
+        "dissipation": error * size
+    }
     metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
     whole = error_budget(replace(comparison, metrics=metrics), refinements, 1.0)
     doubts = {"dissipation": None if doubt is None else doubt * size}
-    budgets = (replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),)) for one in whole.budgets)
+    budgets = (
+        replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),))
+        for one in whole.budgets
+    )
     return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))
 
 
 @pytest.mark.parametrize(("error", "doubt", "state"), CASES)
-def test_every_door_says_the_same_of_a_verdict(paper, error: float, doubt: float | None, state: str, capsys):
+def test_every_door_says_the_same_of_a_verdict(
+    paper, error: float, doubt: float | None, state: str, capsys
+):
     """It follows from the error, its uncertainty and the tolerance."""
     found = planted(paper, error, doubt)
     metric = found.metric("dissipation")
@@ -369,7 +484,11 @@ def test_every_door_says_the_same_of_a_verdict(paper, error: float, doubt: float
     assert metric.accurate is found.passed is (state == "within")
     stored = json.loads(as_json(found))
     assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
-    assert stored["verdict"]["passed"] is stored["metrics"]["dissipation"]["accurate"] is (state == "within")
+    assert (
+        stored["verdict"]["passed"]
+        is stored["metrics"]["dissipation"]["accurate"]
+        is (state == "within")
+    )
     page = render(found, (), "", {})
     css = {"within": "good", "outside": "bad", "undecided": "open"}
     assert f'<p class="verdict {css[state]}">' in page
@@ -386,7 +505,9 @@ def test_every_door_says_the_same_of_a_verdict(paper, error: float, doubt: float
 
 
 def test_what_no_uncertainty_is_known_for_is_said(paper):
-    """Without a budget, and where a term was not measured; nothing is said to be unknown where all is known."""
+    """Without a budget, and where a term was not measured; nothing is said to be unknown where all
+    is known.
+    """
     comparison = Report(paper[0])
     assert "No uncertainty was requested" in how_judged(comparison)
     unknown, known = planted(paper, 0.9, None), planted(paper, 0.9, 0.05)
@@ -400,7 +521,9 @@ def test_what_no_uncertainty_is_known_for_is_said(paper):
 
 def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
     found = planted(paper, 0.9, 0.2)
-    worse = tuple(replace(m, value=1.0) if m.key == "shear" else m for m in found.comparison.metrics)
+    worse = tuple(
+        replace(m, value=1.0) if m.key == "shear" else m for m in found.comparison.metrics
+    )
     both = replace(found, comparison=replace(found.comparison, metrics=worse))
     assert both.comparison.verdict == "outside"
     assert "more than the tolerance in shear traction, L2 (" in verdict(both)
@@ -413,7 +536,16 @@ def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
 
 def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(tmp_path):
     """Blocks on a mesh so coarse that the budget leaves every tolerance open."""
-    coarse = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.1", "--steps-per-cycle", "8")
+    coarse = (
+        "--order",
+        "1",
+        "--element-size",
+        "0.25",
+        "--edge-element-size",
+        "0.1",
+        "--steps-per-cycle",
+        "8",
+    )
     done = halfplane(tmp_path, "run", "blocks", "--budget", "--out", "out", "--quiet", *coarse)
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
@@ -423,4 +555,8 @@ def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(tmp_path):
     stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
     edge = stored["metrics"]["stick_edge"]
     assert edge["uncertainty"] == stored["budget"]["metrics"]["stick_edge"]["u"] > edge["tolerance"]
-    assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == ("undecided", False, False)
+    assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == (
+        "undecided",
+        False,
+        False,
+    )

@@ -1,4 +1,6 @@
-"""Before anything is solved: how near gross sliding, and where; the largest contact; measured loads, their cycles and noise."""
+"""Before anything is solved: how near gross sliding, and where; the largest contact; measured
+loads, their cycles and noise.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,14 @@ from reports.checking import (
     require_admissible,
 )
 from reports.maps.advice import parts_of
-from reports.measured import check_record, counted, load_cycles, noise_of, record_in_words, with_work
+from reports.measured import (
+    check_record,
+    counted,
+    load_cycles,
+    noise_of,
+    record_in_words,
+    with_work,
+)
 from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
@@ -88,11 +97,21 @@ def test_the_library_is_admissible_holds_its_loads_and_is_remarked_on_where_it_i
 
 @pytest.mark.parametrize(("share", "held"), [(1.001, True), (0.999, False)])
 def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held: bool) -> None:
-    """Rows of a parabola of R = 1000 up to a share of the contact half-width a^2 = 4 P R/(pi E*) at the largest load."""
-    load = EllipseLoad(mean_normal_load=90, normal_amplitude=20, mean_tangential_load=0, tangential_amplitude=5, phase_degrees=33)
+    """Rows of a parabola of R = 1000 up to a share of the contact half-width a^2 = 4 P R/(pi E*) at
+    the largest load.
+    """
+    load = EllipseLoad(
+        mean_normal_load=90,
+        normal_amplitude=20,
+        mean_tangential_load=0,
+        tangential_amplitude=5,
+        phase_degrees=33,
+    )
     modulus = 210e3 / (2 * (1 - 0.3**2))
     end = share * math.sqrt(4 * 110 * 1000 / (math.pi * modulus))
-    table = Tabulated.model_validate({"points": [[end * k / 40, (end * k / 40) ** 2 / 2000] for k in range(41)]})
+    table = Tabulated.model_validate(
+        {"points": [[end * k / 40, (end * k / 40) ** 2 / 2000] for k in range(41)]}
+    )
     short = scene(load).vary(profile=table)
     if held:
         largest_contact(short, "mine.toml")
@@ -100,19 +119,27 @@ def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held:
         return
     with pytest.raises(InputError, match="needs a contact wider than the table"):
         semi_analytic.solve(short, x=[0.0], fields=())
-    words = r"^mine\.toml: half-plane theory refuses it: profile: the normal load 110 needs a contact wider than the table"
+    words = (
+        r"^mine\.toml: half-plane theory refuses it: profile: the normal load 110 needs a contact"
+        r" wider than the table"
+    )
     with pytest.raises(InputError, match=words):
         largest_contact(short, "mine.toml")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_largest_ratio_of_an_ellipse(sign: int) -> None:
-    """P = 3 + cos t, Q = +-(1.1 + sin t), f = 1: the tangent from the origin to a circle of radius 1 about (3, 1.1).
+    """P = 3 + cos t, Q = +-(1.1 + sin t), f = 1: the tangent from the origin to a circle of radius
+    1 about (3, 1.1).
 
     Its angle is atan(1.1/3) + asin(1/sqrt(3^2 + 1.1^2)).
     """
     load = EllipseLoad(
-        mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1 * sign, tangential_amplitude=1, phase_degrees=90.0 * sign
+        mean_normal_load=3,
+        normal_amplitude=1,
+        mean_tangential_load=1.1 * sign,
+        tangential_amplitude=1,
+        phase_degrees=90.0 * sign,
     )
     check = nearest_to_sliding(scene(load, friction=1.0))
     expected = math.tan(math.atan(1.1 / 3) + math.asin(1 / math.hypot(3, 1.1)))
@@ -123,7 +150,8 @@ def test_largest_ratio_of_an_ellipse(sign: int) -> None:
 
 # points of the initial loading, of the cycle, friction, reason, where it starts
 PATHS = [
-    # Q grows from 0 to 60 beside P = 100 during the second unit of time; f P = 50 is passed at 1 + 5/6.
+    # Q grows from 0 to 60 beside P = 100 during the second unit of time; f P = 50 is passed at 1 +
+    # 5/6.
     ([(100, 0), (100, 60)], [], 0.5, "gross sliding", 1 + 5 / 6),
     ([(100, 0), (100, -60)], [], 0.5, "gross sliding", 1 + 5 / 6),
     ([(100, 0), (-20, 0)], [], 0.5, "separation", 1 + 100 / 120),
@@ -136,11 +164,18 @@ PATHS = [
 
 @pytest.mark.parametrize(("way", "cycle", "friction", "reason", "start"), PATHS)
 def test_gross_sliding_and_separation_are_found_where_they_start(
-    way: list[tuple[float, float]], cycle: list[tuple[float, float]], friction: float, reason: str, start: float | None
+    way: list[tuple[float, float]],
+    cycle: list[tuple[float, float]],
+    friction: float,
+    reason: str,
+    start: float | None,
 ) -> None:
     path = scene(PolygonLoad(initial_loading=way, cycle=cycle), friction)
     fault, near = fault_of(path), nearest_to_sliding(path)
-    assert (f"load: {reason} " in str(fault), getattr(fault, "time", None)) == (start is not None, start and pytest.approx(start))
+    assert (f"load: {reason} " in str(fault), getattr(fault, "time", None)) == (
+        start is not None,
+        start and pytest.approx(start),
+    )
     if abs(way[-1][1]) == 60:
         assert (near.ratio, near.time, near.part) == (pytest.approx(1.2), 2.0, "path")
         words = r"my\.toml: load: gross sliding from time 1\.83333 on, at time 2 with P = 100, "
@@ -150,7 +185,9 @@ def test_gross_sliding_and_separation_are_found_where_they_start(
 
 @pytest.mark.parametrize(("mean", "hint"), [(-20.0, True), (90.0, False)])
 def test_an_initial_loading_that_is_alone_at_fault_is_named(mean: float, hint: bool) -> None:
-    """The parabola is tangent to the ellipse, so it leaves zero as steeply as it must; a cycle outside the limit has none."""
+    """The parabola is tangent to the ellipse, so it leaves zero as steeply as it must; a cycle
+    outside the limit has none.
+    """
     with pytest.raises(InputError) as fault:
         require_admissible(BASE.vary(load={"mean_tangential_load": mean}), "my.toml")
     assert ('or write load.initial_loading = "straight"' in str(fault.value)) == hint
@@ -158,25 +195,40 @@ def test_an_initial_loading_that_is_alone_at_fault_is_named(mean: float, hint: b
 
 def test_a_record_in_which_compression_is_negative_is_told_so() -> None:
     rows = [[0.0, -80.0, 0.0], [1.0, -90.0, 20.0], [2.0, -100.0, -20.0], [3.0, -80.0, 0.0]]
-    record = scene(PolygonLoad(initial_loading=[(100, 0)])).vary(load=TimeSeriesLoad(rows=rows, repeats=True))
-    with pytest.raises(InputError, match=r"my\.toml: load: P is never positive; .* turn its sign if"):
+    record = scene(PolygonLoad(initial_loading=[(100, 0)])).vary(
+        load=TimeSeriesLoad(rows=rows, repeats=True)
+    )
+    with pytest.raises(
+        InputError, match=r"my\.toml: load: P is never positive; .* turn its sign if"
+    ):
         require_admissible(record, "my.toml")
 
 
 @pytest.mark.parametrize(("repeats", "block"), [(False, 7), (True, 7), (True, 100)])
-def test_a_record_is_judged_as_the_legs_between_its_rows(repeats: bool, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Rows of random loads, some outside the cone, some with P < 0: worst ratio, first instant and largest P of the legs."""
+def test_a_record_is_judged_as_the_legs_between_its_rows(
+    repeats: bool, block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows of random loads, some outside the cone, some with P < 0: worst ratio, first instant and
+    largest P of the legs.
+    """
     monkeypatch.setattr(checking, "_BLOCK", block)
     chance = np.random.default_rng(16)
     for trial in range(30):
         normal = 100 + 60 * chance.standard_normal(30)
         rows = np.stack(
-            [np.cumsum(chance.uniform(0.1, 1, 30)), normal, 0.1 * (1 + trial % 3) * normal * chance.standard_normal(30)], axis=1
+            [
+                np.cumsum(chance.uniform(0.1, 1, 30)),
+                normal,
+                0.1 * (1 + trial % 3) * normal * chance.standard_normal(30),
+            ],
+            axis=1,
         )
         rows[:, 1] = np.abs(rows[:, 1]) if trial % 2 else rows[:, 1]
         rows[-1, 1:] = rows[0, 1:]
         friction = BASE.friction.model_copy(update={"coefficient": 0.3})
-        record = BASE.model_copy(update={"load": TimeSeriesLoad(rows=rows, repeats=repeats), "friction": friction})
+        record = BASE.model_copy(
+            update={"load": TimeSeriesLoad(rows=rows, repeats=repeats), "friction": friction}
+        )
         path, found = record.load.path(), nearest_to_sliding(record)
         legs = [*path.initial_loading, *path.cycle]
         p, q = (np.array([leg.loads([leg.start, leg.end])[k] for leg in legs]) for k in (0, 1))
@@ -193,8 +245,12 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(repeats: bool, block: i
         assert largest_normal_load(record) == p.max()
 
 
-def test_a_long_record_is_checked_without_a_leg_for_each_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1.9e6 rows took 1 GB and minutes as legs of Python; block by block 0.2 GB and 3 s, most of it the reading."""
+def test_a_long_record_is_checked_without_a_leg_for_each_row(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """1.9e6 rows took 1 GB and minutes as legs of Python; block by block 0.2 GB and 3 s, most of it
+    the reading.
+    """
     count = 200_000
     time = np.arange(count) / 100
     load = TimeSeriesLoad(rows=np.stack([time, 90 + 20 * np.cos(time), 10 * np.sin(time)], axis=1))
@@ -210,23 +266,32 @@ def test_a_long_record_is_checked_without_a_leg_for_each_row(monkeypatch: pytest
 
 
 def test_python_and_the_command_line_refuse_sliding_on_the_initial_loading_alike() -> None:
-    """Q/P = 1.9/3 from P = Q = 0 on, f = 0.5: the instant alone, at which both are 0, says nothing."""
-    load = EllipseLoad(mean_normal_load=3, mean_tangential_load=2, normal_amplitude=1, tangential_amplitude=0.1)
+    """Q/P = 1.9/3 from P = Q = 0 on, f = 0.5: the instant alone, at which both are 0, says
+    nothing.
+    """
+    load = EllipseLoad(
+        mean_normal_load=3, mean_tangential_load=2, normal_amplitude=1, tangential_amplitude=0.1
+    )
     with pytest.raises(InputError) as theory:
         semi_analytic.solve(scene(load))
-    assert "gross sliding from time 1.5708 on, at time 4.71239 with P = 3, Q = 1.9, f = 0.5: |Q| exceeds f P" in str(theory.value)
+    assert (
+        "gross sliding from time 1.5708 on, at time 4.71239 with P = 3, Q = 1.9, f = 0.5: |Q|"
+        " exceeds f P" in str(theory.value)
+    )
     with pytest.raises(InputError) as command:
         require_admissible(scene(load), "my.toml")
     assert str(command.value).startswith(f"my.toml: {theory.value}")
 
 
-# ------------------------------------------------------------------------------------------------------- the largest contact
+# ------------------------------------------------------------------------------ the largest contact
 def steel(modulus: float = 210e3) -> Materials:
     return Materials.model_validate({"young_modulus": modulus, "poisson_ratio": 0.3})
 
 
 def pressed(load: float, **changes: object) -> Scene:
-    return BASE.model_copy(update={"load": PolygonLoad(initial_loading=[(load, 0.0), (load, 0.1 * load)]), **changes})
+    return BASE.model_copy(
+        update={"load": PolygonLoad(initial_loading=[(load, 0.0), (load, 0.1 * load)]), **changes}
+    )
 
 
 def test_numbers_of_the_largest_contact_are_those_of_hertz() -> None:
@@ -241,7 +306,9 @@ def test_numbers_of_the_largest_contact_are_those_of_hertz() -> None:
     assert found.strain == pytest.approx(half / 2000, rel=1e-12)
     assert found.edge_slope == pytest.approx(half / 1000, rel=1e-8)
     sizes = {"lower width/a": 20, "lower height/a": 8, "upper width/a": 12, "upper height/a": 6}
-    assert found.ratios == pytest.approx({"a/R": half / 1000} | {name: size / half for name, size in sizes.items()})
+    assert found.ratios == pytest.approx(
+        {"a/R": half / 1000} | {name: size / half for name, size in sizes.items()}
+    )
 
 
 def test_the_peak_under_a_flat_with_rounded_edges_is_found_beside_its_corner() -> None:
@@ -250,7 +317,9 @@ def test_the_peak_under_a_flat_with_rounded_edges_is_found_beside_its_corner() -
     found = largest_contact(scene, "mine")
     x = found.half_width * np.linspace(0, 1, 20_001)
     contact = semi_analytic.profiles.contact_of(scene.profile, scene.material)
-    assert found.peak_pressure == pytest.approx(float(np.max(contact.pressure(x, found.normal_load))), rel=1e-5)
+    assert found.peak_pressure == pytest.approx(
+        float(np.max(contact.pressure(x, found.normal_load))), rel=1e-5
+    )
     assert found.ratios["b/a"] == pytest.approx(scene.profile.flat_half_length / found.half_width)
 
 
@@ -263,49 +332,124 @@ NONE: dict[str, Any] = {"bulk_stress_upper": None, "tilt": None, "line_of_action
 @pytest.mark.parametrize(
     ("keys", "eccentricity", "moderate", "centre", "words"),
     [
-        ({"bulk_stress_lower": (0.0, 0.4, -0.4)}, 0.2 / A3, 0.2 / LIMIT, 0.0, "moderate: where it goes with Q both ends"),
-        ({"bulk_stress_upper": (0.0, 2.0, -2.0)}, 1.0 / A3, 1.0 / LIMIT, 0.0, "large: the ends of the contact slip opposite ways"),
-        ({"bulk_stress_lower": 0.4, "tilt": 0.1}, 0.0, None, -0.1 / A3, "Tilt moves the middle of the contact by −0.0512 a"),
-        ({"line_of_action": {"x": 0.3}}, None, None, 0.3 / A3, "Tilt moves the middle of the contact by 0.153 a"),
+        (
+            {"bulk_stress_lower": (0.0, 0.4, -0.4)},
+            0.2 / A3,
+            0.2 / LIMIT,
+            0.0,
+            "moderate: where it goes with Q both ends",
+        ),
+        (
+            {"bulk_stress_upper": (0.0, 2.0, -2.0)},
+            1.0 / A3,
+            1.0 / LIMIT,
+            0.0,
+            "large: the ends of the contact slip opposite ways",
+        ),
+        (
+            {"bulk_stress_lower": 0.4, "tilt": 0.1},
+            0.0,
+            None,
+            -0.1 / A3,
+            "Tilt moves the middle of the contact by −0.0512 a",
+        ),
+        (
+            {"line_of_action": {"x": 0.3}},
+            None,
+            None,
+            0.3 / A3,
+            "Tilt moves the middle of the contact by 0.153 a",
+        ),
     ],
     ids=["moderate", "large, above", "constant, with tilt", "a line of action"],
-)  # fmt: skip
+)
 def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
-    keys: dict[str, Any], eccentricity: float | None, moderate: float | None, centre: float, words: str
+    keys: dict[str, Any],
+    eccentricity: float | None,
+    moderate: float | None,
+    centre: float,
+    words: str,
 ) -> None:
-    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)], **keys}
+    load = {
+        "kind": "polygon",
+        "initial_loading": [(3.0, 0.0), (3.0, 1.8)],
+        "cycle": [(3.0, -1.8)],
+        **keys,
+    }
     soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
-    asked = Scene.model_validate({"material": soft, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 1.0, "load": load})
+    asked = Scene.model_validate(
+        {
+            "material": soft,
+            "profile": {"kind": "hertz", "radius": 1.0},
+            "friction": 1.0,
+            "load": load,
+        }
+    )
     found = bulk_and_tilt(asked)
-    assert found.eccentricity == (None if eccentricity is None else pytest.approx(eccentricity, rel=1e-9))
-    assert found.share_of_moderate == (None if moderate is None else pytest.approx(moderate, rel=1e-9))
+    assert found.eccentricity == (
+        None if eccentricity is None else pytest.approx(eccentricity, rel=1e-9)
+    )
+    assert found.share_of_moderate == (
+        None if moderate is None else pytest.approx(moderate, rel=1e-9)
+    )
     assert found.centre == pytest.approx(centre, rel=1e-9)
-    strains = [np.max(np.abs(stress or 0.0)) / 2 for stress in (keys.get("bulk_stress_lower"), keys.get("bulk_stress_upper"))]
+    strains = [
+        np.max(np.abs(stress or 0.0)) / 2
+        for stress in (keys.get("bulk_stress_lower"), keys.get("bulk_stress_upper"))
+    ]
     assert found.strain == pytest.approx(sum(strains), rel=1e-9)
     assert words in bulk_in_words(found)
     assert bulk_and_tilt(load_scene("cattaneo-mindlin")) is None
-    still = asked.vary(load={"initial_loading": [(3.0, 0.0)], "cycle": [(2.0, 0.0)], "bulk_stress_lower": (0.0, 0.4), **NONE})
+    still = asked.vary(
+        load={
+            "initial_loading": [(3.0, 0.0)],
+            "cycle": [(2.0, 0.0)],
+            "bulk_stress_lower": (0.0, 0.4),
+            **NONE,
+        }
+    )
     without = bulk_and_tilt(still)
     assert "a Q that does not move" in bulk_in_words(without)
 
 
-def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs(tmp_path: Path) -> None:
+def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs(
+    tmp_path: Path,
+) -> None:
     said = halfplane(tmp_path, "check", "blocks").stdout
     found = largest_contact(load_scene("blocks"), "blocks")
-    words = (f"a = {found.half_width:.4g} mm", f"p0 = {found.peak_pressure:.4g} MPa", "a/R = ", "upper height/a = ", "p0/E* = ")
+    words = (
+        f"a = {found.half_width:.4g} mm",
+        f"p0 = {found.peak_pressure:.4g} MPa",
+        "a/R = ",
+        "upper height/a = ",
+        "p0/E* = ",
+    )
     words += ("a block 20 mm wide", "a finding about the idealisation")
     assert not [word for word in words if word not in said]
     answer = json.loads(halfplane(tmp_path, "check", "blocks", "--json").stdout)["result"]
-    assert (answer["largest_contact"], answer["remarks"]) == ({**vars(found), "ratios": found.ratios}, [])
+    assert (answer["largest_contact"], answer["remarks"]) == (
+        {**vars(found), "ratios": found.ratios},
+        [],
+    )
     wedge = pressed(80.0, profile=PowerLaw(exponent=1.0, length=1.0, rise=0.01))
     assert math.isinf(largest_contact(wedge, "mine").peak_pressure)
     wedge.save(tmp_path / "wedge.json")
-    assert "the peak pressure p0 = infinite at the tip" in halfplane(tmp_path, "check", "wedge.json").stdout
+    assert (
+        "the peak pressure p0 = infinite at the tip"
+        in halfplane(tmp_path, "check", "wedge.json").stdout
+    )
     answer = json.loads(halfplane(tmp_path, "check", "wedge.json", "--json").stdout)["result"]
     assert answer["largest_contact"]["peak_pressure"] is None
 
 
-SPOKEN = ("blocks", "cylinder-roller", "dovetail-out-of-phase", "time-series", "large-pad-steep", "row-of-contacts")
+SPOKEN = (
+    "blocks",
+    "cylinder-roller",
+    "dovetail-out-of-phase",
+    "time-series",
+    "large-pad-steep",
+    "row-of-contacts",
+)
 
 
 @pytest.mark.parametrize("name", SPOKEN)
@@ -316,13 +460,25 @@ def test_check_speaks_in_sentences_of_at_most_25_words(name: str, tmp_path: Path
 
 
 REMARKED = {
-    "E in GPa": ({"material": steel(210.0)}, ["young_modulus = 210 MPa is as soft as", "steel has 210000 MPa. Is E in GPa?"]),
-    "E in Pa": ({"material": steel(210e9)}, ["young_modulus = 2.1e+11 MPa is stiffer than diamond"]),
-    "rubber": ({"material": Materials.model_validate({"young_modulus": 5.0, "poisson_ratio": 0.49})}, []),
+    "E in GPa": (
+        {"material": steel(210.0)},
+        ["young_modulus = 210 MPa is as soft as", "steel has 210000 MPa. Is E in GPa?"],
+    ),
+    "E in Pa": (
+        {"material": steel(210e9)},
+        ["young_modulus = 2.1e+11 MPa is stiffer than diamond"],
+    ),
+    "rubber": (
+        {"material": Materials.model_validate({"young_modulus": 5.0, "poisson_ratio": 0.49})},
+        [],
+    ),
     "steel": ({}, []),
     "E in psi": ({"material": steel(30e6), "units": "lbf, in, psi"}, []),
     "units of one's own": ({"material": steel(1.0), "units": "F, L, S"}, []),
-    "a small roller": ({"profile": Hertz(radius=0.01)}, ["p0/E* = 0.149", "slope at the edge 0.297", "Are the loads N per mm"]),
+    "a small roller": (
+        {"profile": Hertz(radius=0.01)},
+        ["p0/E* = 0.149", "slope at the edge 0.297", "Are the loads N per mm"],
+    ),
 }
 
 
@@ -342,11 +498,17 @@ REFUSED = {
         "the contact at the largest load reaches past the end of the narrower face, at |x| = 0.05",
     ),
     "a pad as deep as it is high": (
-        pressed(8.0, profile=Hertz(radius=6.0), bodies=Bodies(lower=BLOCK, upper=Pad(width=11.0, height=3.0))),
+        pressed(
+            8.0,
+            profile=Hertz(radius=6.0),
+            bodies=Bodies(lower=BLOCK, upper=Pad(width=11.0, height=3.0)),
+        ),
         "bodies.upper.height = 3 is refused: the pad's face goes as deep at its sides",
     ),
     "rollers and nothing else": (
-        pressed(8.0, bodies=Bodies(lower=BLOCK, upper=Block(width=20.0, height=8.0, base="rollers"))),
+        pressed(
+            8.0, bodies=Bodies(lower=BLOCK, upper=Block(width=20.0, height=8.0, base="rollers"))
+        ),
         "bodies.upper: nothing holds the block against the tangential load",
     ),
     "rows that end in the contact": (
@@ -354,26 +516,44 @@ REFUSED = {
         "needs a contact wider than the table",
     ),
     "rows in steps": (
-        pressed(80.0, profile=Tabulated(points=[[0.03 * k, round(9e-4 * k * k / 2000, 5)] for k in range(101)])),
+        pressed(
+            80.0,
+            profile=Tabulated(
+                points=[[0.03 * k, round(9e-4 * k * k / 2000, 5)] for k in range(101)]
+            ),
+        ),
         "the contact would split near a half-width of",
     ),
 }
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_check_refuses_what_run_refuses_in_the_same_sentence(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_check_refuses_what_run_refuses_in_the_same_sentence(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """And run does before it solves anything."""
     scene, words = REFUSED[case]
     scene.save(tmp_path / "mine.json")
     if "rows" in case:
-        monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: pytest.fail("finite elements were solved first"))
-    said = [refused(tmp_path, "check", "mine.json"), refused(tmp_path, "run", "mine.json", "--quiet")]
+        monkeypatch.setattr(
+            "halfplane_fe.solve", lambda *_, **__: pytest.fail("finite elements were solved first")
+        )
+    said = [
+        refused(tmp_path, "check", "mine.json"),
+        refused(tmp_path, "run", "mine.json", "--quiet"),
+    ]
     assert words in said[0]
     assert said[0] == said[1]
-    assert ("`halfplane exact mine.json` gives half-plane theory's answer" in said[0]) == ("rows" not in case)
+    assert ("`halfplane exact mine.json` gives half-plane theory's answer" in said[0]) == (
+        "rows" not in case
+    )
 
 
-CORNERS = {"kind": "polygon", "initial_loading": [(90.0, 0.0), (90.0, 25.0)], "cycle": [(90.0, 0.0), (90.0, -25.0), (90.0, 0.0)]}
+CORNERS = {
+    "kind": "polygon",
+    "initial_loading": [(90.0, 0.0), (90.0, 25.0)],
+    "cycle": [(90.0, 0.0), (90.0, -25.0), (90.0, 0.0)],
+}
 OUT_OF_PHASE = CORNERS | {"bulk_stress_lower": (0.0, 0.0, 20.0, 0.0, -20.0)}
 FLAT = FlatRounded(radius=1000.0, flat_half_length=0.5)
 DENTED = EvenPolynomial(length=1.0, rises=(5e-4, -2.4e-4, 5e-5))
@@ -381,32 +561,55 @@ ALONE = {
     "a tilt of what bends down": (
         "fe",
         {"load": CORNERS | {"tilt": 1e-4}, "profile": DENTED},
-        "profile: it bends down near x = 0.979796: under bulk stress or tilt half-plane theory takes",
+        (
+            "profile: it bends down near x = 0.979796: under bulk stress or tilt half-plane theory"
+            " takes"
+        ),
     ),
     "nearly no load": (
         "exact",
-        {"load": {"mean_normal_load": 1.0, "normal_amplitude": 1 - 1e-12, "mean_tangential_load": 0.0, "tangential_amplitude": 0}},
+        {
+            "load": {
+                "mean_normal_load": 1.0,
+                "normal_amplitude": 1 - 1e-12,
+                "mean_tangential_load": 0.0,
+                "tangential_amplitude": 0,
+            }
+        },
         "finite elements can't tell from separation",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", ALONE)
-def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(case: str, tmp_path: Path) -> None:
-    """`check` says which, why and by which command; `run` gives that answer with the sentence, and no comparison."""
+def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(
+    case: str, tmp_path: Path
+) -> None:
+    """`check` says which, why and by which command; `run` gives that answer with the sentence, and
+    no comparison.
+    """
     command, changes, words = ALONE[case]
     BASE.vary(**changes, name="mine", expected=()).save(tmp_path / "mine.toml")
     checked = halfplane(tmp_path, "check", "mine.toml")
     alone = next(line[8:-1] for line in checked.stdout.splitlines() if "alone take" in line)
-    assert (checked.returncode, words in alone, f"`halfplane {command} mine.toml`" in alone) == (0, True, True)
+    assert (checked.returncode, words in alone, f"`halfplane {command} mine.toml`" in alone) == (
+        0,
+        True,
+        True,
+    )
     found = json.loads(halfplane(tmp_path, "check", "mine.toml", "--json").stdout)["result"]
-    refusing, taking = ("half_plane", "finite_elements") if command == "fe" else ("finite_elements", "half_plane")
+    refusing, taking = (
+        ("half_plane", "finite_elements") if command == "fe" else ("finite_elements", "half_plane")
+    )
     assert words in found["engines"][refusing]
     assert found["engines"][taking] == ""
-    # Bulk stress moves no pressure; nor does theory know a pressure under a tilt that it does not take.
+    # Bulk stress moves no pressure; nor does theory know a pressure under a tilt that it does not
+    # take.
     assert (found["largest_contact"] is None) == ("tilt" in case or "moment" in case)
     said = refused(tmp_path, "run", "mine.toml", "--quiet", "--budget")
-    assert said.endswith(f"mine.toml: --budget goes with a comparison of both engines: leave it out. {alone}")
+    assert said.endswith(
+        f"mine.toml: --budget goes with a comparison of both engines: leave it out. {alone}"
+    )
     done = halfplane(tmp_path, "run", "mine.toml", "--json", "--quiet", *COARSE)
     answer = json.loads(done.stdout)
     jsonschema.validate(answer, answer_schema())
@@ -419,10 +622,15 @@ def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(case
 
 def test_what_neither_engine_takes_is_refused_with_both_reasons(tmp_path: Path) -> None:
     held = Bodies(lower=Block(width=20.0, height=8.0, sides="guided"))
-    BASE.vary(load=OUT_OF_PHASE, profile=DENTED, bodies=held, name="mine").save(tmp_path / "mine.toml")
+    BASE.vary(load=OUT_OF_PHASE, profile=DENTED, bodies=held, name="mine").save(
+        tmp_path / "mine.toml"
+    )
     said = refused(tmp_path, "check", "mine.toml")
     assert "nothing pulls the ends of the lower body" in said
-    assert "half-plane theory refuses the scene too: profile: it bends down near x = 0.979796: under bulk stress or tilt" in said
+    assert (
+        "half-plane theory refuses the scene too: profile: it bends down near x = 0.979796: under"
+        " bulk stress or tilt" in said
+    )
     assert refused(tmp_path, "run", "mine.toml", "--quiet") == said
 
 
@@ -432,27 +640,43 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
     BASE.vary(load=TimeSeriesLoad(rows=rows)).save(tmp_path / "mine.json")
     done = halfplane(tmp_path, "check", "mine.json")
     assert done.returncode == 0
-    assert "Remark: The record has 10001 rows, and finite elements take at least two increments a row" in done.stdout
+    assert (
+        "Remark: The record has 10001 rows, and finite elements take at least two increments a row"
+        in done.stdout
+    )
 
 
 ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1), ())
 KNOW_P_AND_Q_ALONE = {
     "advise": (parts_of, "advice covers no bulk stress or tilt"),
-    "a measured loop": (lambda scene: score_loop(ROWS, scene), "no measured loop is scored with bulk stress"),
-    "friction_from": (lambda scene: semi_analytic.friction_from(0.1, scene=scene), "without bulk stress and tilt"),
-    "hysteresis": (lambda scene: semi_analytic.hysteresis(semi_analytic.solve(scene, x=[0.0])), "is not the dissipation"),
+    "a measured loop": (
+        lambda scene: score_loop(ROWS, scene),
+        "no measured loop is scored with bulk stress",
+    ),
+    "friction_from": (
+        lambda scene: semi_analytic.friction_from(0.1, scene=scene),
+        "without bulk stress and tilt",
+    ),
+    "hysteresis": (
+        lambda scene: semi_analytic.hysteresis(semi_analytic.solve(scene, x=[0.0])),
+        "is not the dissipation",
+    ),
 }
 
 
 @pytest.mark.parametrize("what", KNOW_P_AND_Q_ALONE)
 def test_what_knows_p_and_q_alone_refuses_bulk_stress_in_a_sentence(what: str) -> None:
     call, words = KNOW_P_AND_Q_ALONE[what]
-    load = {"kind": "polygon", "initial_loading": [(90.0, 0.0), (90.0, 25.0)], "cycle": [(90.0, -25.0)]}
+    load = {
+        "kind": "polygon",
+        "initial_loading": [(90.0, 0.0), (90.0, 25.0)],
+        "cycle": [(90.0, -25.0)],
+    }
     with pytest.raises(InputError, match=words):
         call(BASE.vary(load=load | {"bulk_stress_lower": (0.0, 10.0, -10.0)}))
 
 
-# ----------------------------------- measured loads: cycles of the standard, work that adds up, noise that is seen and measured
+# ------- measured loads: cycles of the standard, work that adds up, noise that is seen and measured
 SCRIPT = ROOT / "docs" / "examples" / "measured" / "make.py"
 RIG = load_scene("hertz-paper").vary(friction=0.6)
 # ASTM E1049-85, 5.4.4, figure 6: the history and the table of counts.
@@ -466,23 +690,38 @@ def of_rows(rows: Any, **keys: Any) -> Scene:
 
 def test_cycles_are_those_of_the_standard_and_lie_within_one_another() -> None:
     assert dict(count_cycles(HISTORY)) == COUNTS
-    time, so_far = np.arange(9.0), np.abs(np.diff(HISTORY, prepend=-2.0)).cumsum()  # a work of 1 for each unit of the way
+    # a work of 1 for each unit of the way
+    time, so_far = np.arange(9.0), np.abs(np.diff(HISTORY, prepend=-2.0)).cumsum()
     found = list(with_work(counted(time, np.array(HISTORY)), time, so_far))
     own: dict[float, float] = {}
     for cycle in found:
         own[cycle.range] = own.get(cycle.range, 0.0) + cycle.count
-        assert cycle.dissipation == pytest.approx(2 * cycle.count * cycle.range)  # there and back for a closed one
+        # there and back for a closed one
+        assert cycle.dissipation == pytest.approx(2 * cycle.count * cycle.range)
     assert own == COUNTS
     (closed,) = [cycle for cycle in found if cycle.count == 1]
-    assert (closed.start, closed.end) == (4.0, 5 + 4 / 7)  # from -1 to 3 and back to -1 on the way to -4
+    # from -1 to 3 and back to -1 on the way to -4
+    assert (closed.start, closed.end) == (4.0, 5 + 4 / 7)
 
 
 def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
-    """At constant P: the memory of the outer swing does not change what a swing within it dissipates (Masing)."""
-    rows = [[0, 90, 0], [1, 90, 30], [2, 90, -25], [3, 90, 20], [4, 90, -5], [5, 90, 25], [6, 90, -25]]
+    """At constant P: the memory of the outer swing does not change what a swing within it
+    dissipates (Masing).
+    """
+    rows = [
+        [0, 90, 0],
+        [1, 90, 30],
+        [2, 90, -25],
+        [3, 90, 20],
+        [4, 90, -5],
+        [5, 90, 25],
+        [6, 90, -25],
+    ]
     found = load_cycles(semi_analytic.solve(of_rows(rows)))
     (inner,) = [cycle for cycle in found.cycles if cycle.count == 1 and cycle.range == 25]
-    alone = RIG.vary(load=PolygonLoad(initial_loading=[(90, 0), (90, 30), (90, 20)], cycle=[(90, -5)]))
+    alone = RIG.vary(
+        load=PolygonLoad(initial_loading=[(90, 0), (90, 30), (90, 20)], cycle=[(90, -5)])
+    )
     assert inner.dissipation == pytest.approx(semi_analytic.solve(alone).dissipation, rel=1e-9)
     assert (inner.start, inner.end) == (3.0, pytest.approx(4 + 25 / 30))
 
@@ -491,7 +730,9 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
 def test_the_work_of_all_cycles_adds_up(name: str) -> None:
     solution = semi_analytic.solve(scene_of(name))
     found = load_cycles(solution)
-    assert sum(cycle.dissipation for cycle in found.cycles) == pytest.approx(solution.dissipation, rel=1e-12)
+    assert sum(cycle.dissipation for cycle in found.cycles) == pytest.approx(
+        solution.dissipation, rel=1e-12
+    )
     assert min(cycle.dissipation for cycle in found.cycles) >= 0
     assert found.per_cycle * found.counted == pytest.approx(solution.dissipation, rel=1e-12)
     assert np.all(np.diff(found.cumulative) >= 0)
@@ -508,16 +749,26 @@ def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
 
 def noisy(size: float, rows: int = 4000, seed: int = 1) -> np.ndarray:
     time = np.linspace(0, 10, rows)
-    loads = np.column_stack([90 + 10 * np.sin(2 * np.pi * time + 0.4), 20 * np.sin(2 * np.pi * time)])
-    return np.column_stack([time, loads + size * np.random.default_rng(seed).normal(size=(rows, 2))])
+    loads = np.column_stack(
+        [90 + 10 * np.sin(2 * np.pi * time + 0.4), 20 * np.sin(2 * np.pi * time)]
+    )
+    return np.column_stack(
+        [time, loads + size * np.random.default_rng(seed).normal(size=(rows, 2))]
+    )
 
 
-@pytest.mark.parametrize(("size", "warned"), [(0.0, False), (0.02, False), (0.2, True), (0.5, True)])
+@pytest.mark.parametrize(
+    ("size", "warned"), [(0.0, False), (0.02, False), (0.2, True), (0.5, True)]
+)
 def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned: bool) -> None:
-    """Against the same record without noise; the share is that of the means, so a little less than all of it."""
+    """Against the same record without noise; the share is that of the means, so a little less than
+    all of it.
+    """
 
     def work(rows: np.ndarray) -> float:
-        return semi_analytic.solve(of_rows(rows), x=[0.0], time=rows[[0, -1], 0], fields=("dissipation",)).dissipation
+        return semi_analytic.solve(
+            of_rows(rows), x=[0.0], time=rows[[0, -1], 0], fields=("dissipation",)
+        ).dissipation
 
     scene = of_rows(noisy(size))
     found, true = check_record(scene), work(noisy(size)) / work(noisy(0.0)) - 1
@@ -530,7 +781,10 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
     if warned:
         mended = check_record(scene.vary(load={"average": found.average}))
         assert mended.dissipation == pytest.approx(work(noisy(0.0)), rel=0.02)
-        assert not any(warning for _, warning in record_in_words(scene.vary(load={"average": found.average}), mended))
+        assert not any(
+            warning
+            for _, warning in record_in_words(scene.vary(load={"average": found.average}), mended)
+        )
 
 
 def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
@@ -549,7 +803,7 @@ def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     scene = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 3, "Q": 3})
     found = check_record(scene)
     said = dict(record_in_words(scene, found))
-    (first, second) = said
+    first, second = said
     assert f"The path goes through {found.kept:,} of 4,000 rows: by half-plane theory W = " in first
     assert second.startswith("With half the threshold W changes by +")
     assert list(said.values()) == [True, True]
@@ -577,11 +831,17 @@ def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) 
         scene = load_scene(tmp_path / "scene.toml")
         if table == "profile":
             x = np.linspace(-1.5, 1.5, 61)
-            np.testing.assert_allclose(scene.profile.points.values, np.column_stack([x, x**2 / 2000]), atol=1e-9)
+            np.testing.assert_allclose(
+                scene.profile.points.values, np.column_stack([x, x**2 / 2000]), atol=1e-9
+            )
         elif name == "noisy.csv":
-            assert np.std(scene.load.rows.values - made.record(2000), axis=0)[1:] == pytest.approx([0.3, 0.3], rel=0.05)
+            assert np.std(scene.load.rows.values - made.record(2000), axis=0)[1:] == pytest.approx(
+                [0.3, 0.3], rel=0.05
+            )
         else:
-            np.testing.assert_allclose(scene.load.rows.values, made.record(161), atol=6e-3, err_msg=name)
+            np.testing.assert_allclose(
+                scene.load.rows.values, made.record(161), atol=6e-3, err_msg=name
+            )
         assert dict(getattr(scene, table).read_as)["file"].startswith(name)
 
 
@@ -595,9 +855,16 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
     for name in made.REPORTS:
         found = read(tmp_path / name, Mapping(times=made.TIMES))
         for quantity in ("x", "time", "pressure", "shear"):
-            np.testing.assert_allclose(getattr(found, quantity), getattr(exact, quantity), rtol=1e-5, atol=1e-5, err_msg=name)
+            np.testing.assert_allclose(
+                getattr(found, quantity),
+                getattr(exact, quantity),
+                rtol=1e-5,
+                atol=1e-5,
+                err_msg=name,
+            )
         report = score_file(tmp_path / name, Mapping(times=made.TIMES), scene)
-        # Three instants hold no cycle: the dissipation has a tolerance and no value, so the whole has not passed.
+        # Three instants hold no cycle: the dissipation has a tolerance and no value, so the whole
+        # has not passed.
         assert "outside" not in {metric.verdict for metric in report.comparison.metrics}
         assert report.comparison.admissible
         assert abs(report.metric("peak_pressure").value) < 1e-5
@@ -610,12 +877,27 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
 
 
 REPORTED = {
-    "two surfaces": (("PAD-1", "BLOCK-1"), "'BLOCK-1', 'PAD-1' carry pressure, master and slave perhaps: say which by surface"),
-    "elements": (("at nodes for part", "at integration points for part"), "its values are reported at integration points"),
-    "no places": (("COORD.COORD1", "S.S11"), "the nodes of BLOCK-1 have no places: report COORD with COORD1 beside CPRESS"),
-    "no pressure": (("CPRESS", "S.S22"), "no pressure that is not zero everywhere (looked for CPRESS)"),
+    "two surfaces": (
+        ("PAD-1", "BLOCK-1"),
+        "'BLOCK-1', 'PAD-1' carry pressure, master and slave perhaps: say which by surface",
+    ),
+    "elements": (
+        ("at nodes for part", "at integration points for part"),
+        "its values are reported at integration points",
+    ),
+    "no places": (
+        ("COORD.COORD1", "S.S11"),
+        "the nodes of BLOCK-1 have no places: report COORD with COORD1 beside CPRESS",
+    ),
+    "no pressure": (
+        ("CPRESS", "S.S22"),
+        "no pressure that is not zero everywhere (looked for CPRESS)",
+    ),
     "a word": (("-1.16000", "NoValue"), "COORD1 = 'NoValue' is not a finite number"),
-    "a short row": (("          -1.16000", ""), "5 values (Node Label, COORD1, COORD2, CPRESS, CSHEAR1) are needed, not"),
+    "a short row": (
+        ("          -1.16000", ""),
+        "5 values (Node Label, COORD1, COORD2, CPRESS, CSHEAR1) are needed, not",
+    ),
     "no table": (("-" * 90, "="), "the report holds no table of values below a line of dashes"),
 }
 
@@ -627,35 +909,61 @@ def test_each_fault_of_a_report_is_one_sentence(fault: str, tmp_path: Path) -> N
     (old, new), words = REPORTED[fault]
     text = path.read_text("utf-8")
     # Of two surfaces: what is the block's at the first frame is the pad's.
-    path.write_text(text.replace(new, old, 1) if fault == "two surfaces" else text.replace(old, new), encoding="utf-8")
+    path.write_text(
+        text.replace(new, old, 1) if fault == "two surfaces" else text.replace(old, new),
+        encoding="utf-8",
+    )
     with pytest.raises(InputError) as caught:
         read(path, Mapping())
     assert words in str(caught.value)
     assert str(caught.value).startswith(str(path))
 
 
-def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles_dissipate(tmp_path: Path) -> None:
+def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles_dissipate(
+    tmp_path: Path,
+) -> None:
     scene = of_rows(noisy(0.5, 800), reduce="turning_points", threshold={"P": 1, "Q": 1})
     path = tmp_path / "noisy.json"
-    rows = "\n".join(f"{t:.4f};{p:.4f};{q:.4f}".replace(".", ",") for t, p, q in scene.load.rows.values)
+    rows = "\n".join(
+        f"{t:.4f};{p:.4f};{q:.4f}".replace(".", ",") for t, p, q in scene.load.rows.values
+    )
     (tmp_path / "noisy.csv").write_text(f"Time [s];FN [N/mm];FT [N/mm]\n{rows}\n", encoding="utf-8")
-    keys = json.loads(scene.vary(load={"rows": [[0, 1, 0], [1, 1, 0]]}).model_dump_json(exclude_none=True))
-    keys["load"] = {"kind": "time_series", "file": "noisy.csv", "reduce": "turning_points", "threshold": {"P": 1, "Q": 1}}
+    keys = json.loads(
+        scene.vary(load={"rows": [[0, 1, 0], [1, 1, 0]]}).model_dump_json(exclude_none=True)
+    )
+    keys["load"] = {
+        "kind": "time_series",
+        "file": "noisy.csv",
+        "reduce": "turning_points",
+        "threshold": {"P": 1, "Q": 1},
+    }
     path.write_text(json.dumps(keys), encoding="utf-8")
     done = json.loads(halfplane(tmp_path, "check", str(path), "--json").stdout)["result"]
     (read,) = [note for note in done["notes"] if "as it was read" in note]
-    assert "Columns separated by: semicolon. Decimal sign: comma. Time: 'Time [s]', s (in its heading)." in read
+    assert (
+        "Columns separated by: semicolon. Decimal sign: comma. Time: 'Time [s]', s (in its"
+        " heading)." in read
+    )
     assert any("The path goes through" in words for words in done["remarks"])
-    done = json.loads(halfplane(tmp_path, "exact", str(path), "--json", "--quiet", "--out", str(tmp_path / "exact")).stdout)[
-        "result"
-    ]
+    done = json.loads(
+        halfplane(
+            tmp_path, "exact", str(path), "--json", "--quiet", "--out", str(tmp_path / "exact")
+        ).stdout
+    )["result"]
     cycles = done["load_cycles"]
     assert cycles["cumulative"]["dissipation"][-1] == pytest.approx(done["dissipation"], rel=1e-12)
-    assert cycles["dissipation_per_cycle"] * cycles["counted"] == pytest.approx(done["dissipation"], rel=1e-12)
+    assert cycles["dissipation_per_cycle"] * cycles["counted"] == pytest.approx(
+        done["dissipation"], rel=1e-12
+    )
     loaded = load_scene(path)
-    exact = semi_analytic.solve(loaded, x=np.linspace(-1.2, 1.2, 41), time=loaded.load.series()[::40, 0])
+    exact = semi_analytic.solve(
+        loaded, x=np.linspace(-1.2, 1.2, 41), time=loaded.load.series()[::40, 0]
+    )
     page = reports.write(reports.compare(exact, exact), tmp_path / "out")
-    html, content = page.read_text("utf-8"), json.loads((page.parent / "comparison.json").read_text("utf-8"))
+    html, content = (
+        page.read_text("utf-8"),
+        json.loads((page.parent / "comparison.json").read_text("utf-8")),
+    )
     assert 'id="measured"' in html
     assert "Dissipation of each load cycle" in html
     assert content["measured"]["read_as"]["load.file"][1] == ["columns separated by", "semicolon"]
@@ -663,21 +971,40 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     assert content["reference"]["load_cycles"]["counted"] == cycles["counted"]
 
 
-# ------------------------------------------------------------------------------------------------------- units beside bodies
+# ------------------------------------------------------------------------------ units beside bodies
 UNITS = {
-    "E in GPa": ({"material": {"young_modulus": 210.0}}, 20.0, "young_modulus = 210 MPa is as soft as a weak plastic"),
-    "loads in N": ({"load": {"mean_normal_load": 9000.0, "normal_amplitude": 3000.0}}, 20.0, "Check the units first"),
-    "width in m": ({}, 20e-3, "Check the units first: loads are in N per mm of thickness, E is in MPa, sizes are in mm"),
+    "E in GPa": (
+        {"material": {"young_modulus": 210.0}},
+        20.0,
+        "young_modulus = 210 MPa is as soft as a weak plastic",
+    ),
+    "loads in N": (
+        {"load": {"mean_normal_load": 9000.0, "normal_amplitude": 3000.0}},
+        20.0,
+        "Check the units first",
+    ),
+    "width in m": (
+        {},
+        20e-3,
+        "Check the units first: loads are in N per mm of thickness, E is in MPa, sizes are in mm",
+    ),
 }
 
 
 @pytest.mark.parametrize("case", UNITS)
 def test_a_slip_of_units_beside_bodies_is_remarked_first_and_nothing_is_meshed(case, monkeypatch):
-    """And the sentence says by how much the contact is too wide; no finite element is made for it."""
+    """And the sentence says by how much the contact is too wide; no finite element is made for
+    it.
+    """
     changes, width, words = UNITS[case]
     scene = load_scene("hertz-paper").vary(
         material={"young_modulus": 210e3, "poisson_ratio": 0.3},
-        load={"kind": "ellipse", "mean_normal_load": 90.0, "normal_amplitude": 30.0, "tangential_amplitude": 30.0},
+        load={
+            "kind": "ellipse",
+            "mean_normal_load": 90.0,
+            "normal_amplitude": 30.0,
+            "tangential_amplitude": 30.0,
+        },
         bodies=Bodies(lower=Block(width=40.0, height=20.0), upper=Pad(width=width, height=15.0)),
         expected=(),
     )

@@ -1,4 +1,6 @@
-"""Fields on disk, and in pictures: ParaView's collection, the record, what is drawn, the command."""
+"""Fields on disk, and in pictures: ParaView's collection, the record, what is drawn, the
+command.
+"""
 
 import json
 import re
@@ -41,8 +43,19 @@ from reports.field_output.files import (
 from reports.field_output.pictures import BOUNDARIES, Skin, picture, scales_of, stress
 from scenes import InputError, Scene, load_scene, scene_text
 
-ROUGH = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
-QUADRILATERALS = MeshSettings(element_size=1 / 8, edge_element_size=1 / 8, far_radius=4, growth=0.5, cells="quadrilaterals")
+ROUGH = (
+    "--order",
+    "1",
+    "--element-size",
+    "0.25",
+    "--edge-element-size",
+    "0.25",
+    "--steps-per-cycle",
+    "8",
+)
+QUADRILATERALS = MeshSettings(
+    element_size=1 / 8, edge_element_size=1 / 8, far_radius=4, growth=0.5, cells="quadrilaterals"
+)
 BODIES = {
     "lower": {"kind": "block", "width": 20.0, "height": 12.0},
     "upper": {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"},
@@ -69,29 +82,42 @@ def blocks() -> Scene:
 def answer_of(kind: str) -> FiniteElementSolution:
     if kind == "blocks":
         return fe_run(blocks(), COARSE, FEW_STEPS)
-    return fe_run(load_scene("cattaneo-mindlin"), COARSE if kind == "triangles" else QUADRILATERALS, FEW_STEPS)
+    return fe_run(
+        load_scene("cattaneo-mindlin"), COARSE if kind == "triangles" else QUADRILATERALS, FEW_STEPS
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
 class TestFiles:
-    def test_elements_of_both_bodies_go_round_counter_clockwise_and_fill_the_body(self, kind: str) -> None:
-        """Areas by pyvista, signed by the corners: a reflected body must not have negative ones, nor a node that is none."""
+    def test_elements_of_both_bodies_go_round_counter_clockwise_and_fill_the_body(
+        self, kind: str
+    ) -> None:
+        """Areas by pyvista, signed by the corners: a reflected body must not have negative ones,
+        nor a node that is none.
+        """
         answer = answer_of(kind)
         (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
         for body, mesh in zip(snapshot.bodies, answer.bodies, strict=True):
             corners = body.points[body.cells[:, : mesh.mesh.refdom.nfacets]]
             ahead = np.roll(corners, -1, axis=1)
-            areas = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1) / 2
+            areas = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(
+                axis=1
+            ) / 2
             assert areas.min() > 0
             skin = Skin(body.points, body.cells, body.von_mises)
-            assert skin.grid().area == pytest.approx(areas.sum(), rel=0.02)  # mid-side nodes of arcs bulge
+            # mid-side nodes of arcs bulge
+            assert skin.grid().area == pytest.approx(areas.sum(), rel=0.02)
             assert np.isfinite(body.von_mises).all()
             np.testing.assert_array_equal(np.unique(body.cells), np.arange(len(body.points)))
             per_side = 2 if body.cells.shape[1] in (6, 9) else 1
             assert skin.grid().extract_all_edges().n_cells == per_side * mesh.mesh.facets.shape[1]
 
-    def test_collection_is_read_back_with_times_parts_and_fields(self, kind: str, tmp_path: Path) -> None:
-        """By VTK's own reader of PVD, the one in ParaView. The contact line adds up to P, and warped lies on the warped body."""
+    def test_collection_is_read_back_with_times_parts_and_fields(
+        self, kind: str, tmp_path: Path
+    ) -> None:
+        """By VTK's own reader of PVD, the one in ParaView. The contact line adds up to P, and
+        warped lies on the warped body.
+        """
         answer = answer_of(kind)
         steps = answer.last_cycle[[0, 3]]
         snapshots = halfplane_fe.fields(answer, answer.time[steps])
@@ -116,28 +142,45 @@ class TestFiles:
             assert not line.points[:, 1:].any()
             for name in ("pressure", "shear", "slip", "state"):
                 np.testing.assert_array_equal(line[name], getattr(answer, name)[step])
-            assert np.trapezoid(line["pressure"], line.points[:, 0]) == pytest.approx(answer.normal_load[step], rel=0.01)
+            assert np.trapezoid(line["pressure"], line.points[:, 0]) == pytest.approx(
+                answer.normal_load[step], rel=0.01
+            )
             assert line.n_cells == len(answer.x) - 1
             assert line.length == pytest.approx(np.ptp(answer.x))
             lower = snapshot.bodies[0]
-            nearest = np.linalg.norm(lower.points[:, None] - line.points[None, :, :2], axis=2).argmin(axis=0)
+            nearest = np.linalg.norm(
+                lower.points[:, None] - line.points[None, :, :2], axis=2
+            ).argmin(axis=0)
             np.testing.assert_array_equal(line["displacement"][:, :2], lower.displacement[nearest])
 
 
 class TestStress:
-    def test_peak_is_the_largest_of_both_bodies_and_the_figure_says_that_nodes_miss_it(self) -> None:
+    def test_peak_is_the_largest_of_both_bodies_and_the_figure_says_that_nodes_miss_it(
+        self,
+    ) -> None:
         answer = answer_of("blocks")
         (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
         found, scales = peak(snapshot), scales_of([snapshot])
         assert found["value"] == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
         body = snapshot.bodies[found["body"] == "upper"]
-        assert body.von_mises[np.argmin(np.linalg.norm(body.points - (found["x"], found["y"]), axis=1))] == found["value"]
+        assert (
+            body.von_mises[
+                np.argmin(np.linalg.norm(body.points - (found["x"], found["y"]), axis=1))
+            ]
+            == found["value"]
+        )
         xx, yy, xy, zz = snapshot.bodies[0].stress.T
         zero = np.zeros_like(xx)
         tensors = np.array([[xx, xy, zero], [xy, yy, zero], [zero, zero, zz]]).transpose(2, 0, 1)
         principal = np.linalg.eigvalsh(tensors)[:, 2]
-        np.testing.assert_allclose(tension(snapshot.bodies[0]), principal, atol=1e-12 * found["value"])
-        assert peak(snapshot, tension)["value"] == max(tension(body).max() for body in snapshot.bodies) > 0
+        np.testing.assert_allclose(
+            tension(snapshot.bodies[0]), principal, atol=1e-12 * found["value"]
+        )
+        assert (
+            peak(snapshot, tension)["value"]
+            == max(tension(body).max() for body in snapshot.bodies)
+            > 0
+        )
         drawn = stress(answer, [snapshot], [Instant(2.0, "Q largest")], scales)
         assert NO_PEAK in drawn.caption
         assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
@@ -151,9 +194,16 @@ class TestStress:
         assert found is not None
         body = snapshot.bodies[found["body"] == "upper"]
         edge = int(np.argmax(body.edge_tension))
-        assert (found["value"], found["uncertainty"]) == (body.edge_tension[edge], body.edge_tension_uncertainty[edge])
+        assert (found["value"], found["uncertainty"]) == (
+            body.edge_tension[edge],
+            body.edge_tension_uncertainty[edge],
+        )
         assert found["x"] == pytest.approx(answer.contact_edges[step, edge], abs=0.1)
-        assert max(other.edge_tension.max() for other in snapshot.bodies) == found["value"] > peak(snapshot, tension)["value"]
+        assert (
+            max(other.edge_tension.max() for other in snapshot.bodies)
+            == found["value"]
+            > peak(snapshot, tension)["value"]
+        )
 
 
 TURN = 2 * np.pi * np.arange(73) / 72
@@ -161,15 +211,21 @@ TURN = 2 * np.pi * np.arange(73) / 72
 
 def history(xx: Any = 0.0, yy: Any = 0.0, xy: Any = 0.0, zz: Any = 0.0) -> np.ndarray:
     """Stress (73, 1, 4) through a turn from its components."""
-    return np.stack([np.broadcast_to(part, TURN.shape) for part in (xx, yy, xy, zz)], axis=-1)[:, None]
+    return np.stack([np.broadcast_to(part, TURN.shape) for part in (xx, yy, xy, zz)], axis=-1)[
+        :, None
+    ]
 
 
-# Stress s along one axis, to and fro about 0, pulled alone and pressed alone; t of pure shear, and of shear that turns round:
-# xx - yy and xy a quarter of a turn apart, of one size.
+# Stress s along one axis, to and fro about 0, pulled alone and pressed alone; t of pure shear, and
+# of shear that turns round: xx - yy and xy a quarter of a turn apart, of one size.
 S, T, K, LIMIT, E, NU = 150.0, 120.0, 0.3, 400.0, 200e3, 0.3
 AXIS, PULLED, PRESSED = (history(xx=S * (np.cos(TURN) + mean)) for mean in (0, 1, -1))
-SHEARED, ROUND = history(xy=T * np.cos(TURN)), history(xx=T * np.cos(TURN), yy=-T * np.cos(TURN), xy=T * np.sin(TURN))
-SINE = (np.sqrt(1 + 8 * (T / LIMIT) ** 2) - 1) / (4 * T / LIMIT)  # of the critical plane of Fatemi and Socie, k = 1
+SHEARED, ROUND = (
+    history(xy=T * np.cos(TURN)),
+    history(xx=T * np.cos(TURN), yy=-T * np.cos(TURN), xy=T * np.sin(TURN)),
+)
+# of the critical plane of Fatemi and Socie, k = 1
+SINE = (np.sqrt(1 + 8 * (T / LIMIT) ** 2) - 1) / (4 * T / LIMIT)
 MEASURES = {
     "principal": "largest principal stress",
     "shear": "largest shear stress",
@@ -191,7 +247,12 @@ CLOSED: list[tuple[str, np.ndarray, float, float]] = [
     ("SWT", PRESSED, 0.0, 1e-9),
     ("range", PULLED, 2 * S, 1e-6),
     ("Crossland", PULLED, S / np.sqrt(3), 2e-3),
-    ("Fatemi-Socie", SHEARED, T / (E / (2 * (1 + NU))) * np.sqrt(1 - SINE**2) * (1 + T / LIMIT * SINE), 1e-3),
+    (
+        "Fatemi-Socie",
+        SHEARED,
+        T / (E / (2 * (1 + NU))) * np.sqrt(1 - SINE**2) * (1 + T / LIMIT * SINE),
+        1e-3,
+    ),
     ("SWT", SHEARED, T**2 * (1 + NU) / E, 1e-6),  # at 45 degrees
     ("range", SHEARED, 2 * np.sqrt(3) * T, 1e-6),
     ("Crossland", SHEARED, T, 2e-3),
@@ -199,22 +260,29 @@ CLOSED: list[tuple[str, np.ndarray, float, float]] = [
     ("Crossland", ROUND, T, 2e-3),  # the path is a circle
     ("Findley", ROUND, T * (1 + K), 1e-3),
     ("shear", ROUND, T, 1e-6),
-    # Half the longest chord is less than the radius where three corners of a triangle are all there is.
+    # Half the longest chord is less than the radius where three corners of a triangle are all there
+    # is.
     ("Crossland", ROUND[[0, 24, 48]], T, 2e-3),
 ]
 
 
 class TestFatigue:
     @pytest.mark.parametrize(("measure", "stress", "value", "close"), CLOSED)
-    def test_each_measure_has_its_closed_value(self, measure: str, stress: np.ndarray, value: float, close: float) -> None:
-        found = fatigue.measures(stress, fatigue.Criteria((1.0, LIMIT), K), E, NU)[MEASURES.get(measure, measure)]
+    def test_each_measure_has_its_closed_value(
+        self, measure: str, stress: np.ndarray, value: float, close: float
+    ) -> None:
+        found = fatigue.measures(stress, fatigue.Criteria((1.0, LIMIT), K), E, NU)[
+            MEASURES.get(measure, measure)
+        ]
         assert found[0] == pytest.approx(value, rel=close, abs=0.0 if value else close)
 
     @pytest.mark.slow
     def test_both_engines_at_the_edge_of_a_known_contact(self) -> None:
-        """The largest principal stress is the tension at the trailing edge, and pushing equals pulling: SWT is its square over E'.
+        """The largest principal stress is the tension at the trailing edge, and pushing equals
+        pulling: SWT is its square over E'.
 
-        Along the face alone and in plane strain e = s (1 - nu^2)/E. On a coarse mesh every measure is theory's to half a per cent.
+        Along the face alone and in plane strain e = s (1 - nu^2)/E. On a coarse mesh every measure
+        is theory's to half a per cent.
         """
         scene = load_scene("cattaneo-mindlin")
         answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
@@ -222,7 +290,9 @@ class TestFatigue:
         found = fatigue.largest(fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3)))
         assert len(found) == 16
         for row in found:
-            assert row["finite_elements"]["value"] == pytest.approx(row["theory"]["value"], rel=5e-3), row["measure"]
+            assert row["finite_elements"]["value"] == pytest.approx(
+                row["theory"]["value"], rel=5e-3
+            ), row["measure"]
             material = getattr(scene.material, row["body"])
             if row["measure"] == "largest principal stress":
                 assert row["theory"]["value"] == pytest.approx(peak, rel=1e-6)
@@ -231,7 +301,10 @@ class TestFatigue:
                 wanted = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
                 assert row["theory"]["value"] == pytest.approx(wanted, rel=1e-4)
                 assert abs(row["theory"]["x"]) == pytest.approx(1.0, abs=1e-9)
-        tables = [fatigue.survey(answer, fatigue.Criteria(critical_distance=distance)) for distance in (1e-6, 0.1)]
+        tables = [
+            fatigue.survey(answer, fatigue.Criteria(critical_distance=distance))
+            for distance in (1e-6, 0.1)
+        ]
         largest = [fatigue.largest(table)[0]["theory"]["value"] for table in tables]
         assert largest[0] == pytest.approx(peak, rel=5e-3)
         assert 0.3 * peak < largest[1] < 0.8 * peak
@@ -245,7 +318,9 @@ class TestInstants:
         assert {"asked for 0.5", "Q largest", "Q least"} <= {instant.label for instant in chosen}
         largest = next(instant for instant in chosen if instant.label == "Q largest")
         loads = answer.tangential_load
-        assert np.interp(largest.time, answer.time, loads) == pytest.approx(loads[answer.last_cycle].max())
+        assert np.interp(largest.time, answer.time, loads) == pytest.approx(
+            loads[answer.last_cycle].max()
+        )
         for word in ("nan", "inf"):
             with pytest.raises(InputError, match="outside the path"):
                 instant_of(word, "--at", 0, 1)
@@ -257,9 +332,14 @@ class TestInstants:
         assert not notes
         found = np.array([instant.time for instant in series])
         assert set(found) <= set(cycle[:-1])
-        assert np.abs(found - np.linspace(cycle[0], cycle[-1], 9)[:-1]).max() <= np.diff(cycle).max() / 2 + 1e-12
+        assert (
+            np.abs(found - np.linspace(cycle[0], cycle[-1], 9)[:-1]).max()
+            <= np.diff(cycle).max() / 2 + 1e-12
+        )
         for every in (1, 3):
-            assert [instant.time for instant in series_of(answer, every, None)[0]] == cycle[:-1:every].tolist()
+            assert [instant.time for instant in series_of(answer, every, None)[0]] == cycle[
+                :-1:every
+            ].tolist()
         series, notes = series_of(answer, None, 1000)
         assert len({one.time for one in series}) == len(series) < len(cycle)
         assert f"{len(series)} instants instead of 1000" in notes[0]
@@ -279,7 +359,9 @@ class TestPictures:
     CELL = np.array([[0, 1, 2, 3]])
 
     def test_what_is_drawn_lies_where_it_is(self) -> None:
-        """A unit square in a window of 4 by 2: a quarter of the width, half of the height, at the lower left."""
+        """A unit square in a window of 4 by 2: a quarter of the width, half of the height, at the
+        lower left.
+        """
         found = picture([Skin(self.SQUARE, self.CELL, np.zeros(4))], (-1.0, 3.0, 0.0, 2.0), 200)
         assert found.shape == (100, 200, 3)
         rows, columns = np.nonzero(found.min(axis=2) < 100)
@@ -287,7 +369,9 @@ class TestPictures:
         assert (columns.min(), columns.max() + 1) == pytest.approx((50, 100), abs=1)
 
     def test_values_take_the_colours_of_the_scale(self) -> None:
-        found = picture([Skin(self.SQUARE, self.CELL, self.SQUARE[:, 1])], (0.0, 1.0, 0.0, 1.0), 64).astype(int)
+        found = picture(
+            [Skin(self.SQUARE, self.CELL, self.SQUARE[:, 1])], (0.0, 1.0, 0.0, 1.0), 64
+        ).astype(int)
         for row in (2, 20, 40, 61):
             wanted = 255 * np.array(mpl.colormaps["viridis"](1 - (row + 0.5) / 64)[:3])
             assert np.abs(found[row, 32] - wanted).max() < 8
@@ -302,13 +386,27 @@ class TestPictures:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What `halfplane fields` leaves of a block and a pad; whether it can draw is the doctor's own test."""
+    """What `halfplane fields` leaves of a block and a pad; whether it can draw is the doctor's own
+    test.
+    """
     place = tmp_path_factory.mktemp("fields")
-    (place / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
+    (place / "pads.toml").write_text(
+        scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8"
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
         patch.setattr(fatigue, "_ACROSS", np.array([-1.25, -1.0, -0.5, 0.0, 0.5, 1.0, 1.25]))
-        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--fatigue", "--quiet", *ROUGH]
+        arguments = [
+            "fields",
+            str(place / "pads.toml"),
+            "--at",
+            "2",
+            "--frames",
+            "2",
+            "--fatigue",
+            "--quiet",
+            *ROUGH,
+        ]
         assert main([*arguments, "--out", str(place / "out")]) == 0
     return place
 
@@ -320,7 +418,11 @@ class TestCommand:
         assert all((out / name).is_file() for name in [*record["files"], *record["pictures"]])
         assert record["pictures"] == [f"pictures/{name}.svg" for name in ("mesh", "von_mises_000")]
         assert "asked for 2" in [instant["label"] for instant in record["instants"]]
-        assert sum(name.startswith("fields/contact_") for name in record["files"]) == len(record["instants"]) == 3
+        assert (
+            sum(name.startswith("fields/contact_") for name in record["files"])
+            == len(record["instants"])
+            == 3
+        )
         for name in ("largest_nodal_von_mises", "largest_nodal_tension"):
             assert all(instant[name]["value"] > 0 for instant in record["instants"])
         assert record["largest nodal stresses"] == NO_PEAK
@@ -334,7 +436,9 @@ class TestCommand:
         assert "--at 2" in record["command"]
 
     def test_pictures_show_both_bodies_and_every_boundary(self, folder: Path) -> None:
-        """Colours of the boundaries that the two bodies have, and none of the far field that they have not."""
+        """Colours of the boundaries that the two bodies have, and none of the far field that they
+        have not.
+        """
         document = ET.parse(folder / "out" / "pictures" / "mesh.svg")
         shown = {
             colour
@@ -342,14 +446,26 @@ class TestCommand:
             for colour in re.findall(r"#\w+", path.get("style", ""))
         }
         colours = {name: style_of(f"curve side-{name}")["stroke"] for name in BOUNDARIES}
-        assert {name for name, colour in colours.items() if colour in shown} == {"contact", "free", "sides", "base"}
+        assert {name for name, colour in colours.items() if colour in shown} == {
+            "contact",
+            "free",
+            "sides",
+            "base",
+        }
 
-    def test_a_picture_of_stress_holds_what_pyvista_rendered_and_its_axes(self, folder: Path) -> None:
+    def test_a_picture_of_stress_holds_what_pyvista_rendered_and_its_axes(
+        self, folder: Path
+    ) -> None:
         document = ET.parse(folder / "out" / "pictures" / "von_mises_000.svg")
-        images = [element.get("href", "") for element in document.iter("{http://www.w3.org/2000/svg}image")]
+        images = [
+            element.get("href", "")
+            for element in document.iter("{http://www.w3.org/2000/svg}image")
+        ]
         assert len(images) >= 2  # the whole bodies and the contact
         assert all(address.startswith("data:image/png;base64,") for address in images)
-        words = {"".join(text.itertext()) for text in document.iter("{http://www.w3.org/2000/svg}text")}
+        words = {
+            "".join(text.itertext()) for text in document.iter("{http://www.w3.org/2000/svg}text")
+        }
         assert any(text.startswith("von Mises stress") for text in words)
 
     def test_a_second_run_leaves_no_file_of_the_first_but_those_of_other_commands(
@@ -357,14 +473,31 @@ class TestCommand:
     ) -> None:
         out = folder / "out"
         (out / "mine.txt").write_text("mine", encoding="utf-8")
-        assert main(["fields", str(folder / "pads.toml"), "--at", "2", "--no-pictures", "--out", str(out), "--quiet", *ROUGH]) == 0
+        assert (
+            main(
+                [
+                    "fields",
+                    str(folder / "pads.toml"),
+                    "--at",
+                    "2",
+                    "--no-pictures",
+                    "--out",
+                    str(out),
+                    "--quiet",
+                    *ROUGH,
+                ]
+            )
+            == 0
+        )
         assert NO_PEAK in capsys.readouterr().out
         names = {"fields.pvd", "fields.json", "lower_000.vtu", "upper_000.vtu", "contact_000.vtu"}
         assert {path.name for path in (out / "fields").iterdir()} == names
         assert (out / "mine.txt").is_file()
         assert not (out / "pictures").exists()
 
-    def test_interrupted_while_pictures_are_drawn_it_leaves_nothing(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_interrupted_while_pictures_are_drawn_it_leaves_nothing(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         """At the first still, with the field files written."""
 
         def draw(*_: object) -> None:
@@ -386,7 +519,9 @@ class TestCommand:
         assert everything(tmp_path) == set()
 
 
-def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Axes say x / a_ref, which is a(P_ref) and not the largest half-width."""
     drawn = []
 
@@ -395,7 +530,8 @@ def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(tmp_path: Pat
         return ""
 
     monkeypatch.setattr("reports.cli.field_output._write_picture", picture_of)
-    monkeypatch.setattr("reports.field_output.pictures.scales_of", lambda _: ())  # there are no stills
+    # there are no stills
+    monkeypatch.setattr("reports.field_output.pictures.scales_of", lambda _: ())
     answer = answer_of("blocks")
     widths = answer.contact_half_width.copy()
     widths[0] = 3 * widths.max()  # at no load: not that of the reference load

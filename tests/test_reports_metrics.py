@@ -1,4 +1,6 @@
-"""Every metric sees its own planted fault, in the amount known by hand, and no other sees it; so does every law of contact."""
+"""Every metric sees its own planted fault, in the amount known by hand, and no other sees it; so
+does every law of contact.
+"""
 
 from __future__ import annotations
 
@@ -48,14 +50,18 @@ def at(step: int | slice, values: np.ndarray, factor: float = 1.0, new: Any = No
     return out
 
 
-# ------------------------------------------------------------------------------------------------- amounts known by hand
+# ---------------------------------------------------------------------------- amounts known by hand
 def shear_norm(step: int) -> float:
     """||q||/(f ||p||) of an instant, by plain sums (even spacing)."""
-    return float(np.sqrt((TRUTH.shear[step] ** 2).sum() / (TRUTH.pressure[step] ** 2).sum()) / FRICTION)
+    return float(
+        np.sqrt((TRUTH.shear[step] ** 2).sum() / (TRUTH.pressure[step] ** 2).sum()) / FRICTION
+    )
 
 
 def by_rule(values: np.ndarray, step: int) -> float:
-    """int values dx / P of an instant by the trapezoidal rule, on points that are evenly spaced and carry nothing at their ends."""
+    """int values dx / P of an instant by the trapezoidal rule, on points that are evenly spaced and
+    carry nothing at their ends.
+    """
     return float(values[step].sum() * SPACING / TRUTH.normal_load[step])
 
 
@@ -72,9 +78,15 @@ def slipping_share() -> float:
 
 
 def between_reversals() -> float:
-    """From the first reverse slip after time 2 (Q largest) to the first forward slip after 3 (Q least), over the period of 3."""
-    to_reverse = np.flatnonzero((TIME > 2) & (TRUTH.state == SurfaceState.SLIP_REVERSE).any(axis=1))[0]
-    to_forward = np.flatnonzero((TIME > 3) & (TRUTH.state == SurfaceState.SLIP_FORWARD).any(axis=1))[0]
+    """From the first reverse slip after time 2 (Q largest) to the first forward slip after 3 (Q
+    least), over the period of 3.
+    """
+    to_reverse = np.flatnonzero(
+        (TIME > 2) & (TRUTH.state == SurfaceState.SLIP_REVERSE).any(axis=1)
+    )[0]
+    to_forward = np.flatnonzero(
+        (TIME > 3) & (TRUTH.state == SurfaceState.SLIP_FORWARD).any(axis=1)
+    )[0]
     return float(TIME[to_forward] - TIME[to_reverse]) / 3
 
 
@@ -90,7 +102,7 @@ def stuck_points() -> float:
     return 100 / float(weight @ (TRUTH.state == SurfaceState.STICK).sum(axis=1))
 
 
-# ---------------------------------------------------------------------------------------------------- planted solutions
+# -------------------------------------------------------------------------------- planted solutions
 def edges(name: str, left: float, right: float) -> ContactSolution:
     return changed(**{name: getattr(TRUTH, name) + np.array([left, right])})
 
@@ -109,14 +121,24 @@ def full_stick(*runs: tuple[int, int]) -> ContactSolution:
 
 
 def to_and_fro(late: int) -> ContactSolution:
-    """Slip all over the contact, its sense changing every 20 of the 120 steps, the first time at step 1 + `late`."""
+    """Slip all over the contact, its sense changing every 20 of the 120 steps, the first time at
+    step 1 + `late`.
+    """
     forward = ((np.arange(STEPS + 1) - 1 - late) % STEPS // 20 % 2 == 0)[:, None]
     return changed(state=np.where(INSIDE, np.where(forward, 2, 3), 0).astype(np.int8))
 
 
 def begins(late: int) -> ContactSolution:
-    """Reverse slip beginning five steps and `late` after its true beginning, sticking from Q's maximum until then."""
-    step = 5 + late + int(np.flatnonzero((TIME > 2) & (TRUTH.state == SurfaceState.SLIP_REVERSE).any(axis=1))[0])
+    """Reverse slip beginning five steps and `late` after its true beginning, sticking from Q's
+    maximum until then.
+    """
+    step = (
+        5
+        + late
+        + int(
+            np.flatnonzero((TIME > 2) & (TRUTH.state == SurfaceState.SLIP_REVERSE).any(axis=1))[0]
+        )
+    )
     state = TRUTH.state.copy()
     state[41:step][state[41:step] > 1] = SurfaceState.STICK
     return changed(state=state)
@@ -133,7 +155,9 @@ def bell(points: int = 0) -> ContactSolution:
 
 
 def half_shear(points: int = 0) -> ContactSolution:
-    """Only where one half of q is taken away can the peak of the other half not count as its mirror image."""
+    """Only where one half of q is taken away can the peak of the other half not count as its mirror
+    image.
+    """
     return changed(shear=np.roll(np.where(X > 0, TRUTH.shear, 0.0), points, axis=1))
 
 
@@ -147,10 +171,15 @@ def twins(factor: float = 1.0, mirrored: bool = False) -> ContactSolution:
 def recorded(value: float) -> ContactSolution:
     """With an energy balance that is not closed at instant 9."""
     series = freeze(at(9, np.zeros(STEPS + 1), new=value))
-    return changed(record=Record(True, "steady", "", freeze(np.ones(STEPS + 1), np.int64), {"energy_balance": series}))
+    return changed(
+        record=Record(
+            True, "steady", "", freeze(np.ones(STEPS + 1), np.int64), {"energy_balance": series}
+        )
+    )
 
 
-# The same contact, pulled in phase with Q and tilted in phase too: numbers alone, whose integrals are known by hand.
+# The same contact, pulled in phase with Q and tilted in phase too: numbers alone, whose integrals
+# are known by hand.
 TURN = np.sin(2 * np.pi * (TIME - 1) / 3)
 _LOAD = TRUTH.scene.load.model_dump(mode="json")
 STRESS = 0.1 * SCALES.pressure
@@ -168,10 +197,15 @@ PULLED = changed(
     dissipation=W,
     steady_from=None,
 )
-# -closed integral of m_q d(eps), by the trapezoidal rule on even instants: exact of waves but for sin(h)/h.
-BULK = float(0.3 * SCALES.normal_load * STRAIN * np.pi * np.sin(2 * np.pi / STEPS) / (2 * np.pi / STEPS))
+# -closed integral of m_q d(eps), by the trapezoidal rule on even instants: exact of waves but for
+# sin(h)/h.
+BULK = float(
+    0.3 * SCALES.normal_load * STRAIN * np.pi * np.sin(2 * np.pi / STEPS) / (2 * np.pi / STEPS)
+)
 LOOP = float(np.trapezoid(TRUTH.tangential_load, TRUTH.tangential_displacement))
-MOMENT = float(np.abs(PULLED.moment).max() / SCALES.normal_load) if PULLED.moment is not None else 0.0
+MOMENT = (
+    float(np.abs(PULLED.moment).max() / SCALES.normal_load) if PULLED.moment is not None else 0.0
+)
 
 
 def pulled(**fields: Any) -> ContactSolution:
@@ -182,99 +216,304 @@ def equal(value: float, *keys: str) -> dict[str, float]:
     return dict.fromkeys(keys, value)
 
 
-EDGES, NORMS = "stick_edge stick_edge_left stick_edge_right", "dissipation_density dissipation_density_norm"
+EDGES, NORMS = (
+    "stick_edge stick_edge_left stick_edge_right",
+    "dissipation_density dissipation_density_norm",
+)
 PEAK = "pressure pressure_maximum"
-# fault -> (result, metric -> amount, metrics that see it in an amount of no interest, reference); no other metric sees it.
+# fault -> (result, metric -> amount, metrics that see it in an amount of no interest, reference);
+# no other metric sees it.
 FAULTS: dict[str, tuple[Callable[[], ContactSolution], dict[str, float], str, ContactSolution]] = {
     "none": (lambda: TRUTH, {}, "", TRUTH),
-    "pressure 1 % high": (lambda: changed(pressure=1.01 * TRUTH.pressure),
-        equal(0.01, "largest_pressure", "largest_pressure_common", "peak_pressure", "pressure", "pressure_maximum")
-        | {"resultant_normal": 0.01 * by_rule(TRUTH.pressure, 0)}, "", TRUTH),
-    "pressure 1 % low at one instant": (lambda: changed(pressure=at(17, TRUTH.pressure, 0.99)),
+    "pressure 1 % high": (
+        lambda: changed(pressure=1.01 * TRUTH.pressure),
+        equal(
+            0.01,
+            "largest_pressure",
+            "largest_pressure_common",
+            "peak_pressure",
+            "pressure",
+            "pressure_maximum",
+        )
+        | {"resultant_normal": 0.01 * by_rule(TRUTH.pressure, 0)},
+        "",
+        TRUTH,
+    ),
+    "pressure 1 % low at one instant": (
+        lambda: changed(pressure=at(17, TRUTH.pressure, 0.99)),
         equal(-0.01, "peak_pressure", "pressure_maximum")
-        | {"pressure": 0.01, "resultant_normal": -0.01 * by_rule(TRUTH.pressure, 17)}, "", TRUTH),
-    "pressure three points to the left": (lambda: changed(pressure=np.roll(TRUTH.pressure, -3, axis=1)),
-        {"pressure_peak_place": -3 * SPACING}, PEAK, TRUTH),
-    "pressure four points to the right": (lambda: changed(pressure=np.roll(TRUTH.pressure, 4, axis=1)),
-        {"pressure_peak_place": 4 * SPACING}, PEAK, TRUTH),
+        | {
+            "pressure": 0.01,
+            "resultant_normal": -0.01 * by_rule(TRUTH.pressure, 17),
+        },
+        "",
+        TRUTH,
+    ),
+    "pressure three points to the left": (
+        lambda: changed(pressure=np.roll(TRUTH.pressure, -3, axis=1)),
+        {"pressure_peak_place": -3 * SPACING},
+        PEAK,
+        TRUTH,
+    ),
+    "pressure four points to the right": (
+        lambda: changed(pressure=np.roll(TRUTH.pressure, 4, axis=1)),
+        {"pressure_peak_place": 4 * SPACING},
+        PEAK,
+        TRUTH,
+    ),
     "of two like peaks the nearest counts": (lambda: twins(mirrored=True), {}, PEAK, twins()),
-    "unlike peaks": (lambda: twins(mirrored=True), {"pressure_peak_place": -1.2}, PEAK + " resultant_normal", twins(0.9)),
-    "shear flipped at one instant": (lambda: changed(shear=at(AFTER_TURN, TRUTH.shear, -1)),
-        {"shear": 2 * shear_norm(AFTER_TURN), "shear_maximum": -2 * largest_shear(AFTER_TURN),
-         "resultant_tangential": -2 * by_rule(TRUTH.shear, AFTER_TURN)}, "", TRUTH),
-    "shear 1 % high at one instant": (lambda: changed(shear=at(ON_THE_WAY, TRUTH.shear, 1.01)),
-        {"shear": 0.01 * shear_norm(ON_THE_WAY), "shear_maximum": 0.01 * largest_shear(ON_THE_WAY),
-         "peak_shear": 0.01 * abs(largest_shear(ON_THE_WAY)), "resultant_tangential": 0.01 * by_rule(TRUTH.shear, ON_THE_WAY)},
-        "", TRUTH),
-    "shear two points to the right": (lambda: half_shear(2),
-        {"shear_peak_place": 2 * SPACING}, "shear shear_maximum", half_shear()),
-    "right contact edge 0.02 a out": (lambda: edges("contact_edges", 0, 0.02),
-        {"largest_half_width": 0.01, "contact_edge": 0.02, "contact_edge_right": 0.02}, "", TRUTH),
-    "left contact edge 0.02 a in": (lambda: edges("contact_edges", 0.02, 0),
-        {"largest_half_width": -0.01, "contact_edge": -0.02, "contact_edge_left": -0.02}, "", TRUTH),
-    "left stick edge 0.01 a out": (lambda: edges("stick_edges", -0.01, 0),
-        equal(0.01, "stick_edge", "stick_edge_left"), "", TRUTH),
-    "right stick edge 0.03 a in": (lambda: edges("stick_edges", 0, -0.03),
-        equal(-0.03, "stick_edge", "stick_edge_right"), "", TRUTH),
-    # Each reversal is where the other one was: the one to reverse is late by their distance, the one to forward early.
-    "forward and reverse exchanged": (swapped, {"state": slipping_share(), "slip_reversal": -between_reversals()}, "", TRUTH),
+    "unlike peaks": (
+        lambda: twins(mirrored=True),
+        {"pressure_peak_place": -1.2},
+        PEAK + " resultant_normal",
+        twins(0.9),
+    ),
+    "shear flipped at one instant": (
+        lambda: changed(shear=at(AFTER_TURN, TRUTH.shear, -1)),
+        {
+            "shear": 2 * shear_norm(AFTER_TURN),
+            "shear_maximum": -2 * largest_shear(AFTER_TURN),
+            "resultant_tangential": -2 * by_rule(TRUTH.shear, AFTER_TURN),
+        },
+        "",
+        TRUTH,
+    ),
+    "shear 1 % high at one instant": (
+        lambda: changed(shear=at(ON_THE_WAY, TRUTH.shear, 1.01)),
+        {
+            "shear": 0.01 * shear_norm(ON_THE_WAY),
+            "shear_maximum": 0.01 * largest_shear(ON_THE_WAY),
+            "peak_shear": 0.01 * abs(largest_shear(ON_THE_WAY)),
+            "resultant_tangential": 0.01 * by_rule(TRUTH.shear, ON_THE_WAY),
+        },
+        "",
+        TRUTH,
+    ),
+    "shear two points to the right": (
+        lambda: half_shear(2),
+        {"shear_peak_place": 2 * SPACING},
+        "shear shear_maximum",
+        half_shear(),
+    ),
+    "right contact edge 0.02 a out": (
+        lambda: edges("contact_edges", 0, 0.02),
+        {"largest_half_width": 0.01, "contact_edge": 0.02, "contact_edge_right": 0.02},
+        "",
+        TRUTH,
+    ),
+    "left contact edge 0.02 a in": (
+        lambda: edges("contact_edges", 0.02, 0),
+        {"largest_half_width": -0.01, "contact_edge": -0.02, "contact_edge_left": -0.02},
+        "",
+        TRUTH,
+    ),
+    "left stick edge 0.01 a out": (
+        lambda: edges("stick_edges", -0.01, 0),
+        equal(0.01, "stick_edge", "stick_edge_left"),
+        "",
+        TRUTH,
+    ),
+    "right stick edge 0.03 a in": (
+        lambda: edges("stick_edges", 0, -0.03),
+        equal(-0.03, "stick_edge", "stick_edge_right"),
+        "",
+        TRUTH,
+    ),
+    # Each reversal is where the other one was: the one to reverse is late by their distance, the
+    # one to forward early.
+    "forward and reverse exchanged": (
+        swapped,
+        {"state": slipping_share(), "slip_reversal": -between_reversals()},
+        "",
+        TRUTH,
+    ),
     "five points slip for 20 instants": (
-        lambda: changed(state=at(slice(20, 40), TRUTH.state, new=np.where(abs(X) < 2.5 * SPACING, 2, TRUTH.state[20:40]))),
-        {"stick_set": stuck_points()}, "state", TRUTH),
-    "stick sets apart": (lambda: changed(state=np.where(TRUTH.state == 1, 2, 1).astype(np.int8)),
-        {"stick_set": 1.0}, "state slip_reversal", TRUTH),
-    "full stick starts late and ends early": (lambda: full_stick((52, 57)),
-        {"full_stick_start": 2 / STEPS, "full_stick_end": -1 / STEPS}, EDGES, full_stick((50, 58))),
-    "full stick starts early and ends late": (lambda: full_stick((48, 60)),
-        {"full_stick_start": -2 / STEPS, "full_stick_end": 2 / STEPS}, EDGES, full_stick((50, 58))),
+        lambda: changed(
+            state=at(
+                slice(20, 40),
+                TRUTH.state,
+                new=np.where(abs(X) < 2.5 * SPACING, 2, TRUTH.state[20:40]),
+            )
+        ),
+        {"stick_set": stuck_points()},
+        "state",
+        TRUTH,
+    ),
+    "stick sets apart": (
+        lambda: changed(state=np.where(TRUTH.state == 1, 2, 1).astype(np.int8)),
+        {"stick_set": 1.0},
+        "state slip_reversal",
+        TRUTH,
+    ),
+    "full stick starts late and ends early": (
+        lambda: full_stick((52, 57)),
+        {"full_stick_start": 2 / STEPS, "full_stick_end": -1 / STEPS},
+        EDGES,
+        full_stick((50, 58)),
+    ),
+    "full stick starts early and ends late": (
+        lambda: full_stick((48, 60)),
+        {"full_stick_start": -2 / STEPS, "full_stick_end": 2 / STEPS},
+        EDGES,
+        full_stick((50, 58)),
+    ),
     # From step 110 of one cycle to step 5 of the next.
-    "full stick across the end of the cycle": (lambda: full_stick((0, 2)),
-        {"full_stick_start": 10 / STEPS, "full_stick_end": -3 / STEPS}, EDGES, full_stick((110, STEPS), (0, 5))),
-    "a single instant of full stick is a turn": (lambda: full_stick((50, 58)), {}, EDGES, full_stick((50, 58), (90, 90))),
-    "reverse slip begins 2 steps early": (lambda: begins(-2), {"slip_reversal": -2 / STEPS}, "state stick_set", begins(0)),
-    "reverse slip begins 3 steps late": (lambda: begins(3), {"slip_reversal": 3 / STEPS}, "state stick_set", begins(0)),
+    "full stick across the end of the cycle": (
+        lambda: full_stick((0, 2)),
+        {"full_stick_start": 10 / STEPS, "full_stick_end": -3 / STEPS},
+        EDGES,
+        full_stick((110, STEPS), (0, 5)),
+    ),
+    "a single instant of full stick is a turn": (
+        lambda: full_stick((50, 58)),
+        {},
+        EDGES,
+        full_stick((50, 58), (90, 90)),
+    ),
+    "reverse slip begins 2 steps early": (
+        lambda: begins(-2),
+        {"slip_reversal": -2 / STEPS},
+        "state stick_set",
+        begins(0),
+    ),
+    "reverse slip begins 3 steps late": (
+        lambda: begins(3),
+        {"slip_reversal": 3 / STEPS},
+        "state stick_set",
+        begins(0),
+    ),
     # Three times to and fro in a cycle, so that one of the reversals comes round its end.
-    "every reversal 2 steps early": (lambda: to_and_fro(-2), {"slip_reversal": -2 / STEPS}, "state", to_and_fro(0)),
-    "every reversal 3 steps late": (lambda: to_and_fro(3), {"slip_reversal": 3 / STEPS}, "state", to_and_fro(0)),
-    "slip 2 % high": (lambda: slipping(1.02),
+    "every reversal 2 steps early": (
+        lambda: to_and_fro(-2),
+        {"slip_reversal": -2 / STEPS},
+        "state",
+        to_and_fro(0),
+    ),
+    "every reversal 3 steps late": (
+        lambda: to_and_fro(3),
+        {"slip_reversal": 3 / STEPS},
+        "state",
+        to_and_fro(0),
+    ),
+    "slip 2 % high": (
+        lambda: slipping(1.02),
         equal(0.02, "largest_slip", "largest_slip_common")
         | {"slip": 0.01 * float(np.sqrt(np.mean(X[INSIDE[0]] ** 2)) / np.abs(X[INSIDE[0]]).max())},
-        "slip_maximum", slipping()),
-    "slip low by a constant": (lambda: slipping(offset=-0.06), {"slip": 0.01, "slip_maximum": -0.01}, "", slipping()),
-    "slip high by a constant": (lambda: slipping(offset=0.06), {"slip": 0.01, "slip_maximum": 0.01}, "", slipping()),
+        "slip_maximum",
+        slipping(),
+    ),
+    "slip low by a constant": (
+        lambda: slipping(offset=-0.06),
+        {"slip": 0.01, "slip_maximum": -0.01},
+        "",
+        slipping(),
+    ),
+    "slip high by a constant": (
+        lambda: slipping(offset=0.06),
+        {"slip": 0.01, "slip_maximum": 0.01},
+        "",
+        slipping(),
+    ),
     "slip out of contact is nothing": (lambda: slipping(outside=7.0), {}, "", slipping()),
     "tangential displacement off by a constant": (
         lambda: changed(tangential_displacement=TRUTH.tangential_displacement + 0.04 * STROKE),
-        {"tangential_displacement": 0.04}, "", TRUTH),
-    "loop 2 % wider": (lambda: changed(tangential_displacement=1.02 * TRUTH.tangential_displacement),
-        {"hysteresis": 0.02}, "tangential_displacement hysteresis_distance", TRUTH),
-    "dissipation 1 % low": (lambda: changed(dissipation=0.99 * W), equal(-0.01, "dissipation", "dissipation_polygon")
-        | {"dissipation_absolute": -0.01 * W / SCALES.dissipation}, "", TRUTH),
-    "dissipation density 5 % high": (lambda: changed(dissipation_density=1.05 * TRUTH.dissipation_density),
-        equal(0.05, "dissipation_density", "dissipation_density_norm", "dissipation_density_peak",
-              "dissipation_density_peak_common"), "", TRUTH),
-    "peak of the density to the left": (lambda: bell(-4), {"dissipation_density_peak_place": -4 * SPACING}, NORMS, bell()),
-    "peak of the density to the right": (lambda: bell(4), {"dissipation_density_peak_place": 4 * SPACING}, NORMS, bell()),
+        {"tangential_displacement": 0.04},
+        "",
+        TRUTH,
+    ),
+    "loop 2 % wider": (
+        lambda: changed(tangential_displacement=1.02 * TRUTH.tangential_displacement),
+        {"hysteresis": 0.02},
+        "tangential_displacement hysteresis_distance",
+        TRUTH,
+    ),
+    "dissipation 1 % low": (
+        lambda: changed(dissipation=0.99 * W),
+        equal(-0.01, "dissipation", "dissipation_polygon")
+        | {"dissipation_absolute": -0.01 * W / SCALES.dissipation},
+        "",
+        TRUTH,
+    ),
+    "dissipation density 5 % high": (
+        lambda: changed(dissipation_density=1.05 * TRUTH.dissipation_density),
+        equal(
+            0.05,
+            "dissipation_density",
+            "dissipation_density_norm",
+            "dissipation_density_peak",
+            "dissipation_density_peak_common",
+        ),
+        "",
+        TRUTH,
+    ),
+    "peak of the density to the left": (
+        lambda: bell(-4),
+        {"dissipation_density_peak_place": -4 * SPACING},
+        NORMS,
+        bell(),
+    ),
+    "peak of the density to the right": (
+        lambda: bell(4),
+        {"dissipation_density_peak_place": 4 * SPACING},
+        NORMS,
+        bell(),
+    ),
     "permanent stick 0.01 a too small": (
-        lambda: changed(permanent_stick_half_width=TRUTH.permanent_stick_half_width - 0.01), {"permanent_stick": -0.01}, "", TRUTH),
+        lambda: changed(permanent_stick_half_width=TRUTH.permanent_stick_half_width - 0.01),
+        {"permanent_stick": -0.01},
+        "",
+        TRUTH,
+    ),
     "energy balance not closed": (lambda: recorded(3e-4), {"energy_balance": 3e-4}, "", TRUTH),
     "nothing wrong under bulk stress and tilt": (lambda: PULLED, {}, "", PULLED),
-    "stick zone on the other side": (lambda: pulled(permanent_stick_edges=np.array([-0.7, 0.5])),
-        {"stick_eccentricity": -0.2}, "", PULLED),
-    "bulk term left out": (lambda: pulled(shear_moment=0 * TIME),
-        {"bulk_work": -BULK / W, "hysteresis_with_bulk": -BULK / (LOOP + BULK)}, "", PULLED),
-    "bulk stress turned against its shear": (lambda: pulled(bulk_stress_lower=-PULLED.bulk_stress_lower),
-        {"bulk_work": -2 * BULK / W, "hysteresis_with_bulk": -2 * BULK / (LOOP + BULK)}, "", PULLED),
-    "tilt turned": (lambda: pulled(tilt=-PULLED.tilt, moment=-PULLED.moment, contact_edges=TRUTH.contact_edges + 0.1),
-        {"contact_centre": 0.2, "moment": 2 * MOMENT, "contact_edge_right": 0.2, "contact_edge_left": -0.2,
-         "tilt": -2e-3 * SCALES.half_width / (SCALES.compliance * SCALES.normal_load)}, "contact_edge", PULLED),
-    "a cycle that drifts": (lambda: pulled(cycle_dissipation=np.array([1.2 * W, W])), {"dissipation_drift": -0.1}, "", PULLED),
-}  # fmt: skip
+    "stick zone on the other side": (
+        lambda: pulled(permanent_stick_edges=np.array([-0.7, 0.5])),
+        {"stick_eccentricity": -0.2},
+        "",
+        PULLED,
+    ),
+    "bulk term left out": (
+        lambda: pulled(shear_moment=0 * TIME),
+        {"bulk_work": -BULK / W, "hysteresis_with_bulk": -BULK / (LOOP + BULK)},
+        "",
+        PULLED,
+    ),
+    "bulk stress turned against its shear": (
+        lambda: pulled(bulk_stress_lower=-PULLED.bulk_stress_lower),
+        {"bulk_work": -2 * BULK / W, "hysteresis_with_bulk": -2 * BULK / (LOOP + BULK)},
+        "",
+        PULLED,
+    ),
+    "tilt turned": (
+        lambda: pulled(
+            tilt=-PULLED.tilt, moment=-PULLED.moment, contact_edges=TRUTH.contact_edges + 0.1
+        ),
+        {
+            "contact_centre": 0.2,
+            "moment": 2 * MOMENT,
+            "contact_edge_right": 0.2,
+            "contact_edge_left": -0.2,
+            "tilt": -2e-3 * SCALES.half_width / (SCALES.compliance * SCALES.normal_load),
+        },
+        "contact_edge",
+        PULLED,
+    ),
+    "a cycle that drifts": (
+        lambda: pulled(cycle_dissipation=np.array([1.2 * W, W])),
+        {"dissipation_drift": -0.1},
+        "",
+        PULLED,
+    ),
+}
 
 
 def seen(found: Comparison) -> set[str]:
     """The metrics that are not 0."""
-    return {metric.key for metric in found.metrics if metric.value is not None and not abs(metric.value) < ROUNDING}
+    return {
+        metric.key
+        for metric in found.metrics
+        if metric.value is not None and not abs(metric.value) < ROUNDING
+    }
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -282,7 +521,8 @@ def test_fault_is_seen_by_its_metrics_alone(name: str) -> None:
     plant, amounts, also, reference = FAULTS[name]
     found = compare(reference, plant(), polygon_reference=TRUTH if reference is TRUTH else None)
     assert seen(found) == {*amounts, *also.split()}
-    error = 2 * SPACING if name == "unlike peaks" else ROUNDING  # places of smooth peaks are known to two points
+    # places of smooth peaks are known to two points
+    error = 2 * SPACING if name == "unlike peaks" else ROUNDING
     for key, value in amounts.items():
         assert found.metric(key).value == pytest.approx(value, rel=1e-9, abs=error), key
     assert all(metric.value is not None or metric.note for metric in found.metrics)
@@ -312,7 +552,11 @@ def test_places_times_uncertainties_and_units_of_the_worst() -> None:
     content = json.loads(as_json(Report(found["right contact edge 0.02 a out"])))
     stored = content["metrics"]["contact_edge_right"]
     assert stored["value"] == pytest.approx(0.02)
-    assert (stored["unit"], stored["region"], stored["signed"]) == ("of a_ref", "judged instants", True)
+    assert (stored["unit"], stored["region"], stored["signed"]) == (
+        "of a_ref",
+        "judged instants",
+        True,
+    )
     assert stored["worst_at_x_over_a_ref"] == pytest.approx(1.02)
     assert len(stored["series"]) == STEPS + 1
 
@@ -327,22 +571,58 @@ NOTED: dict[str, tuple[ContactSolution, ContactSolution, str, float | None, str]
     "full slip in both": (NO_EDGES, NO_EDGES, "stick_edge", 0.0, ""),
     "full slip in one": (TRUTH, NO_EDGES, "stick_edge", 0.0, f"3 of {STEPS + 1} instants differ"),
     "no left edge in one": (TRUTH, NO_EDGES, "stick_edge_left", 0.0, ""),
-    "full stick against partial slip": (TRUTH, full_stick((LARGEST_SLIP_ZONE, LARGEST_SLIP_ZONE)), "stick_edge",
-        1 - np.sqrt(1 - LOAD_RATIO), f"1 of {STEPS + 1} instants differ"),
-    "full stick that the result lacks": (TWO_STICKS, LONG_STICK, "full_stick_end", NAN,
-        "1 of the reference's without a counterpart in the result"),
-    "full stick that the reference lacks": (LONG_STICK, TWO_STICKS, "full_stick_end", 0.0,
-        "1 of the result's without a counterpart in the reference"),
-    "reversals that are not as many": (TRUTH, changed(state=np.minimum(TRUTH.state, 2).astype(np.int8)), "slip_reversal", NAN,
-        "2 of the reference's"),
-    "no permanent stick": (TRUTH, changed(permanent_stick_half_width=NAN), "permanent_stick", None, "none in closed form"),
-    "no dissipation": (changed(dissipation=0.0), changed(dissipation=1e-3), "dissipation", 1e-3 / SCALES.dissipation,
-        "the reference dissipates nothing"),
+    "full stick against partial slip": (
+        TRUTH,
+        full_stick((LARGEST_SLIP_ZONE, LARGEST_SLIP_ZONE)),
+        "stick_edge",
+        1 - np.sqrt(1 - LOAD_RATIO),
+        f"1 of {STEPS + 1} instants differ",
+    ),
+    "full stick that the result lacks": (
+        TWO_STICKS,
+        LONG_STICK,
+        "full_stick_end",
+        NAN,
+        "1 of the reference's without a counterpart in the result",
+    ),
+    "full stick that the reference lacks": (
+        LONG_STICK,
+        TWO_STICKS,
+        "full_stick_end",
+        0.0,
+        "1 of the result's without a counterpart in the reference",
+    ),
+    "reversals that are not as many": (
+        TRUTH,
+        changed(state=np.minimum(TRUTH.state, 2).astype(np.int8)),
+        "slip_reversal",
+        NAN,
+        "2 of the reference's",
+    ),
+    "no permanent stick": (
+        TRUTH,
+        changed(permanent_stick_half_width=NAN),
+        "permanent_stick",
+        None,
+        "none in closed form",
+    ),
+    "no dissipation": (
+        changed(dissipation=0.0),
+        changed(dissipation=1e-3),
+        "dissipation",
+        1e-3 / SCALES.dissipation,
+        "the reference dissipates nothing",
+    ),
     "hardly any dissipation": (LITTLE, LESS, "dissipation", -1e3, ""),
     "the same, absolute": (LITTLE, LESS, "dissipation_absolute", -1e-3, ""),
-    "no slip": (TRUTH, changed(slip=0 * TRUTH.slip + 1e-3), "slip_maximum",
-        1e-3 / (SCALES.compliance / 2 * SCALES.shear * SCALES.half_width), ""),
-}  # fmt: skip
+    "no slip": (
+        TRUTH,
+        changed(slip=0 * TRUTH.slip + 1e-3),
+        "slip_maximum",
+        1e-3 / (SCALES.compliance / 2 * SCALES.shear * SCALES.half_width),
+        "",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", NOTED)
@@ -356,7 +636,9 @@ def test_what_one_of_them_lacks_is_said(case: str) -> None:
 
 @pytest.mark.parametrize("more", [1 - 1e-12, 1.0, 1 + 1e-12])
 def test_of_differences_alike_but_for_rounding_the_first_counts(more: float) -> None:
-    """A cycle that is its own mirror image has each twice, with both signs: which was named was chance."""
+    """A cycle that is its own mirror image has each twice, with both signs: which was named was
+    chance.
+    """
     shift, pressure = TRUTH.tangential_displacement.copy(), TRUTH.pressure.copy()
     shift[[20, 80]] += 0.03 * STROKE * np.array([1, -more])
     pressure[33, [40, 60]] += 0.07 * pressure[33].max() * np.array([1, -more])
@@ -367,13 +649,26 @@ def test_of_differences_alike_but_for_rounding_the_first_counts(more: float) -> 
 
 
 def test_sets_and_loops_count_both_ways() -> None:
-    """Too little stick as too much of it, over what sticks in either; a stick edge that is never there fails; a loop is no work."""
+    """Too little stick as too much of it, over what sticks in either; a stick edge that is never
+    there fails; a loop is no work.
+    """
     half = changed(state=np.where(X > 0, 0, TRUTH.state).astype(np.int8))
-    there, back = (compare(*pair).metric("stick_set").value for pair in ((TRUTH, half), (half, TRUTH)))
+    there, back = (
+        compare(*pair).metric("stick_set").value for pair in ((TRUTH, half), (half, TRUTH))
+    )
     assert there == pytest.approx(back, rel=1e-12) == pytest.approx(0.5, abs=0.02)
-    assert compare(TRUTH, changed(stick_edges=np.full_like(TRUTH.stick_edges, NAN))).metric("stick_edge").accurate is False
-    found = compare(TRUTH, changed(tangential_displacement=1.02 * TRUTH.tangential_displacement + 5 * STROKE))
-    assert abs(found.metric("hysteresis_distance").value or 0.0) == pytest.approx(wider_loop(), rel=1e-9)
+    assert (
+        compare(TRUTH, changed(stick_edges=np.full_like(TRUTH.stick_edges, NAN)))
+        .metric("stick_edge")
+        .accurate
+        is False
+    )
+    found = compare(
+        TRUTH, changed(tangential_displacement=1.02 * TRUTH.tangential_displacement + 5 * STROKE)
+    )
+    assert abs(found.metric("hysteresis_distance").value or 0.0) == pytest.approx(
+        wider_loop(), rel=1e-9
+    )
     assert compare(TWO_STICKS, LONG_STICK).metric("full_stick_end").accurate is None
 
 
@@ -388,14 +683,19 @@ def test_step_error_stands_apart() -> None:
 
 def test_peak_is_not_biased_by_where_the_points_lie() -> None:
     """Points that miss the true peak by half a spacing: reference and result miss it alike."""
-    middle = {name: (getattr(TRUTH, name)[:, 1:] + getattr(TRUTH, name)[:, :-1]) / 2 for name in ("pressure", "shear", "slip")}
+    middle = {
+        name: (getattr(TRUTH, name)[:, 1:] + getattr(TRUTH, name)[:, :-1]) / 2
+        for name in ("pressure", "shear", "slip")
+    }
     x = X[:-1] + np.diff(X) / 2
-    off = changed(x=x, state=TRUTH.state[:, :-1], dissipation_density=TRUTH.dissipation_density[:-1], **middle)
+    off = changed(
+        x=x, state=TRUTH.state[:, :-1], dissipation_density=TRUTH.dissipation_density[:-1], **middle
+    )
     assert off.pressure.max() < TRUTH.pressure.max()
     assert compare(TRUTH, off).metric("peak_pressure").value == pytest.approx(0.0, abs=ROUNDING)
 
 
-# ------------------------------------------------------------------------------------------------------------ resultants
+# --------------------------------------------------------------------------------------- resultants
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Weighted(ContactSolution):
     """A solution with nodal weights and normals, as finite elements give."""
@@ -406,7 +706,9 @@ class Weighted(ContactSolution):
 
 
 def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
-    """Nodes whose weights make the forces of the closed form exact, on a surface that leans by `angle`."""
+    """Nodes whose weights make the forces of the closed form exact, on a surface that leans by
+    `angle`.
+    """
     fields = {one.name: getattr(TRUTH, one.name) for one in dataclasses.fields(ContactSolution)}
     fields |= {"pressure": factor * TRUTH.pressure, "shear": shear * TRUTH.pressure}
     return Weighted(
@@ -418,7 +720,9 @@ def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
 
 
 def test_resultants_are_those_of_the_results_own_weights_and_need_no_reference() -> None:
-    """A pressure of resultant 1.01 P that leans by 0.1: 1.01 cos 0.1 P up and 1.01 sin 0.1 P sideways, less Q. Shear lifts."""
+    """A pressure of resultant 1.01 P that leans by 0.1: 1.01 cos 0.1 P up and 1.01 sin 0.1 P
+    sideways, less Q. Shear lifts.
+    """
     found = compare(TRUTH, weighted(0.1, 1.01))
     assert found.metric("resultant_normal").value == pytest.approx(1.01 * np.cos(0.1) - 1, rel=1e-9)
     sideways = 1.01 * np.sin(0.1) - TRUTH.tangential_load / TRUTH.normal_load
@@ -426,26 +730,34 @@ def test_resultants_are_those_of_the_results_own_weights_and_need_no_reference()
     assert not found.metric("resultant_normal").note
     lifted = 0.5 * (np.cos(0.1) - np.sin(0.1)) - 1
     for other in (TRUTH, changed(pressure=2 * TRUTH.pressure)):
-        assert compare(other, weighted(0.1, 0.5, 0.5)).metric("resultant_normal").value == pytest.approx(lifted, rel=1e-9)
-    assert compare(TRUTH, weighted(0.0)).metric("stick_edge_left").uncertainty == pytest.approx(0.005)
+        assert compare(other, weighted(0.1, 0.5, 0.5)).metric(
+            "resultant_normal"
+        ).value == pytest.approx(lifted, rel=1e-9)
+    assert compare(TRUTH, weighted(0.0)).metric("stick_edge_left").uncertainty == pytest.approx(
+        0.005
+    )
     assert compare(TRUTH, TRUTH).metric("stick_edge_left").uncertainty is None
 
 
-# ------------------------------------------------------------------------------------------------------------ not a number
+# ------------------------------------------------------------------------------------- not a number
 POISON = {
     "pressure": "pressure pressure_maximum pressure_peak_place resultant_normal",
     "shear": "shear shear_maximum peak_shear shear_peak_place resultant_tangential",
     "slip": "slip slip_maximum",
     "contact_edges": "contact_edge contact_edge_right",
     "tangential_displacement": "tangential_displacement hysteresis_distance hysteresis",
-    "dissipation_density": "dissipation_density_norm dissipation_density_peak dissipation_density_peak_place",
+    "dissipation_density": (
+        "dissipation_density_norm dissipation_density_peak dissipation_density_peak_place"
+    ),
     "dissipation": "dissipation dissipation_absolute",
 }
 
 
 @pytest.mark.parametrize("name", POISON)
 def test_what_is_not_a_number_fails(name: str) -> None:
-    """One NaN in the middle of the data of either: the metrics of that field are not finite and fail, without a tolerance too."""
+    """One NaN in the middle of the data of either: the metrics of that field are not finite and
+    fail, without a tolerance too.
+    """
     data = getattr(TRUTH, name)
     poisoned: Any = NAN
     if isinstance(data, np.ndarray):
@@ -459,28 +771,53 @@ def test_what_is_not_a_number_fails(name: str) -> None:
         assert not found.passed
 
 
-# ----------------------------------------------------------------------------------------------------------------- units
+# -------------------------------------------------------------------------------------------- units
 def in_other_units(solution: ContactSolution, stress: float, length: float) -> ContactSolution:
     """The same solution in other units of stress and length."""
     force, energy = stress * length, stress * length**2
     material = solution.scene.material
-    stiffer = {b: m.vary(young_modulus=m.young_modulus * stress) for b, m in material if b in ("upper", "lower")}
+    stiffer = {
+        b: m.vary(young_modulus=m.young_modulus * stress)
+        for b, m in material
+        if b in ("upper", "lower")
+    }
     scene = solution.scene.vary(material=Materials.model_construct(**(dict(material) | stiffer)))
-    factors = dict.fromkeys(("pressure", "shear"), stress) | dict.fromkeys(("normal_load", "tangential_load"), force)
-    lengths = ("x", "slip", "contact_edges", "stick_edges", "contact_half_width", "tangential_displacement")
+    factors = dict.fromkeys(("pressure", "shear"), stress) | dict.fromkeys(
+        ("normal_load", "tangential_load"), force
+    )
+    lengths = (
+        "x",
+        "slip",
+        "contact_edges",
+        "stick_edges",
+        "contact_half_width",
+        "tangential_displacement",
+    )
     factors |= dict.fromkeys((*lengths, "permanent_stick_half_width"), length)
-    factors |= {"dissipation": energy, "dissipation_density": energy / length, "cycle_dissipation": energy}
+    factors |= {
+        "dissipation": energy,
+        "dissipation_density": energy / length,
+        "cycle_dissipation": energy,
+    }
     if solution.tilt is not None:
-        factors |= dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), stress) | {"permanent_stick_edges": length}
+        factors |= dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), stress) | {
+            "permanent_stick_edges": length
+        }
         factors |= dict.fromkeys(("moment", "shear_moment"), energy)
-    return with_fields(solution, scene=scene, **{name: factor * getattr(solution, name) for name, factor in factors.items()})
+    return with_fields(
+        solution,
+        scene=scene,
+        **{name: factor * getattr(solution, name) for name, factor in factors.items()},
+    )
 
 
 STILL = changed(dissipation=0.0, dissipation_density=0 * X, slip=0 * TRUTH.slip)
 UNITS = {name: (reference, plant) for name, (plant, _, _, reference) in FAULTS.items()} | {
     "nothing in the reference": (
         STILL,
-        lambda: with_fields(STILL, dissipation=1e-3, dissipation_density=1e-3 + 0 * X, slip=1e-3 + 0 * TRUTH.slip),
+        lambda: with_fields(
+            STILL, dissipation=1e-3, dissipation_density=1e-3 + 0 * X, slip=1e-3 + 0 * TRUTH.slip
+        ),
     )
 }
 
@@ -490,17 +827,27 @@ def test_units_do_not_matter(stress: float, length: float) -> None:
     for name, (reference, plant) in UNITS.items():
         result = plant()
         before = compare(reference, result)
-        after = compare(in_other_units(reference, stress, length), in_other_units(result, stress, length))
+        after = compare(
+            in_other_units(reference, stress, length), in_other_units(result, stress, length)
+        )
         absolute = [metric.key for metric in after.metrics if metric.absolute]
         assert absolute == [metric.key for metric in before.metrics if metric.absolute]
         for metric in after.metrics:
             value = before.metric(metric.key).value
-            wanted = None if value is None else pytest.approx(value, rel=1e-9, abs=1e-12, nan_ok=True)
+            wanted = (
+                None if value is None else pytest.approx(value, rel=1e-9, abs=1e-12, nan_ok=True)
+            )
             assert metric.value == wanted, (name, metric.key)
-    assert {"dissipation", "dissipation_density", "dissipation_density_norm", "slip", "slip_maximum"} <= set(absolute)
+    assert {
+        "dissipation",
+        "dissipation_density",
+        "dissipation_density_norm",
+        "slip",
+        "slip_maximum",
+    } <= set(absolute)
 
 
-# --------------------------------------------------------------------------------------------------- verdict and question
+# ----------------------------------------------------------------------------- verdict and question
 def test_verdict_against_the_tolerances_of_the_scene() -> None:
     tolerance = OWN_TOLERANCES["dissipation"]
     assert compare(TRUTH, changed(dissipation=W * (1 + 0.99 * tolerance))).passed
@@ -520,22 +867,33 @@ def test_scales_and_frictionless_shear() -> None:
     assert SCALES.pressure == pytest.approx(TRUTH.pressure.max(), rel=1e-9)
     assert SCALES.dissipation == pytest.approx(SCALES.compliance * (0.5 * SCALES.normal_load) ** 2)
     # f = 0: a shear that should not be there still counts, over ||p||.
-    smooth = changed(scene=TRUTH.scene.vary(friction=0.0), shear=0 * TRUTH.shear, dissipation=0.0, dissipation_density=0 * X)
+    smooth = changed(
+        scene=TRUTH.scene.vary(friction=0.0),
+        shear=0 * TRUTH.shear,
+        dissipation=0.0,
+        dissipation_density=0 * X,
+    )
     found = compare(smooth, with_fields(smooth, shear=0.01 * TRUTH.pressure))
     assert found.metric("shear").value == pytest.approx(0.01)
     assert any("Frictionless" in note for note in found.notes)
 
 
 def test_a_pickled_comparison_has_the_same_metrics() -> None:
-    """A sweep of somebody else sends it between processes; rows of the table hold functions without names of their own."""
+    """A sweep of somebody else sends it between processes; rows of the table hold functions without
+    names of their own.
+    """
     comparison = compare(cattaneo_mindlin(), cattaneo_mindlin())
     again = pickle.loads(pickle.dumps(comparison))
-    assert [(one.key, one.value) for one in again.metrics] == [(one.key, one.value) for one in comparison.metrics]
+    assert [(one.key, one.value) for one in again.metrics] == [
+        (one.key, one.value) for one in comparison.metrics
+    ]
     assert all(one.definition is METRICS[one.key] for one in again.metrics)
 
 
 def test_light_instants_are_shown_and_not_judged() -> None:
-    """An instant at 5 % of P_ref with half its pressure missing: in the series, not in the verdict, and said so."""
+    """An instant at 5 % of P_ref with half its pressure missing: in the series, not in the verdict,
+    and said so.
+    """
     light = changed(normal_load=at(17, TRUTH.normal_load, 0.05))
     found = compare(light, with_fields(light, pressure=at(17, TRUTH.pressure, 0.5)))
     metric = found.metric("pressure")
@@ -556,17 +914,37 @@ def test_half_plane_theory_against_itself(name: str) -> None:
         assert notes >= {"stick_set", "slip", "slip_reversal", "full_stick_start"}
 
 
-OF_BULK = {"stick_eccentricity", "hysteresis_with_bulk", "bulk_work", "dissipation_drift", "contact_centre", "moment", "tilt"}
+OF_BULK = {
+    "stick_eccentricity",
+    "hysteresis_with_bulk",
+    "bulk_work",
+    "dissipation_drift",
+    "contact_centre",
+    "moment",
+    "tilt",
+}
 
 
 def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault() -> None:
     found = compare(PULLED, PULLED, polygon_reference=PULLED)
-    assert [metric.key for metric in found.metrics] == sorted(METRICS, key=lambda key: not METRICS[key].headline)
+    assert [metric.key for metric in found.metrics] == sorted(
+        METRICS, key=lambda key: not METRICS[key].headline
+    )
     assert [*found.headlines, *found.others] == list(found.metrics)
     plain = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
-    assert {metric.key for metric in found.metrics} - {metric.key for metric in plain.metrics} == OF_BULK
+    assert {metric.key for metric in found.metrics} - {
+        metric.key for metric in plain.metrics
+    } == OF_BULK
     assert (len(plain.headlines), len(found.headlines)) == (7, 8)
-    unsigned = {"pressure", "shear", "state", "stick_set", "slip", "dissipation_density_norm", "energy_balance"}
+    unsigned = {
+        "pressure",
+        "shear",
+        "state",
+        "stick_set",
+        "slip",
+        "dissipation_density_norm",
+        "energy_balance",
+    }
     assert {row.key for row in METRICS.values() if not row.signed} == unsigned
     page = (Path(__file__).parents[1] / "docs" / "metrics.md").read_text(encoding="utf-8")
     assert markdown() in page
@@ -576,23 +954,32 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
 
 
 def test_tension_at_the_trailing_edge() -> None:
-    """Theory against finite elements on a coarse mesh, within the uncertainty; a hundredth more traction is seen as such."""
-    result = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS)
+    """Theory against finite elements on a coarse mesh, within the uncertainty; a hundredth more
+    traction is seen as such.
+    """
+    result = fe_run(
+        load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS
+    )
     exact = semi_analytic.solve(result.scene, x=result.x, time=result.time)
     found = compare(exact, result).metric("edge_tension")
     assert abs(found.value) <= found.uncertainty < 0.01
     assert found.amounts[0] == pytest.approx(semi_analytic.edge_tension(exact, exact.time)[0].max())
-    scaled = {name: 1.01 * getattr(result, name) for name in ("pressure", "shear", "tangential_load")}
+    scaled = {
+        name: 1.01 * getattr(result, name) for name in ("pressure", "shear", "tangential_load")
+    }
     more = compare(exact, dataclasses.replace(result, **scaled)).metric("edge_tension")
     assert more.value == pytest.approx(1.01 * (1 + found.value) - 1, abs=1e-6)
     other = dataclasses.replace(exact, engine="somebody's code")
     assert "not known of somebody's code" in compare(exact, other).metric("edge_tension").note
 
 
-# ------------------------------------------------------------------------------------------------------- laws of contact
+# ---------------------------------------------------------------------------------- laws of contact
 LAWS = {
     "none": (lambda: TRUTH, set()),
-    "tension": (lambda: changed(pressure=at((5, 0), TRUTH.pressure, new=-1e-6 * TRUTH.pressure.max())), {"tension (fields)"}),
+    "tension": (
+        lambda: changed(pressure=at((5, 0), TRUTH.pressure, new=-1e-6 * TRUTH.pressure.max())),
+        {"tension (fields)"},
+    ),
     "cone": (lambda: changed(shear=1.0001 * TRUTH.shear), {"cone (fields)", "slip (fields)"}),
     "cone, negative shear": (
         lambda: changed(shear=np.where(TRUTH.shear < 0, 1.0001, 1.0) * TRUTH.shear),
@@ -618,17 +1005,21 @@ def test_each_law_broken_is_seen_by_its_own_certificate(law: str) -> None:
         assert found.accurate is (law == "record")
 
 
-# ------------------------------------------------------------- one solution on the points and instants of another; events
+# --------------------------------------- one solution on the points and instants of another; events
 ROUGH = cattaneo_mindlin(steps_per_leg=20, points=81)
 FINE = cattaneo_mindlin(steps_per_leg=40, points=321)
 
 
 def test_stated_interpolation_error_is_honest() -> None:
-    """The truth is known here: of 107 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
+    """The truth is known here: of 107 spacings, the edge falling anywhere in an interval, one in a
+    hundred at most errs by more.
+    """
     like = last_cycle(ROUGH)
     smaller = 0
     for points in range(100, 420, 3):
-        found = sample(last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form")
+        found = sample(
+            last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form"
+        )
         if found.interpolation:
             error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
             smaller += error > found.interpolation["pressure"]
@@ -645,13 +1036,30 @@ def test_interpolation_in_time_and_space_is_said() -> None:
 
 
 def test_instants_are_matched_by_phase_not_by_revolution() -> None:
-    """The same cycle one revolution later: nothing to interpolate, nothing to tell apart. Less than a cycle is refused."""
+    """The same cycle one revolution later: nothing to interpolate, nothing to tell apart. Less than
+    a cycle is refused.
+    """
     found = compare(ROUGH, with_fields(ROUGH, time=ROUGH.time + 3.0))
     assert not found.expected.interpolation
     assert not any("interpolated" in note for note in found.notes)
     assert all(not metric.value for metric in found.metrics)
-    names = ("pressure", "shear", "slip", "state", "contact_edges", "stick_edges", "normal_load", "tangential_load")
-    names += ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach", "time")
+    names = (
+        "pressure",
+        "shear",
+        "slip",
+        "state",
+        "contact_edges",
+        "stick_edges",
+        "normal_load",
+        "tangential_load",
+    )
+    names += (
+        "contact_half_width",
+        "stick_half_width",
+        "tangential_displacement",
+        "normal_approach",
+        "time",
+    )
     with pytest.raises(InputError, match="holds no whole cycle"):
         compare(ROUGH, with_fields(ROUGH, **{name: getattr(ROUGH, name)[:1] for name in names}))
 
@@ -663,13 +1071,19 @@ def test_a_reference_that_ends_inside_the_contact_is_refused(least: float) -> No
     inner = largest > least * largest.max()
     assert least < largest[inner][0] / largest.max() < least + 0.1
     cut = {name: getattr(FINE, name)[:, inner] for name in ("pressure", "shear", "slip", "state")}
-    short = with_fields(FINE, x=FINE.x[inner], dissipation_density=FINE.dissipation_density[inner], **cut)
+    short = with_fields(
+        FINE, x=FINE.x[inner], dissipation_density=FINE.dissipation_density[inner], **cut
+    )
     with pytest.raises(InputError, match="still carries pressure"):
         compare(short, ROUGH)
 
 
-def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over_increments() -> None:
-    """P stands still: only Q has extremes; the rest of the six are as far from all others as can be, wherever an engine landed."""
+def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over_increments() -> (
+    None
+):
+    """P stands still: only Q has extremes; the rest of the six are as far from all others as can
+    be, wherever an engine landed.
+    """
     cycle = last_cycle(ROUGH)
     found = events(cycle, ROUGH.scene.friction.coefficient)
     labels = {event.label: cycle.time[event.index] for event in found}
@@ -677,15 +1091,24 @@ def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over
     assert not any(label.startswith("P ") for label in labels)
     assert [event.index for event in found] == sorted({event.index for event in found})
     # Nine tenths of the instants in the first hundredth of the cycle.
-    time = np.concatenate([np.linspace(0, 0.01, 9 * len(cycle.time) * 2), np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:]])
+    time = np.concatenate(
+        [
+            np.linspace(0, 0.01, 9 * len(cycle.time) * 2),
+            np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:],
+        ]
+    )
     flat = np.ones(len(time))
-    crowded = dataclasses.replace(cycle, time=time, fraction=time, normal_load=flat, tangential_load=0 * flat)
+    crowded = dataclasses.replace(
+        cycle, time=time, fraction=time, normal_load=flat, tangential_load=0 * flat
+    )
     chosen = [time[event.index] for event in events(crowded, 0.5)]
     assert (len(chosen), min(np.diff(chosen)) > 0.1) == (6, True)
 
 
 def test_events_of_the_papers_ellipse() -> None:
-    """H, the largest P, the largest Q, E (forward slip ends at 5/8), the least P, G (reverse slip ends at 7/8)."""
+    """H, the largest P, the largest Q, E (forward slip ends at 5/8), the least P, G (reverse slip
+    ends at 7/8).
+    """
     scene = load_scene("hertz-paper")
     path = scene.load.path()
     time = path.cycle_start + np.linspace(0, 2 * np.pi, 81)
@@ -695,17 +1118,32 @@ def test_events_of_the_papers_ellipse() -> None:
     edges = {name: np.zeros((81, 2)) for name in ("contact_edges", "stick_edges")}
     series = {name: np.zeros(81) for name in ("tangential_displacement", "normal_approach")}
     state = np.zeros((81, 81), np.int8)
-    cycle = last_cycle(with_fields(ROUGH, scene=scene, state=state, **steps, **blank, **edges, **series))
+    cycle = last_cycle(
+        with_fields(ROUGH, scene=scene, state=state, **steps, **blank, **edges, **series)
+    )
     found = events(cycle, 1.0)
-    labels = ["Q least", "P largest", "Q largest", "forward slip ends", "P least", "reverse slip ends"]
+    labels = [
+        "Q least",
+        "P largest",
+        "Q largest",
+        "forward slip ends",
+        "P least",
+        "reverse slip ends",
+    ]
     assert [event.label for event in found] == labels
-    assert cycle.fraction[[event.index for event in found]] == pytest.approx([0, 0.25, 0.5, 0.625, 0.75, 0.875])
+    assert cycle.fraction[[event.index for event in found]] == pytest.approx(
+        [0, 0.25, 0.5, 0.625, 0.75, 0.875]
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------ real answers
-def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(tmp_path: Path) -> None:
+# ------------------------------------------------------------------------------------- real answers
+def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(
+    tmp_path: Path,
+) -> None:
     """No loop, no work, no cycle; and instants too light to be judged, which is said."""
-    still, pressed = (compare(one, one) for one in map(semi_analytic.solve, ("full-stick", "hertz-normal")))
+    still, pressed = (
+        compare(one, one) for one in map(semi_analytic.solve, ("full-stick", "hertz-normal"))
+    )
     assert (still.metric("dissipation").absolute, still.metric("dissipation").value) == (True, 0)
     assert not still.metric("stick_edge").note
     drawn, fewer = ({drawing.name for drawing in draw(Report(one))} for one in (still, pressed))
@@ -716,25 +1154,46 @@ def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(
     assert "less than 0.1 P<sub>ref</sub>" in page
 
 
-def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(tmp_path: Path) -> None:
-    """Values of ten comparisons are frozen in test_contract.py; limits of each metric stand in test_halfplane_fe_accuracy.py."""
+def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(
+    tmp_path: Path,
+) -> None:
+    """Values of ten comparisons are frozen in test_contract.py; limits of each metric stand in
+    test_halfplane_fe_accuracy.py.
+    """
     fe, out = fe_run(load_scene("hertz-paper"), COARSE, FEW_STEPS), tmp_path / "out"
-    exact, polygon = (semi_analytic.solve(fe.scene, x=fe.x, time=fe.time, straight_steps=straight) for straight in (False, True))
+    exact, polygon = (
+        semi_analytic.solve(fe.scene, x=fe.x, time=fe.time, straight_steps=straight)
+        for straight in (False, True)
+    )
     paper = compare(exact, fe, polygon_reference=polygon)
-    total, other, step = (paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step"))
+    total, other, step = (
+        paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step")
+    )
     assert (1 + step) * (1 + other) == pytest.approx(1 + total, rel=1e-13)
-    page = write(paper, out, command="halfplane run hertz-paper", vtu_instants=paper.found.time[[0, 5]])
+    page = write(
+        paper, out, command="halfplane run hertz-paper", vtu_instants=paper.found.time[[0, 5]]
+    )
     assert {"mesh.csv"} <= {path.name for path in (out / "figures").iterdir()}
     names = {path.name for path in (out / "fields").iterdir()}
-    assert names == {"fields.pvd", *(f"{part}_{number:03d}.vtu" for part in ("lower", "upper", "contact") for number in (0, 1))}
+    assert names == {
+        "fields.pvd",
+        *(
+            f"{part}_{number:03d}.vtu"
+            for part in ("lower", "upper", "contact")
+            for number in (0, 1)
+        ),
+    }
     assert page.stat().st_size < 8e6
     assert f"All metrics ({len(paper.metrics)})" in page.read_text(encoding="utf-8")
     stored = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert stored["result"]["skipped"]["condensations"]["count"] == 1
     assert stored["result"]["versions"]["numpy"] == np.__version__
-    reference, result = (ContactSolution.load(out / f"{name}.nc") for name in ("reference", "result"))
+    reference, result = (
+        ContactSolution.load(out / f"{name}.nc") for name in ("reference", "result")
+    )
     again = compare(reference, result, polygon_reference=polygon)
-    # The file holds no nodal weights, so the resultants of what was stored go by another rule, which they say.
+    # The file holds no nodal weights, so the resultants of what was stored go by another rule,
+    # which they say.
     by_weights = {"resultant_normal", "resultant_tangential"}
     for one, fresh in zip(again.metrics, paper.metrics, strict=True):
         assert one.value == fresh.value or fresh.key in by_weights, fresh.key

@@ -1,4 +1,6 @@
-"""What `halfplane paper` writes: statements and misprints by their numbers, figures in two forms, a page that stands alone."""
+"""What `halfplane paper` writes: statements and misprints by their numbers, figures in two forms, a
+page that stands alone.
+"""
 
 import csv
 import math
@@ -25,16 +27,24 @@ from reports.paper.tables import APART, EXACT, judge_number, proves
 from scenes import InputError, load_scene
 from semi_analytic import Reason, dissipation
 
-FIGURES = [f"figure_{name}" for name in ("01", "02", "03", "04a", "04b", "05", "06", "07a", "07b", "08", "09", "10a", "10b")]
+FIGURES = [
+    f"figure_{name}"
+    for name in ("01", "02", "03", "04a", "04b", "05", "06", "07a", "07b", "08", "09", "10a", "10b")
+]
 
 # E is where tan t = -1/f, I half a turn later, G the mirror image of E.
 DELAY = math.degrees(math.atan(1 / 0.4) - math.atan(1 / 1.0))
-# key -> verdict and the numbers that the theory page states: name in the row's values -> (value, how close).
+# key -> verdict and the numbers that the theory page states: name in the row's values -> (value,
+# how close).
 SAID: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
-    # Brute force, 40,000 flat punches in small steps: (5) is 14 % wrong in slip, the core's share of the residual tractions 0.524.
+    # Brute force, 40,000 flat punches in small steps: (5) is 14 % wrong in slip, the core's share
+    # of the residual tractions 0.524.
     "(5)": ("refined", {"error in full stick": (0.0, 1e-12), "error in slip": (0.1442, 5e-4)}),
     "(6)": ("confirmed", {f"error at {place}": (0.0, 1e-12) for place in ("B-C", "C", "D", "E")}),
-    "full stick at E": ("confirmed", {"stick before": (0.475, 5e-4), "slip after": (0.0, 1e-12), "speed before": (0.0, 1e-5)}),
+    "full stick at E": (
+        "confirmed",
+        {"stick before": (0.475, 5e-4), "slip after": (0.0, 1e-12), "speed before": (0.0, 1e-5)},
+    ),
     "(7)": ("confirmed", {f"error at {place}": (0.0, 1e-12) for place in ("E-F", "F", "G")}),
     "residual tractions": (
         "refined",
@@ -46,28 +56,56 @@ SAID: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
             "traction beyond a(P_T)": (0.0, 1e-12),
         },
     ),
-    "stick from G to I": ("confirmed", {"deepest slip in G-I": (0.0, 1e-12), "share of the cycle": (0.25, 1e-12)}),
+    "stick from G to I": (
+        "confirmed",
+        {"deepest slip in G-I": (0.0, 1e-12), "share of the cycle": (0.25, 1e-12)},
+    ),
     "transient slip": ("confirmed", {"steady": (0.727046, 1e-6)}),
     "slip advances from B to E": ("confirmed", {}),
-    "slip as deep forward as in reverse": ("confirmed", {"forward": (0.727046, 1e-6), "reverse": (0.727046, 1e-6)}),
+    "slip as deep forward as in reverse": (
+        "confirmed",
+        {"forward": (0.727046, 1e-6), "reverse": (0.727046, 1e-6)},
+    ),
     "longer in forward slip": ("confirmed", {"forward": (0.5, 1e-12), "reverse": (0.25, 1e-12)}),
-    "forward slip is slower": ("refined", {"speeds while the point slips": (1.0, 1e-9), "speeds over the phases": (0.5, 1e-9)}),
+    "forward slip is slower": (
+        "refined",
+        {"speeds while the point slips": (1.0, 1e-9), "speeds over the phases": (0.5, 1e-9)},
+    ),
     "permanent stick": ("confirmed", {"a(P_T)/a0": (0.73, 0.005)}),
     "no net displacement": ("confirmed", {"net over largest": (0.0, 1e-12)}),
     "history of x = 0.77": ("confirmed", {"share of separation": (0.0, 0.0)}),
-    "history of x = 0.82": ("confirmed", {"share of separation": (math.acos(3 - 3 * 0.82**2) / math.pi, 2e-3)}),
+    "history of x = 0.82": (
+        "confirmed",
+        {"share of separation": (math.acos(3 - 3 * 0.82**2) / math.pi, 2e-3)},
+    ),
     "history of x = 1.0": ("confirmed", {"share of separation": (0.5, 2e-3)}),
-    "history of x = 1.13": ("confirmed", {"share of separation": (1 - math.acos(3 * 1.13**2 - 3) / math.pi, 2e-3)}),
-    "one-way slip": ("refined", {"edge": (0.874, 5e-4), "largest a in E-G": (math.sqrt((3 - math.sqrt(0.5)) / 3), 1e-12)}),
+    "history of x = 1.13": (
+        "confirmed",
+        {"share of separation": (1 - math.acos(3 * 1.13**2 - 3) / math.pi, 2e-3)},
+    ),
+    "one-way slip": (
+        "refined",
+        {"edge": (0.874, 5e-4), "largest a in E-G": (math.sqrt((3 - math.sqrt(0.5)) / 3), 1e-12)},
+    ),
     "friction delays slip": (
         "refined",
-        {f"shift of {letter} in degrees": (sign * DELAY, 1e-9) for letter, sign in (("E", 1), ("I", 1), ("G", -1))},
+        {
+            f"shift of {letter} in degrees": (sign * DELAY, 1e-9)
+            for letter, sign in (("E", 1), ("I", 1), ("G", -1))
+        },
     ),
-    "coefficients of figure 4b": ("refined", {"sliding with Q0": (2, 0), "sliding with Q0 = 0": (0, 0)}),
+    "coefficients of figure 4b": (
+        "refined",
+        {"sliding with Q0": (2, 0), "sliding with Q0 = 0": (0, 0)},
+    ),
     "mean shear force": ("confirmed", {"change of c": (0.0, 1e-12), "change of W": (0.0, 1e-10)}),
     "initial loading": (
         "confirmed",
-        {"change of c": (0.0, 1e-12), "change of W": (0.0, 1e-10), "change of q outside": (0.0, 1e-10)},
+        {
+            "change of c": (0.0, 1e-12),
+            "change of W": (0.0, 1e-10),
+            "change of q outside": (0.0, 1e-10),
+        },
     ),
     "slip in the radii": ("confirmed", {"a(P_T)/a0": (0.844, 5e-4), "b/a0": (0.505, 1e-12)}),
     "narrow bands": ("confirmed", {}),
@@ -84,15 +122,24 @@ SAID: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
     "place of the peak, flat and rounded": ("confirmed", {"fraction": (0.604, 5e-4)}),
     "place of the peak, all loads": ("refined", {}),
     "five times the energy": ("contradicted", {"quotient of work": (0.557, 5e-4)}),
-    "weaker dependence of the peak": ("confirmed", {"share of smaller exponents": (1.0, 0.0), "last shoulder": (5.82, 0.11)}),
+    "weaker dependence of the peak": (
+        "confirmed",
+        {"share of smaller exponents": (1.0, 0.0), "last shoulder": (5.82, 0.11)},
+    ),
     "eight times the peak": ("contradicted", {"quotient of peaks": (0.97, 5e-4)}),
-    "figure of merit": ("confirmed", {"quotient of merits": (0.574, 5e-4), "five over eight": (0.625, 0.0)}),
+    "figure of merit": (
+        "confirmed",
+        {"quotient of merits": (0.574, 5e-4), "five over eight": (0.625, 0.0)},
+    ),
 }
 # key -> the number that the printed reading comes to, where it is known beforehand.
 WRONG: dict[str, dict[str, tuple[float, float]]] = {
     "(2)": {},
     "condition of stick": {"right": (0.0, 0.0)},
-    "(9), (10)": {"with B": (math.sqrt((3 - math.sqrt(0.5)) / 3), 1e-12), "with G": (0.727046, 1e-6)},
+    "(9), (10)": {
+        "with B": (math.sqrt((3 - math.sqrt(0.5)) / 3), 1e-12),
+        "with G": (0.727046, 1e-6),
+    },
     "3H": {"P at H": (3.0, 1e-12), "P at F": (2.0, 1e-12), "Q at H": (0.1, 1e-12)},
     "J and K": {"J after K in degrees": (45.0, 1e-9), "I after K in degrees": (-45.0, 1e-9)},
     "mean shear force": {"right": (0.0, 1e-10)},
@@ -121,7 +168,9 @@ WRONG: dict[str, dict[str, tuple[float, float]]] = {
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> PaperReport:
-    return paper_page.write(tmp_path_factory.mktemp("paper") / "out", Stages(quiet=True), "halfplane paper --out out")
+    return paper_page.write(
+        tmp_path_factory.mktemp("paper") / "out", Stages(quiet=True), "halfplane paper --out out"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +183,7 @@ def plates() -> dict[str, Plate]:
     return {plate.name: plate for plate in sheets(paper())}
 
 
-# ------------------------------------------------------------------------------------------------ statements and misprints
+# ------------------------------------------------------------------------- statements and misprints
 @pytest.mark.parametrize("key", SAID)
 def test_statement(report: PaperReport, key: str) -> None:
     verdict, numbers = SAID[key]
@@ -148,7 +197,9 @@ def test_statement(report: PaperReport, key: str) -> None:
 
 @pytest.mark.parametrize("key", WRONG)
 def test_misprint(report: PaperReport, key: str) -> None:
-    """Proven: the mended reading agrees with the engine and the printed one does not; a citation is a matter of reading."""
+    """Proven: the mended reading agrees with the engine and the printed one does not; a citation is
+    a matter of reading.
+    """
     row = next(row for row in report.misprints if row.key == key)
     assert row.proven is (None if key == "reference [7]" else True)
     for name, (value, tolerance) in WRONG[key].items():
@@ -167,12 +218,20 @@ def test_nothing_is_left_out(report: PaperReport) -> None:
 
 
 def test_judges_can_say_no() -> None:
-    assert [judge_number(value, 0.73, 2) for value in (0.7349, 0.7351, 0.76)] == ["confirmed", "refined", "contradicted"]
-    assert not any(proves(*errors) for errors in ((1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5)))
+    assert [judge_number(value, 0.73, 2) for value in (0.7349, 0.7351, 0.76)] == [
+        "confirmed",
+        "refined",
+        "contradicted",
+    ]
+    assert not any(
+        proves(*errors) for errors in ((1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5))
+    )
 
 
 def test_other_friction_takes_the_numbers_away() -> None:
-    """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written down beforehand."""
+    """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written
+    down beforehand.
+    """
     other = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
     found = course(other.hertz) | loads(other)
     verdict, values = found["permanent stick"]
@@ -184,10 +243,16 @@ def test_other_friction_takes_the_numbers_away() -> None:
     assert found["coefficients of figure 4b"][0] == "refined"
 
 
-@pytest.mark.parametrize(("phase", "verdict"), [(60.0, "confirmed"), (90.0, "refined"), (120.0, "refined")])
+@pytest.mark.parametrize(
+    ("phase", "verdict"), [(60.0, "confirmed"), (90.0, "refined"), (120.0, "refined")]
+)
 def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
-    """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the paper is right."""
-    case = paper().hertz.with_load(phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight")
+    """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the
+    paper is right.
+    """
+    case = paper().hertz.with_load(
+        phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight"
+    )
     found, values = slip_speed(case)
     assert found == verdict
     assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
@@ -196,7 +261,9 @@ def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
 
 
 def test_sweeps_start_at_the_engines_limit_and_hold_the_examples() -> None:
-    """At f = 1 and P0/P1 = 3 the sweep is the example itself: interpolated on its grid, to the grid's accuracy."""
+    """At f = 1 and P0/P1 = 3 the sweep is the example itself: interpolated on its grid, to the
+    grid's accuracy.
+    """
     for case, sweep in zip((paper().hertz, paper().rounded), paper().sweeps, strict=True):
         np.testing.assert_allclose(sweep.ratio[:, 0], sliding_limit(FRICTIONS), rtol=1e-8)
         assert np.all(np.isfinite(sweep.work) & np.isfinite(sweep.peak))
@@ -216,7 +283,7 @@ def test_the_figures_are_about_an_ellipse_and_costly_parts_are_done_once() -> No
     assert paper().peaks is paper().peaks
 
 
-# ----------------------------------------------------------------------------------------------------- the folder, the page
+# ----------------------------------------------------------------------------- the folder, the page
 def rows(path: Path) -> list[dict[str, str]]:
     with path.open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream))
@@ -225,9 +292,15 @@ def rows(path: Path) -> list[dict[str, str]]:
 def test_every_figure_in_every_form_and_both_tables(report: PaperReport) -> None:
     folder = report.page.parent
     for name in FIGURES:
-        assert (folder / "figures" / f"{name}.svg").read_text(encoding="utf-8").startswith("<svg xmlns=")
+        assert (
+            (folder / "figures" / f"{name}.svg")
+            .read_text(encoding="utf-8")
+            .startswith("<svg xmlns=")
+        )
         assert rows(folder / "figures" / f"{name}.csv")
-    assert [row["verdict"] for row in rows(folder / "statements.csv")] == [row.verdict.value for row in report.statements]
+    assert [row["verdict"] for row in rows(folder / "statements.csv")] == [
+        row.verdict.value for row in report.statements
+    ]
     assert {row["proven"] for row in rows(folder / "misprints.csv")} == {"yes", "by reading"}
     assert report.proven
 
@@ -246,8 +319,12 @@ def test_page_is_whole_small_and_alone(report: PaperReport, page: str) -> None:
     assert len(found) == len(set(found))
 
 
-def text_boxes(element: ET.Element, left: float, top: float) -> Iterator[tuple[str, float, float, float, float]]:
-    """Each text of an SVG document and its box: left, top, right, bottom; in DejaVu Sans, wider than most fonts of a page."""
+def text_boxes(
+    element: ET.Element, left: float, top: float
+) -> Iterator[tuple[str, float, float, float, float]]:
+    """Each text of an SVG document and its box: left, top, right, bottom; in DejaVu Sans, wider
+    than most fonts of a page.
+    """
     if element.tag.endswith("}svg") or element.tag == "svg":
         left += float(element.get("x", 0))
         top += float(element.get("y", 0))
@@ -259,7 +336,11 @@ def text_boxes(element: ET.Element, left: float, top: float) -> Iterator[tuple[s
     pieces = [(element.text or "", size)]
     for part in element:
         pieces += [(part.text or "", font_size(part, size)), (part.tail or "", size)]
-    measured = [TextToPath().get_text_width_height_descent(text, FontProperties(size=of), False) for text, of in pieces if text]
+    measured = [
+        TextToPath().get_text_width_height_descent(text, FontProperties(size=of), False)
+        for text, of in pieces
+        if text
+    ]
     width = sum(piece[0] for piece in measured)
     height, descent = measured[0][1:]
     x = left + float(element.get("x", 0)) + float(element.get("dx", 0))
@@ -280,7 +361,9 @@ def font_size(element: ET.Element, above: float) -> float:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
-    """Every mark is on the page, every label in the legend, every axis has a name, no text lies over text or is cut off."""
+    """Every mark is on the page, every label in the legend, every axis has a name, no text lies
+    over text or is cut off.
+    """
     plate = plates[name]
     panels = [panel for panel in plate.panels if isinstance(panel, Panel)]
     marks = [mark for panel in panels for mark in panel.marks]
@@ -288,21 +371,32 @@ def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
     shown = figure[figure.index('<div class="panels') :]
     assert shown.count('class="curve ') >= sum(isinstance(mark, Curve) for mark in marks)
     assert shown.count('class="band ') == sum(isinstance(mark, Band) for mark in marks)
-    assert {mark.label for mark in marks if isinstance(mark, Curve | Band) and mark.label} <= {key.text for key in plate.keys}
+    assert {mark.label for mark in marks if isinstance(mark, Curve | Band) and mark.label} <= {
+        key.text for key in plate.keys
+    }
     # A click on the legend finds a curve by its look: two labels of one figure must not share it.
     assert len({key.css for key in plate.keys}) == len(plate.keys)
     assert all(panel.bare or (panel.x.words and panel.y.words) for panel in panels)
     if name == "figure_02":
-        assert set("".join(mark.text for mark in marks if isinstance(mark, Note))) >= set(LETTERS) | {"O", "T", "Z"}
+        assert set("".join(mark.text for mark in marks if isinstance(mark, Note))) >= set(
+            LETTERS
+        ) | {"O", "T", "Z"}
     if name == "figure_03":
         assert [panel.title[0] for panel in panels] == list(LETTERS)
     document = ET.fromstring(plate.svg())
     boxes = list(text_boxes(document, 0.0, 0.0))
     assert len(boxes) > 5
     for number, (word, left, top, right, bottom) in enumerate(boxes):
-        outside = (left, top, float(document.attrib["width"]) - right, float(document.attrib["height"]) - bottom)
+        outside = (
+            left,
+            top,
+            float(document.attrib["width"]) - right,
+            float(document.attrib["height"]) - bottom,
+        )
         assert min(outside) >= -1, word
-        for other, left_of_other, top_of_other, right_of_other, bottom_of_other in boxes[number + 1 :]:
+        for other, left_of_other, top_of_other, right_of_other, bottom_of_other in boxes[
+            number + 1 :
+        ]:
             beside = right - 1 <= left_of_other or right_of_other - 1 <= left
             above = bottom - 1 <= top_of_other or bottom_of_other - 1 <= top
             assert beside or above, (word, other)
@@ -312,9 +406,16 @@ def test_texts_over_each_other_are_seen() -> None:
     """The tester tested: two words at one place, one beside them, one turned."""
     texts = "".join(
         f'<text x="{x}" y="20" style="font-size:10" {more}>word</text>'
-        for x, more in ((10, ""), (12, ""), (60, 'text-anchor="middle"'), (90, 'transform="rotate(-90)"'))
+        for x, more in (
+            (10, ""),
+            (12, ""),
+            (60, 'text-anchor="middle"'),
+            (90, 'transform="rotate(-90)"'),
+        )
     )
-    first, over, beside, turned = text_boxes(ET.fromstring(f'<svg><svg x="5" y="0">{texts}</svg></svg>'), 0.0, 0.0)
+    first, over, beside, turned = text_boxes(
+        ET.fromstring(f'<svg><svg x="5" y="0">{texts}</svg></svg>'), 0.0, 0.0
+    )
     assert first[1] == 15.0
     assert first[3] > over[1]
     assert beside[1] > over[3]
@@ -324,8 +425,12 @@ def test_texts_over_each_other_are_seen() -> None:
 
 
 def test_command(report: PaperReport, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Its code is 1 where a misprint is not proven; that it leaves alone what is not its own: test_cli_commands.py."""
-    doubted = replace(report, misprints=(replace(report.misprints[0], proven=False), *report.misprints[1:]))
+    """Its code is 1 where a misprint is not proven; that it leaves alone what is not its own:
+    test_cli_commands.py.
+    """
+    doubted = replace(
+        report, misprints=(replace(report.misprints[0], proven=False), *report.misprints[1:])
+    )
     for found, code in ((doubted, 1), (report, 0)):
         monkeypatch.setattr(paper_page, "write", lambda *_, result=found: result)
         assert main(["paper", "--out", str(tmp_path / "out"), "--quiet"]) == code

@@ -1,4 +1,6 @@
-"""Findings: `halfplane diff` of two runs; reports/published/: its numbers are what the code gives, its pages what they say."""
+"""Findings: `halfplane diff` of two runs; reports/published/: its numbers are what the code gives,
+its pages what they say.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,16 @@ from command_line import halfplane, sentence
 from reports import Report, compare
 from reports.cli.solving import write_solution
 from reports.comparison import findings as baseline
-from reports.comparison.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, patterned_tolerances
+from reports.comparison.findings import (
+    DIFFERS,
+    ONLY_A,
+    ONLY_B,
+    SAME,
+    Difference,
+    Findings,
+    difference,
+    patterned_tolerances,
+)
 from reports.comparison.words import as_json
 from reports.maps.laws import PUBLISHED
 from reports.page.writing import published
@@ -38,17 +49,23 @@ from scenes import InputError, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 
 
-# --------------------------------------------------------------------------------------------------------------- halfplane diff
+# ----------------------------------------------------------------------------------- halfplane diff
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folders `a` (a comparison), `alone` (one engine), `failed` (its first steps only); solution.nc."""
+    """Folders `a` (a comparison), `alone` (one engine), `failed` (its first steps only);
+    solution.nc.
+    """
     root = tmp_path_factory.mktemp("runs")
     exact, rough = cattaneo_mindlin(), cattaneo_mindlin(dissipation=1.25e-3)
     content = compare(replace(exact, engine="semi_analytic"), replace(rough, engine="halfplane_fe"))
     (root / "a").mkdir()
     (root / "a" / "comparison.json").write_text(as_json(Report(content)))
     write_solution(exact, root / "alone")
-    write_solution(replace(exact, record=replace(exact.record, converged=False)), root / "failed", name="partial")
+    write_solution(
+        replace(exact, record=replace(exact.record, converged=False)),
+        root / "failed",
+        name="partial",
+    )
     exact.save(root / "solution.nc")
     return root
 
@@ -62,7 +79,9 @@ def with_figures(findings: Findings, **values: float | None) -> Findings:
     """With other values; __ stands for the point of a key, a value of `...` takes the key away."""
     named = {key.replace("__", "."): value for key, value in values.items()}
     assert named.keys() <= findings.figures.keys()
-    figures = {key: value for key, value in {**findings.figures, **named}.items() if value is not ...}
+    figures = {
+        key: value for key, value in {**findings.figures, **named}.items() if value is not ...
+    }
     return replace(findings, source="b", figures=figures)
 
 
@@ -75,11 +94,20 @@ def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: F
     exact = cattaneo_mindlin()
     assert a.figures["semi_analytic.dissipation"] == exact.dissipation
     assert a.figures["halfplane_fe.dissipation"] == 1.25e-3
-    assert a.figures["metric.dissipation"] == pytest.approx(1.25e-3 / exact.dissipation - 1, rel=1e-14)
+    assert a.figures["metric.dissipation"] == pytest.approx(
+        1.25e-3 / exact.dissipation - 1, rel=1e-14
+    )
     assert a.figures["halfplane_fe.largest_half_width"] == 1.0
     assert a.figures["halfplane_fe.largest_pressure"] == exact.pressure.max()
-    stored, folder = baseline.read_findings(runs / "solution.nc"), baseline.read_findings(runs / "alone")
-    assert (stored.figures, stored.scene, len(stored.figures) >= 5) == (folder.figures, folder.scene, True)
+    stored, folder = (
+        baseline.read_findings(runs / "solution.nc"),
+        baseline.read_findings(runs / "alone"),
+    )
+    assert (stored.figures, stored.scene, len(stored.figures) >= 5) == (
+        folder.figures,
+        folder.scene,
+        True,
+    )
 
 
 def scaled(key: str, factor: float) -> Callable[[Findings], tuple[Findings, Findings]]:
@@ -87,31 +115,60 @@ def scaled(key: str, factor: float) -> Callable[[Findings], tuple[Findings, Find
 
 
 def placed(one: float, other: float) -> Callable[[Findings], tuple[Findings, Findings]]:
-    return lambda a: (with_figures(a, metric__pressure_peak_place=one), with_figures(a, metric__pressure_peak_place=other))
+    return lambda a: (
+        with_figures(a, metric__pressure_peak_place=one),
+        with_figures(a, metric__pressure_peak_place=other),
+    )
 
 
-W, STICK, PLACE = "semi_analytic__dissipation", "semi_analytic__permanent_stick_half_width", "metric.pressure_peak_place"
+W, STICK, PLACE = (
+    "semi_analytic__dissipation",
+    "semi_analytic__permanent_stick_half_width",
+    "metric.pressure_peak_place",
+)
 # Pairs of findings, and the rows that differ.
 PAIRS: dict[str, tuple[Callable[[Findings], tuple[Findings, Findings]], dict[str, str]]] = {
     "with itself": (lambda a: (a, a), {}),
     "theory within 1e-9": (scaled(W, 1 + 0.9e-9), {}),
     "theory beyond": (scaled(W, 1 + 1.1e-9), {"semi_analytic.dissipation": DIFFERS}),
     "finite elements within 1e-6": (scaled("halfplane_fe__dissipation", 1 + 0.9e-6), {}),
-    "finite elements beyond": (scaled("halfplane_fe__dissipation", 1 + 1.1e-6), {"halfplane_fe.dissipation": DIFFERS}),
+    "finite elements beyond": (
+        scaled("halfplane_fe__dissipation", 1 + 1.1e-6),
+        {"halfplane_fe.dissipation": DIFFERS},
+    ),
     "half width within": (scaled("halfplane_fe__largest_half_width", 1 - 0.9e-6), {}),
-    "half width beyond": (scaled("halfplane_fe__largest_half_width", 1 - 1.1e-6), {"halfplane_fe.largest_half_width": DIFFERS}),
+    "half width beyond": (
+        scaled("halfplane_fe__largest_half_width", 1 - 1.1e-6),
+        {"halfplane_fe.largest_half_width": DIFFERS},
+    ),
     "metric within, absolute": (lambda a: (a, with_figures(a, metric__pressure=0.9e-6)), {}),
-    "metric beyond": (lambda a: (a, with_figures(a, metric__pressure=1.1e-6)), {"metric.pressure": DIFFERS}),
-    "none is no number": (lambda a: (a, with_figures(a, **{STICK: None})), {STICK.replace("__", "."): DIFFERS}),
+    "metric beyond": (
+        lambda a: (a, with_figures(a, metric__pressure=1.1e-6)),
+        {"metric.pressure": DIFFERS},
+    ),
+    "none is no number": (
+        lambda a: (a, with_figures(a, **{STICK: None})),
+        {STICK.replace("__", "."): DIFFERS},
+    ),
     "none in both": (lambda a: 2 * (with_figures(a, **{STICK: None}),), {}),
     "mirrored peaks": (placed(-0.1, 0.1), {}),
     "peaks apart": (placed(-0.1, 0.11), {PLACE: DIFFERS}),
-    # A f^2 P^2 of the scene is 0.0356: 1e-18 is round-off of it, a thousandth of a thousandth of it is not.
-    "round-off of no work": (lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: -2e-18})), {}),
-    "some work": (lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: 1e-15})), {"semi_analytic.dissipation": DIFFERS}),
+    # A f^2 P^2 of the scene is 0.0356: 1e-18 is round-off of it, a thousandth of a thousandth of it
+    # is not.
+    "round-off of no work": (
+        lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: -2e-18})),
+        {},
+    ),
+    "some work": (
+        lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: 1e-15})),
+        {"semi_analytic.dissipation": DIFFERS},
+    ),
     "lost in B": (lambda a: (a, with_figures(a, metric__state=...)), {"metric.state": ONLY_A}),
     "lost in A": (lambda a: (with_figures(a, metric__state=...), a), {"metric.state": ONLY_B}),
-    "another title": (lambda a: (a, replace(a, scene=a.scene.vary(title="another title", name="other"))), {}),
+    "another title": (
+        lambda a: (a, replace(a, scene=a.scene.vary(title="another title", name="other"))),
+        {},
+    ),
 }
 
 
@@ -133,18 +190,32 @@ def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path) -> None:
 
 
 def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a: Findings) -> None:
-    """The answer of one engine against a whole run: its own values count, and any of these that the run lacks."""
+    """The answer of one engine against a whole run: its own values count, and any of these that the
+    run lacks.
+    """
     alone = baseline.read_findings(runs / "solution.nc")
-    engine = {"semi_analytic" + key.removeprefix("closed_form"): value for key, value in alone.figures.items()}
+    engine = {
+        "semi_analytic" + key.removeprefix("closed_form"): value
+        for key, value in alone.figures.items()
+    }
     found = difference(replace(alone, figures=engine), a)
     assert found.same
     assert {row.key.partition(".")[0] for row in found.rows} == {"semi_analytic"}
-    assert found.notes == ("not compared, for it is only in B: halfplane_fe.*", "not compared, for it is only in B: metric.*")
-    fewer = replace(alone, figures={key: value for key, value in engine.items() if not key.endswith("dissipation")})
+    assert found.notes == (
+        "not compared, for it is only in B: halfplane_fe.*",
+        "not compared, for it is only in B: metric.*",
+    )
+    fewer = replace(
+        alone,
+        figures={key: value for key, value in engine.items() if not key.endswith("dissipation")},
+    )
     assert verdicts(difference(fewer, a)) == {"semi_analytic.dissipation": ONLY_B}
     engines = {**a.engines, "halfplane_fe": {"settings": {"mesh": {"order": 1}}, "versions": {}}}
     found = difference(a, replace(a, engines=engines))
-    assert (found.same, found.notes) == (True, ("halfplane_fe: settings.mesh.order is absent in A and 1 in B",))
+    assert (found.same, found.notes) == (
+        True,
+        ("halfplane_fe: settings.mesh.order is absent in A and 1 in B",),
+    )
 
 
 def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) -> None:
@@ -154,15 +225,27 @@ def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) 
     kept = replace(other, tolerances={"metric.shear": 2e-3})
     assert difference(a, kept).same
     assert not difference(a, kept, {"metric.shear": 0.0}).same
-    for word in ("metric.shear", "=1", "metric.shear=", "metric.shear=-1", "metric.shear=nan", "metric.shear=x"):
+    for word in (
+        "metric.shear",
+        "=1",
+        "metric.shear=",
+        "metric.shear=-1",
+        "metric.shear=nan",
+        "metric.shear=x",
+    ):
         with pytest.raises(InputError, match="KEY=VALUE"):
             patterned_tolerances([word])
-    with pytest.raises(InputError, match=r"no figure is called so; there are metric\.largest_pressure, .*halfplane_fe\."):
+    with pytest.raises(
+        InputError,
+        match=r"no figure is called so; there are metric\.largest_pressure, .*halfplane_fe\.",
+    ):
         difference(a, a, {"metric.sheer": 1.0})
 
 
 def test_different_questions_and_nothing_in_common_are_refused(a: Findings) -> None:
-    with pytest.raises(InputError, match=r"different scenes: friction\.coefficient is 0\.5 and 0\.4$"):
+    with pytest.raises(
+        InputError, match=r"different scenes: friction\.coefficient is 0\.5 and 0\.4$"
+    ):
         difference(a, replace(a, scene=a.scene.vary(friction=0.4)))
     with pytest.raises(InputError, match="no figure in common"):
         difference(a, replace(a, figures={"somebody.dissipation": 1.0}, engines={"somebody": {}}))
@@ -184,25 +267,38 @@ def test_same_differs_and_accept(runs: Path, tmp_path: Path) -> None:
     done = halfplane(tmp_path, "diff", "b", str(kept), "--json")
     table = json.loads(done.stdout)["result"]
     assert (done.returncode, table["same"]) == (1, False)
-    assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == ["halfplane_fe.dissipation"]
+    assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == [
+        "halfplane_fe.dissipation"
+    ]
     done = halfplane(tmp_path, "diff", "b", str(kept))
-    assert f"{len(table['rows']) - 1} values are the same to the last digit and not listed" in done.stdout
+    assert (
+        f"{len(table['rows']) - 1} values are the same to the last digit and not listed"
+        in done.stdout
+    )
     done = halfplane(tmp_path, "diff", "b", str(kept), "--quiet")
     assert (done.returncode, done.stdout) == (1, "")
     assert diff(other, kept, "--tolerance", "halfplane_fe.dissipation=2e-3") == 0
     assert kept.read_text() == before
-    assert [diff(other, kept, "--accept", "--tolerance", "metric.*=1e-3"), diff(other, kept)] == [0, 0]
+    assert [diff(other, kept, "--accept", "--tolerance", "metric.*=1e-3"), diff(other, kept)] == [
+        0,
+        0,
+    ]
     assert baseline.read_findings(kept).tolerances == {"metric.*": 1e-3}
 
 
-def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(runs: Path, tmp_path: Path, a: Findings) -> None:
+def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(
+    runs: Path, tmp_path: Path, a: Findings
+) -> None:
     kept = tmp_path / "kept.json"
     baseline.write_baseline(replace(a, scene=load_scene("hertz-paper")), kept, {})
     for content in (kept.read_text(), '{"format": "halfplane comparison 1"}', "# notes\n", ""):
         kept.write_text(content)
         assert halfplane(tmp_path, "diff", str(runs / "a"), "kept.json", "--accept").returncode == 2
         assert kept.read_text() == content
-    assert halfplane(tmp_path, "diff", str(runs / "a"), str(runs / "alone"), "--accept").returncode == 2
+    assert (
+        halfplane(tmp_path, "diff", str(runs / "a"), str(runs / "alone"), "--accept").returncode
+        == 2
+    )
     with pytest.raises(InputError, match="not converged, so no baseline: halfplane_fe: stuck"):
         baseline.write_baseline(replace(a, unfinished=("halfplane_fe: stuck",)), kept, {})
     assert kept.read_text() == ""
@@ -216,14 +312,20 @@ def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(runs: Path, 
         ("a.json", "{", "can't be read as JSON"),
         ("a.json", "[]", "neither a run nor a baseline"),
         ("a.json", '{"format": "halfplane baseline 0"}', "format is 'halfplane baseline 0'"),
-        ("a.json", '{"format": "halfplane baseline 1"}', "of version 0.1; convert it with halfplane 0.3"),
+        (
+            "a.json",
+            '{"format": "halfplane baseline 1"}',
+            "of version 0.1; convert it with halfplane 0.3",
+        ),
         ("a.json", '{"format": "halfplane baseline 2"}', "can't be read as one: 'scene'"),
         ("a.json", '{"format": "halfplane baseline 3"}', "of a later version; update halfplane"),
         ("a.json", '{"format": "halfplane comparison 2", "metrics": 3}', "can't be read as one"),
         ("a.nc", "not a solution", "can't be read as a solution"),
     ],
 )
-def test_what_is_neither_is_refused_in_a_sentence(name: str, content: str | None, says: str, runs: Path, tmp_path: Path) -> None:
+def test_what_is_neither_is_refused_in_a_sentence(
+    name: str, content: str | None, says: str, runs: Path, tmp_path: Path
+) -> None:
     if content is not None:
         (tmp_path / name).write_text(content)
     for pair in ((name, str(runs / "a")), (str(runs / "a"), name)):
@@ -232,22 +334,34 @@ def test_what_is_neither_is_refused_in_a_sentence(name: str, content: str | None
     assert "only the steps before an engine failed" in line
 
 
-# ------------------------------------------------------------------------------------------------------------ reports/published
+# -------------------------------------------------------------------------------- reports/published
 ROOT = Path(__file__).parents[1]
-STORED: dict[str, Any] = json.loads((publishing.FOLDER / "values.json").read_text(encoding="utf-8"))["scenes"]
+STORED: dict[str, Any] = json.loads(
+    (publishing.FOLDER / "values.json").read_text(encoding="utf-8")
+)["scenes"]
 RENEW = "run `make publish`, look at what moved, and say why in CHANGELOG.md"
-# Half-planes without slip and with a little; make nightly has all scenes, and test_contract.py freezes twelve coarser ones.
+# Half-planes without slip and with a little; make nightly has all scenes, and test_contract.py
+# freezes twelve coarser ones.
 CHEAP = ("full-stick", "hertz-normal")
 EVERY = pytest.mark.parametrize("name", scene_names())
 
 
 def changed(then: Findings, now: Findings) -> list[str]:
-    return [f"{row.key}: {row.a} -> {row.b}, {row.verdict}" for row in difference(then, now).rows if row.verdict != SAME]
+    return [
+        f"{row.key}: {row.a} -> {row.b}, {row.verdict}"
+        for row in difference(then, now).rows
+        if row.verdict != SAME
+    ]
 
 
 def test_the_whole_library_is_published_and_nothing_else() -> None:
     assert list(STORED) == list(scene_names())
-    files = {"values.json", "README.md", "maps", *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg"))}
+    files = {
+        "values.json",
+        "README.md",
+        "maps",
+        *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg")),
+    }
     assert {path.name for path in publishing.FOLDER.iterdir()} == files, RENEW
     assert (publishing.FOLDER / "README.md").read_text(encoding="utf-8") == index(STORED), RENEW
 
@@ -269,7 +383,13 @@ def test_a_stale_figure_is_found() -> None:
         assert [line.split(":")[0] for line in changed(stale, then)] == [key]
 
 
-@pytest.mark.parametrize("name", [name if name in CHEAP else pytest.param(name, marks=pytest.mark.slow) for name in scene_names()])
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in CHEAP else pytest.param(name, marks=pytest.mark.slow)
+        for name in scene_names()
+    ],
+)
 def test_figures_of_both_engines_are_what_the_code_gives(name: str) -> None:
     """Pictures are drawn alike twice, without fonts and dates."""
     comparison = publishing.compute(name)
@@ -281,16 +401,22 @@ def test_figures_of_both_engines_are_what_the_code_gives(name: str) -> None:
 
 
 @EVERY
-def test_pages_say_what_the_numbers_say_and_these_agree_with_closed_forms_and_published_values(name: str) -> None:
+def test_pages_say_what_the_numbers_say_and_these_agree_with_closed_forms_and_published_values(
+    name: str,
+) -> None:
     """The external column, within its own tolerances: it is not renewed by what we compute."""
-    assert (publishing.FOLDER / f"{name}.md").read_text(encoding="utf-8") == page(name, STORED[name]), RENEW
+    assert (publishing.FOLDER / f"{name}.md").read_text(encoding="utf-8") == page(
+        name, STORED[name]
+    ), RENEW
     scene, stored = load_scene(name), STORED[name]
     load = stored["largest_normal_load"]
     known = [External(**entry) for entry in stored["external"]]
     assert known == list(externals(scene, load))
     assert "semi_analytic.dissipation" in {external.key for external in known}
     for external in known:
-        assert abs(error_of(external, stored["frozen"], scene, load)) <= external.tolerance, external
+        assert abs(error_of(external, stored["frozen"], scene, load)) <= external.tolerance, (
+            external
+        )
     text = (publishing.FOLDER / f"{name}.svg").read_text(encoding="utf-8")
     assert len(text) < 60_000
     assert ET.fromstring(text).tag.endswith("svg")
@@ -299,11 +425,20 @@ def test_pages_say_what_the_numbers_say_and_these_agree_with_closed_forms_and_pu
 
 @pytest.mark.parametrize("name", ["cylinder-roller", "cylinder-roller-frictionless"])
 def test_the_published_roller_is_met_once_displacements_are_large(name: str) -> None:
-    """Ours miss the quadratic elements' values by 2 to 3 %; with CalculiX' change to large displacements by less than 1 %."""
+    """Ours miss the quadratic elements' values by 2 to 3 %; with CalculiX' change to large
+    displacements by less than 1 %.
+    """
     cases = json.loads(publishing.ROLLER.read_text(encoding="utf-8"))
     small, large = (cases[f"{name}: {change}"] for change in ("as exported", "large displacements"))
-    for quantity, key in (("lower_face_displacement", "displacement"), ("largest_pressure", "stress")):
-        (theirs,) = [one for one in published_by_others(load_scene(name)) if one.quantity == quantity and "quadratic" in one.source]
+    for quantity, key in (
+        ("lower_face_displacement", "displacement"),
+        ("largest_pressure", "stress"),
+    ):
+        (theirs,) = [
+            one
+            for one in published_by_others(load_scene(name))
+            if one.quantity == quantity and "quadratic" in one.source
+        ]
         ours = STORED[name]["frozen"][f"halfplane_fe.{quantity}"]
         assert abs(ours / theirs.value - 1) > 0.015
         assert abs(ours / theirs.value * large[key] / small[key] - 1) < 0.01
@@ -314,5 +449,10 @@ def test_of_the_published_reports_the_wheel_has_the_tables_of_the_maps_alone() -
     packed = {file.distribution_path for file in WheelBuilder(str(ROOT)).recurse_included_files()}
     assert "reports/templates/report.html" in packed
     published = {Path(path) for path in packed if "published" in path}
-    assert published == {path.relative_to(ROOT) for path in (*PUBLISHED.glob("*.csv"), PUBLISHED / "laws.json")}
-    assert {f"{package}/py.typed" for package in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")} <= packed
+    assert published == {
+        path.relative_to(ROOT) for path in (*PUBLISHED.glob("*.csv"), PUBLISHED / "laws.json")
+    }
+    assert {
+        f"{package}/py.typed"
+        for package in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
+    } <= packed

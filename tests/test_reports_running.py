@@ -1,4 +1,6 @@
-"""`halfplane run` with its default options on every kind of body: it ends with a verdict, a page and whole files."""
+"""`halfplane run` with its default options on every kind of body: it ends with a verdict, a page
+and whole files.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,16 @@ from reports.page import writing
 from scenes import ContactSolution, load_scene, scene_names
 
 # As coarse as leaves room for the two coarser meshes of an uncertainty.
-CHEAP = ("--order", "1", "--element-size", "0.14", "--edge-element-size", "0.14", "--steps-per-cycle", "8")
+CHEAP = (
+    "--order",
+    "1",
+    "--element-size",
+    "0.14",
+    "--edge-element-size",
+    "0.14",
+    "--steps-per-cycle",
+    "8",
+)
 PATH = {"kind": "polygon", "initial_loading": [[60.0, 0.0], [60.0, 24.0]]}
 STEEL = {"young_modulus": 210e3, "poisson_ratio": 0.3}
 BLOCK = {"kind": "block", "width": 20.0, "height": 8.0}
@@ -31,14 +42,28 @@ KINDS: Mapping[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], dict[s
     "half-planes": ({"kind": "half_plane"}, {"kind": "half_plane"}, HERTZ, STEEL),
     "blocks": (BLOCK, BLOCK, HERTZ, STEEL),
     "thin layer": ({**BLOCK, "height": 1.0}, BLOCK, HERTZ, STEEL),
-    "cylinder on a block": (BLOCK, {"kind": "cylinder", "radius": 40.0}, {"kind": "hertz", "radius": 40.0}, STEEL),
+    "cylinder on a block": (
+        BLOCK,
+        {"kind": "cylinder", "radius": 40.0},
+        {"kind": "hertz", "radius": 40.0},
+        STEEL,
+    ),
     "flat pad on a block": (BLOCK, PAD, FLAT, STEEL),
-    "unlike flat pad on a block": (BLOCK, PAD, FLAT, {"young_modulus": 70e3, "poisson_ratio": 0.33}),
+    "unlike flat pad on a block": (
+        BLOCK,
+        PAD,
+        FLAT,
+        {"young_modulus": 70e3, "poisson_ratio": 0.33},
+    ),
 }
 
 
 def scene_file(
-    folder: Path, lower: dict[str, Any], upper: dict[str, Any], profile: dict[str, Any], material: dict[str, float]
+    folder: Path,
+    lower: dict[str, Any],
+    upper: dict[str, Any],
+    profile: dict[str, Any],
+    material: dict[str, float],
 ) -> str:
     """A scene of these bodies under P and then Q."""
     content = {
@@ -54,11 +79,16 @@ def scene_file(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_run_of_each_kind_of_body_ends_with_a_page_and_an_uncertainty(kind: str, tmp_path: Path) -> None:
-    done = halfplane(tmp_path, "run", scene_file(tmp_path, *KINDS[kind]), *CHEAP, "--out", "out", "--quiet")
+def test_a_run_of_each_kind_of_body_ends_with_a_page_and_an_uncertainty(
+    kind: str, tmp_path: Path
+) -> None:
+    done = halfplane(
+        tmp_path, "run", scene_file(tmp_path, *KINDS[kind]), *CHEAP, "--out", "out", "--quiet"
+    )
     assert done.returncode in (0, 1), done.stderr
     content = json.loads((tmp_path / "out/comparison.json").read_text("utf-8"))
-    if kind == "half-planes":  # theory is exact for them, and no uncertainty is measured unless it is asked for
+    # theory is exact for them, and no uncertainty is measured unless it is asked for
+    if kind == "half-planes":
         assert content["budget"] is None
     else:
         assert content["budget"]["metrics"]["dissipation"]["u"] > 0
@@ -74,27 +104,54 @@ def test_every_scene_of_the_library_runs_with_default_options(name: str, tmp_pat
     json.loads((tmp_path / "out/comparison.json").read_text("utf-8"))
 
 
-# ------------------------------------------------------------------------------------------------ numbers that leave for the page
+# ------------------------------------------------------------------ numbers that leave for the page
 @pytest.mark.parametrize("module", ["metrics", "laws", "budget"])
 def test_records_that_leave_for_the_page_hold_numbers_of_python(module: str) -> None:
-    """numpy's True is no index of a tuple, and a value is a share of something whatever library computed it."""
+    """numpy's True is no index of a tuple, and a value is a share of something whatever library
+    computed it.
+    """
     found = importlib.import_module(f"reports.comparison.{module}")
-    records = [one for one in vars(found).values() if isinstance(one, type) and issubclass(one, PythonNumbers)]
-    records = [one for one in records if dataclasses.is_dataclass(one) and one.__module__ == found.__name__]
+    records = [
+        one
+        for one in vars(found).values()
+        if isinstance(one, type) and issubclass(one, PythonNumbers)
+    ]
+    records = [
+        one for one in records if dataclasses.is_dataclass(one) and one.__module__ == found.__name__
+    ]
     assert records
     for record in records:
-        # A value of its kind for what is checked when the record is made, and numpy's everywhere else.
-        known = {"sizes": (np.float64(1.0), np.float64(2.0)), "values": (np.float64(1.0), np.float64(2.0)), "definition": None}
-        made = record(**{one.name: known.get(one.name, np.float64(0.5)) for one in dataclasses.fields(record) if one.init})
+        # A value of its kind for what is checked when the record is made, and numpy's everywhere
+        # else.
+        known = {
+            "sizes": (np.float64(1.0), np.float64(2.0)),
+            "values": (np.float64(1.0), np.float64(2.0)),
+            "definition": None,
+        }
+        made = record(
+            **{
+                one.name: known.get(one.name, np.float64(0.5))
+                for one in dataclasses.fields(record)
+                if one.init
+            }
+        )
         for name, value in vars(made).items():
             parts = value if isinstance(value, tuple) else (value,)
-            assert all(part is None or type(part) in (float, bool, int, str) for part in parts), (record.__name__, name, value)
+            assert all(part is None or type(part) in (float, bool, int, str) for part in parts), (
+                record.__name__,
+                name,
+                value,
+            )
 
 
 def test_a_budget_of_numpys_numbers_answers_with_a_bool() -> None:
-    """An uncertainty of numpy made |rest| > u a numpy.bool, which ended every default run of a flat pad on a block."""
+    """An uncertainty of numpy made |rest| > u a numpy.bool, which ended every default run of a flat
+    pad on a block.
+    """
     metric = Metric(definition=METRICS["dissipation"], value=np.float64(0.1))
-    terms = tuple(Term(name, np.float64(0.01), np.float64(0.02), "measured") for name in ("mesh", "step"))
+    terms = tuple(
+        Term(name, np.float64(0.01), np.float64(0.02), "measured") for name in ("mesh", "step")
+    )
     budget = Budget(metric, terms, half_planes=True)
     assert budget.resolved is True
     assert budget.honest is False
@@ -104,7 +161,7 @@ def test_a_budget_of_numpys_numbers_answers_with_a_bool() -> None:
     assert type(python_number((np.int64(1), np.bool_(False)))[1]) is bool
 
 
-# --------------------------------------------------------------------------------------------------------- a page that fails
+# -------------------------------------------------------------------------------- a page that fails
 @pytest.mark.parametrize(
     ("part", "fault", "code"),
     [
@@ -130,7 +187,9 @@ def test_a_page_that_fails_leaves_both_solutions_and_says_where(
     assert there - {"run.log"} == {"manifest.json", *writing.SOLUTIONS}
 
 
-def test_a_comparison_that_fails_leaves_the_answer_of_the_finite_elements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_comparison_that_fails_leaves_the_answer_of_the_finite_elements(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def failing(*_: object, **__: object) -> None:
         raise ZeroDivisionError("float division by zero")
 

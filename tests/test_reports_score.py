@@ -1,4 +1,6 @@
-"""Scoring: exact results but for one planted fault; folders as mesh studies; the shipped examples; measured loops."""
+"""Scoring: exact results but for one planted fault; folders as mesh studies; the shipped examples;
+measured loops.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +43,8 @@ from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
 from score_results import X, exact, rows, written
 
-# Rounding of a comparison of one answer with itself; through a history found from loads or integrals, what these leave (measured
-# below each: 5e-9 and 4e-6 of the peak).
+# Rounding of a comparison of one answer with itself; through a history found from loads or
+# integrals, what these leave (measured below each: 5e-9 and 4e-6 of the peak).
 SAME, BY_LOADS, BY_INTEGRALS = 1e-12, 1e-7, 5e-5
 SCENES = ["hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "full-stick", "hertz-normal"]
 HERTZ = exact("hertz-paper")
@@ -50,19 +52,32 @@ HERTZ = exact("hertz-paper")
 
 @pytest.fixture
 def undiagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Metrics and sentences alone: the diagnosis has tests of its own (test_reports_score_diagnosis.py)."""
+    """Metrics and sentences alone: the diagnosis has tests of its own
+    (test_reports_score_diagnosis.py).
+    """
     monkeypatch.setattr("reports.scoring.against.diagnosed", lambda report: report)
 
 
-def scored(solution: ContactSolution = HERTZ, scene: Scene | str | None = None, x: Any = None, **known: Any) -> Report:
+def scored(
+    solution: ContactSolution = HERTZ, scene: Scene | str | None = None, x: Any = None, **known: Any
+) -> Report:
     """The arrays of a solution, unless others are given."""
     p, q = known.pop("p", solution.pressure), known.pop("q", solution.shear)
     mapping = Mapping.model_validate(known.pop("mapping", {}))
-    return reports.score(solution.x if x is None else x, p, q, scene=scene or solution.scene, mapping=mapping, **known)
+    return reports.score(
+        solution.x if x is None else x,
+        p,
+        q,
+        scene=scene or solution.scene,
+        mapping=mapping,
+        **known,
+    )
 
 
 def within(report: Report) -> bool:
-    """Whether all that has a value is within its tolerance; a result without slip has none of the dissipation."""
+    """Whether all that has a value is within its tolerance; a result without slip has none of the
+    dissipation.
+    """
     return report.comparison.accurate and report.comparison.admissible
 
 
@@ -72,11 +87,14 @@ def test_an_exact_result_scores_nothing(name: str) -> None:
     found = scored(solution, time=solution.time, slip=solution.slip)
     assert (found.passed, found.diagnoses, found.guesses) == (True, (), ())
     for metric in found.comparison.metrics:
-        if metric.value is not None and metric.key not in ("resultant_normal", "resultant_tangential"):
+        if metric.value is not None and metric.key not in (
+            "resultant_normal",
+            "resultant_tangential",
+        ):
             assert abs(metric.value) < SAME, metric.key
 
 
-# ------------------------------------------------------------------------------------------------------ which instant is which
+# --------------------------------------------------------------------------- which instant is which
 @pytest.mark.parametrize("name", ["hertz-paper", "flat-rounded-paper", "hertz-normal"])
 @pytest.mark.parametrize("by", ["loads", "integrals"])
 def test_the_history_is_found_without_times(name: str, by: str) -> None:
@@ -96,57 +114,92 @@ def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:
     normal, tangential = normal * (1 + draw[0]), tangential + np.max(normal) * draw[1]
     empty = np.zeros((len(time), 3))
     loads = {"normal_load": normal, "tangential_load": tangential}
-    return matched(SurfaceResult("loads.csv", "", np.linspace(-1.0, 1.0, 3), empty, empty, **loads), scene).time
+    return matched(
+        SurfaceResult("loads.csv", "", np.linspace(-1.0, 1.0, 3), empty, empty, **loads), scene
+    ).time
 
 
-@pytest.mark.parametrize(("count", "noise"), [*product([9, 14, 22, 25, 40, 59], [0.0, 1e-3]), (1000, 0.0)])
+@pytest.mark.parametrize(
+    ("count", "noise"), [*product([9, 14, 22, 25, 40, 59], [0.0, 1e-3]), (1000, 0.0)]
+)
 @pytest.mark.parametrize("name", ["cattaneo-mindlin", "phase-180"])
-def test_instants_stay_on_their_branch_where_the_path_goes_to_and_fro(name: str, count: int, noise: float) -> None:
-    """Between equally near places the earliest is taken, and not the one that is next to a sample of the path."""
+def test_instants_stay_on_their_branch_where_the_path_goes_to_and_fro(
+    name: str, count: int, noise: float
+) -> None:
+    """Between equally near places the earliest is taken, and not the one that is next to a sample
+    of the path.
+    """
     scene = scene_of(name)
     path = scene.load.path()
     time = path.cycle_start + path.period * (scene.cycles - 1 + np.linspace(0, 1, count))
     off = np.diff(_on_path(name, time, noise)) - np.diff(time)
-    # Next to a turn of the loads, noise of 1e-3 moves an instant by some hundredths of the period; a branch is a third or a half.
+    # Next to a turn of the loads, noise of 1e-3 moves an instant by some hundredths of the period;
+    # a branch is a third or a half.
     assert np.max(np.abs(off)) < (0.1 if noise else 0.01) * path.period
 
 
-@pytest.mark.parametrize(("name", "cycles", "count", "within"), [("cattaneo-mindlin", 3, 301, 1e-9), ("hertz-paper", 1, 25, 1e-6)])
-def test_initial_loading_and_cycles_come_one_after_the_other(name: str, cycles: int, count: int, within: float) -> None:
-    """Of an ellipse the square of a distance is flat to 1e-16, its place known to 1e-8 of a cycle."""
+@pytest.mark.parametrize(
+    ("name", "cycles", "count", "within"),
+    [("cattaneo-mindlin", 3, 301, 1e-9), ("hertz-paper", 1, 25, 1e-6)],
+)
+def test_initial_loading_and_cycles_come_one_after_the_other(
+    name: str, cycles: int, count: int, within: float
+) -> None:
+    """Of an ellipse the square of a distance is flat to 1e-16, its place known to 1e-8 of a
+    cycle.
+    """
     path = load_scene(name).load.path()
     first = np.linspace(path.start, path.cycle_start, 20)[1:-1]
     time = np.concatenate([first, path.cycle_start + np.linspace(0, cycles * path.period, count)])
     np.testing.assert_allclose(_on_path(name, time), time, atol=within)
 
 
-def _table(folder: Path, solution: ContactSolution, *, sign: float = 1.0, loads: bool = False) -> Path:
+def _table(
+    folder: Path, solution: ContactSolution, *, sign: float = 1.0, loads: bool = False
+) -> Path:
     table = rows(solution).assign(frame=np.repeat(np.arange(len(solution.time)), len(solution.x)))
     table["shear"] *= sign
-    return written(table[["frame", "x", "pressure", "shear", *(["P", "Q"] if loads else [])]], folder / "result.csv")
+    return written(
+        table[["frame", "x", "pressure", "shear", *(["P", "Q"] if loads else [])]],
+        folder / "result.csv",
+    )
 
 
 @pytest.mark.usefixtures("undiagnosed")
-def test_a_cycle_that_is_its_own_mirror_image_can_not_tell_the_sign_of_the_shear_and_says_so(tmp_path: Path) -> None:
+def test_a_cycle_that_is_its_own_mirror_image_can_not_tell_the_sign_of_the_shear_and_says_so(
+    tmp_path: Path,
+) -> None:
     for name, sign, loads, mapping, told in (
         ("cattaneo-mindlin", 1.0, False, {}, True),
         ("cattaneo-mindlin", -1.0, False, {}, True),  # -q is +q half a period on
         ("cattaneo-mindlin", 1.0, False, {"signs": {"shear": "on lower"}}, False),
         ("cattaneo-mindlin", 1.0, True, {}, False),
-        ("hertz-paper", 1.0, False, {}, False),  # Q of the paper's cycle has a mean: turned round it is another path
+        # Q of the paper's cycle has a mean: turned round it is another path
+        ("hertz-paper", 1.0, False, {}, False),
     ):
         solution = exact(name)
         path = _table(tmp_path, solution, sign=sign, loads=loads)
         found = score_file(path, Mapping.model_validate(mapping), solution.scene)
         words = "the shear acts on the lower body: its instants were found from the shear itself"
         assert within(found)
-        assert any(words in sentence for sentence in found.guesses) == told, (name, sign, loads, mapping)
+        assert any(words in sentence for sentence in found.guesses) == told, (
+            name,
+            sign,
+            loads,
+            mapping,
+        )
 
 
-def test_the_first_revolution_is_taken_for_steady_and_told_what_it_is_and_what_would_say_so(tmp_path: Path) -> None:
+def test_the_first_revolution_is_taken_for_steady_and_told_what_it_is_and_what_would_say_so(
+    tmp_path: Path,
+) -> None:
     scene = load_scene("cattaneo-mindlin")  # (P, 0) at time 1, corners at 2 and 3
-    times = np.concatenate([np.linspace(1.0, 2.0, 7), np.linspace(2.0, 3.0, 13)[1:], np.linspace(3.0, 4.5, 13)[1:]])
-    path = _table(tmp_path, semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 121), time=times), loads=True)
+    times = np.concatenate(
+        [np.linspace(1.0, 2.0, 7), np.linspace(2.0, 3.0, 13)[1:], np.linspace(3.0, 4.5, 13)[1:]]
+    )
+    path = _table(
+        tmp_path, semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 121), time=times), loads=True
+    )
     found = score_file(path, Mapping(), scene)
     assert not found.passed
     first = diagnose(found.comparison)[0]
@@ -165,7 +218,10 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         {"time": HERTZ.time, "loads": (2 * LOADS[0], 2 * LOADS[1])},
         "2 times as much at every instant: a thickness of that size",
     ),
-    "another history": ({"loads": BENT}, f"at instant 10 P = {BENT[0][9]:.6g} and Q = {BENT[1][9]:.6g}"),
+    "another history": (
+        {"loads": BENT},
+        f"at instant 10 P = {BENT[0][9]:.6g} and Q = {BENT[1][9]:.6g}",
+    ),
     "and the nearest": ({"loads": BENT}, "nearest that the scene's path has, in order, is P ="),
     "another history at its times": (
         {"loads": BENT, "time": HERTZ.time},
@@ -176,7 +232,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "times outside": ({"time": HERTZ.time + 1e3}, "outside the scene's path, which goes from"),
     "times backwards": ({"time": HERTZ.time[::-1]}, "time does not ascend: instant 2"),
     "a stated unit that is wrong": (
-        {"p": 1e6 * HERTZ.pressure, "q": 1e6 * HERTZ.shear, "time": HERTZ.time, "mapping": {"factors": {"stress": 1.0}}},
+        {
+            "p": 1e6 * HERTZ.pressure,
+            "q": 1e6 * HERTZ.shear,
+            "time": HERTZ.time,
+            "mapping": {"factors": {"stress": 1.0}},
+        },
         "the integral of the pressure",
     ),
     "a stated sign that is wrong": (
@@ -184,10 +245,17 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         "no point is in compression: state the other sign, or leave it out",
     ),
     "a shape": ({"q": np.zeros(3), "time": HERTZ.time}, "shear has the shape"),
-    "no pressure": ({"p": np.zeros((25, len(X))), "time": HERTZ.time}, "the pressure is zero at every point and instant"),
-    "NaN": ({"p": np.full((25, len(X)), np.nan)}, "pressure is no finite number at instant 1, point 1"),
+    "no pressure": (
+        {"p": np.zeros((25, len(X))), "time": HERTZ.time},
+        "the pressure is zero at every point and instant",
+    ),
+    "NaN": (
+        {"p": np.full((25, len(X)), np.nan)},
+        "pressure is no finite number at instant 1, point 1",
+    ),
     "beside the contact": (
-        {"x": X + 3.0, "time": HERTZ.time, "mapping": {"x_offset": 1e-9}},  # stated, so that no middle is guessed
+        # stated, so that no middle is guessed
+        {"x": X + 3.0, "time": HERTZ.time, "mapping": {"x_offset": 1e-9}},
         "none of its points lies in the contact: they go from x = 1.7 to 4.3",
     ),
     "no contact at that time": (
@@ -216,8 +284,13 @@ def test_a_solvers_own_times_are_given_up_for_the_loads_unless_the_mapping_vouch
     path = written(rows(HERTZ).assign(time=np.repeat(times, len(X))), tmp_path / "own-times.csv")
     found = score_file(path, Mapping(), HERTZ.scene)
     assert within(found)
-    assert any(sentence.startswith("the file's times can't be those of the scene's path") for sentence in found.guesses)
-    with pytest.raises(InputError, match=r"outside the scene's path|its history is not the scene's"):
+    assert any(
+        sentence.startswith("the file's times can't be those of the scene's path")
+        for sentence in found.guesses
+    )
+    with pytest.raises(
+        InputError, match=r"outside the scene's path|its history is not the scene's"
+    ):
         score_file(path, Mapping.model_validate({"columns": {"time": "time"}}), HERTZ.scene)
 
 
@@ -227,14 +300,20 @@ def test_times_printed_to_six_digits_still_hold_a_whole_cycle() -> None:
     assert scored(time=printed, slip=HERTZ.slip).metric("dissipation").value is not None
 
 
-# ------------------------------------------------------------------------------------------------------- what a result lacks
+# ------------------------------------------------------------------------------ what a result lacks
 @pytest.mark.usefixtures("undiagnosed")
 def test_what_is_missing_is_neither_zero_nor_derived() -> None:
     one = scored(p=HERTZ.pressure[7], q=1.1 * HERTZ.shear[7], time=HERTZ.time[7])
     assert one.metric("pressure").value < SAME
     sizes = [np.trapezoid(field[7] ** 2, X) for field in (HERTZ.shear, HERTZ.pressure)]
     assert one.metric("shear").value == pytest.approx(0.1 * np.sqrt(sizes[0] / sizes[1]), rel=1e-9)
-    of_cycle = ("dissipation", "dissipation_density", "hysteresis", "permanent_stick", "slip_reversal")
+    of_cycle = (
+        "dissipation",
+        "dissipation_density",
+        "hysteresis",
+        "permanent_stick",
+        "slip_reversal",
+    )
     for key in (*of_cycle, "slip", "tangential_displacement"):
         assert one.metric(key).value is None, key
         assert "not in the result" in one.metric(key).note, key
@@ -242,12 +321,23 @@ def test_what_is_missing_is_neither_zero_nor_derived() -> None:
     # a(P0) = 1 mm by the choice of the loads; linear between theory's own 905 instants.
     assert one.comparison.scales == whole.comparison.scales
     assert one.comparison.scales.half_width == pytest.approx(1.0, rel=1e-6)
-    assert set(missing(whole.comparison.result)) == {"tangential_displacement", "slip", "dissipation", "dissipation_density"}
+    assert set(missing(whole.comparison.result)) == {
+        "tangential_displacement",
+        "slip",
+        "dissipation",
+        "dissipation_density",
+    }
     assert np.isnan(whole.comparison.result.slip).all()
     assert np.isnan(whole.comparison.result.dissipation)
     assert whole.metric("slip").note == "slip: not in the result (the arrays)"
-    assert whole.metric("dissipation").note == "dissipation: not in the result; it takes slip (the arrays)"
-    part = {name: values[3:12] for name, values in (("p", HERTZ.pressure), ("q", HERTZ.shear), ("slip", HERTZ.slip))}
+    assert (
+        whole.metric("dissipation").note
+        == "dissipation: not in the result; it takes slip (the arrays)"
+    )
+    part = {
+        name: values[3:12]
+        for name, values in (("p", HERTZ.pressure), ("q", HERTZ.shear), ("slip", HERTZ.slip))
+    }
     some = scored(time=HERTZ.time[3:12], **part)
     assert some.metric("slip").value < SAME
     assert "it takes a whole cycle" in some.metric("dissipation").note
@@ -256,23 +346,34 @@ def test_what_is_missing_is_neither_zero_nor_derived() -> None:
 
 
 def test_dissipation_from_the_results_own_slip_is_that_of_its_shear() -> None:
-    """q ds: slip 3 % too large is dissipation 3 % too large, by the rule whose own error is stated."""
+    """q ds: slip 3 % too large is dissipation 3 % too large, by the rule whose own error is
+    stated.
+    """
     solution = exact("hertz-paper", 97)
     found = scored(solution, time=solution.time, slip=1.03 * solution.slip)
     assert found.metric("dissipation").value == pytest.approx(0.03, abs=1e-9)
     # Of 97 instants and 105 points the rule itself: -1.62e-3 of the engine's own figure.
-    assert found.comparison.result.dissipation / 1.03 == pytest.approx(solution.dissipation, rel=2e-3)
+    assert found.comparison.result.dissipation / 1.03 == pytest.approx(
+        solution.dissipation, rel=2e-3
+    )
     assert any("Dissipation is compared by one rule" in note for note in found.comparison.notes)
     assert found.comparison.reference.dissipation == solution.dissipation
 
 
 @pytest.mark.usefixtures("undiagnosed")
 @pytest.mark.parametrize("name", SCENES[:3])
-@pytest.mark.parametrize(("with_slip", "off"), [(True, 0.01), (False, 0.02)])  # 0.0144 without, where slip has just turned
-def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(name: str, with_slip: bool, off: float) -> None:
-    """In 49 instants and 105 points: edges to the stated few thousandths, states of all but some points."""
+# 0.0144 without, where slip has just turned
+@pytest.mark.parametrize(("with_slip", "off"), [(True, 0.01), (False, 0.02)])
+def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(
+    name: str, with_slip: bool, off: float
+) -> None:
+    """In 49 instants and 105 points: edges to the stated few thousandths, states of all but some
+    points.
+    """
     solution = exact(name, 49)
-    found = scored(solution, time=solution.time, slip=solution.slip if with_slip else None).comparison.result
+    found = scored(
+        solution, time=solution.time, slip=solution.slip if with_slip else None
+    ).comparison.result
     length = np.nanmax(solution.contact_half_width)
     assert np.nanmax(np.abs(found.contact_edges - solution.contact_edges)) < 2e-3 * length
     known = np.isfinite(found.stick_edges[:, 0]) & np.isfinite(solution.stick_edges[:, 0])
@@ -280,11 +381,14 @@ def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(name: st
     assert np.mean(found.state != solution.state) < off
 
 
-# --------------------------------------------------------------------------------------------------------- what is guessed
+# ---------------------------------------------------------------------------------- what is guessed
 GUESSES: dict[str, tuple[dict[str, float], str]] = {
     "x in m": ({"x": 1e-3}, "x multiplied by 1000, for the contact's half-width is 0.00"),
     "x in um": ({"x": 1e3}, "x multiplied by 0.001"),
-    "Pa": ({"p": 1e6, "q": 1e6}, "pressure and shear multiplied by 1e-06, for the largest pressure is"),
+    "Pa": (
+        {"p": 1e6, "q": 1e6},
+        "pressure and shear multiplied by 1e-06, for the largest pressure is",
+    ),
     "GPa": ({"p": 1e-3, "q": 1e-3}, "pressure and shear multiplied by 1000"),
     "N/m": ({"P": 1e3, "Q": 1e3}, "P and Q multiplied by 0.001, for the largest P is"),
     "m and Pa": ({"x": 1e-3, "p": 1e6, "q": 1e6}, "x multiplied by 1000"),
@@ -312,7 +416,11 @@ ODDITIES: dict[str, tuple[dict[str, Any], str, bool]] = {
         False,
     ),
     "upper shear": ({"q": -HERTZ.shear}, "the shear is opposite to Q", False),
-    "upper shear without times": ({"q": -HERTZ.shear, "time": None}, "the shear is opposite to Q", False),
+    "upper shear without times": (
+        {"q": -HERTZ.shear, "time": None},
+        "the shear is opposite to Q",
+        False,
+    ),
     "slip turned": ({"slip": -HERTZ.slip}, "the slip goes against the shear", False),
 }
 
@@ -326,17 +434,22 @@ def test_what_looks_wrong_is_named_and_scored_as_it_is(case: str) -> None:
     assert within(found) == right
 
 
-# ------------------------------------------------------------------------------------------------------------ our own engines
+# ---------------------------------------------------------------------------------- our own engines
 def test_our_own_solution_is_scored_as_it_is_and_theory_solved_no_more_often_than_needed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls, solve = [], semi_analytic.solve
     table = written(rows(HERTZ), tmp_path / "table.csv")
     HERTZ.save(tmp_path / "own.nc")
-    monkeypatch.setattr(semi_analytic, "solve", lambda *scene, **known: calls.append(known) or solve(*scene, **known))
+    monkeypatch.setattr(
+        semi_analytic,
+        "solve",
+        lambda *scene, **known: calls.append(known) or solve(*scene, **known),
+    )
     score_file(table, Mapping(), HERTZ.scene)
     assert len(calls) == 2  # once for the scales, once for the reference
-    found = score_file(tmp_path / "own.nc", Mapping(), HERTZ.scene)  # states everything itself: its scales are its own
+    # states everything itself: its scales are its own
+    found = score_file(tmp_path / "own.nc", Mapping(), HERTZ.scene)
     assert len(calls) == 3
     assert found.metric("dissipation").value == found.metric("tangential_displacement").value == 0.0
     with pytest.raises(InputError, match="it answers another scene: profile is"):
@@ -351,19 +464,30 @@ def digits(values: np.ndarray) -> np.ndarray:
     return np.array([float(f"{value:.7g}") for value in np.ravel(values)]).reshape(np.shape(values))
 
 
-# Measured against the run's own score: 1e-7 of the tractions (seven digits); of the edges, which the run knows better than its
-# tractions tell, 3e-5 (contact), 4e-4 (stick, with slip) and 1.2e-2 (stick, without); 3e-4 of the dissipation, of which the rule's
-# own share is taken off.
+# Measured against the run's own score: 1e-7 of the tractions (seven digits); of the edges, which
+# the run knows better than its tractions tell, 3e-5 (contact), 4e-4 (stick, with slip) and 1.2e-2
+# (stick, without); 3e-4 of the dissipation, of which the rule's own share is taken off.
 @pytest.mark.slow
 def test_a_finite_element_result_in_seven_digits_scores_as_the_run_does() -> None:
     scene = load_scene("hertz-paper")
     run = halfplane_fe.solve(scene, mesh=MeshSettings())
     ours = reports.compare(semi_analytic.solve(scene, x=run.x, time=run.time), run)
-    arrays = {"x": digits(run.x), "p": digits(run.pressure), "q": digits(run.shear), "time": digits(run.time)}
+    arrays = {
+        "x": digits(run.x),
+        "p": digits(run.pressure),
+        "q": digits(run.shear),
+        "time": digits(run.time),
+    }
     for slip, stick in ((digits(run.slip), 2e-3), (None, 0.015)):
         found = scored(run, slip=slip, **arrays)
         assert (found.passed, found.diagnoses, found.guesses) == (True, (), ())
-        limits = {"peak_pressure": 1e-6, "pressure": 1e-6, "shear": 1e-6, "contact_edge": 2e-4, "stick_edge": stick}
+        limits = {
+            "peak_pressure": 1e-6,
+            "pressure": 1e-6,
+            "shear": 1e-6,
+            "contact_edge": 2e-4,
+            "stick_edge": stick,
+        }
         for key, limit in (limits | ({} if slip is None else {"dissipation": 1e-3})).items():
             assert found.metric(key).value == pytest.approx(ours.metric(key).value, abs=limit), key
 
@@ -379,18 +503,27 @@ def run(request: pytest.FixtureRequest) -> Iterator[Any]:
 
 @pytest.mark.usefixtures("undiagnosed")
 def test_our_own_field_files_come_back_as_they_were_written(tmp_path: Path, run: Any) -> None:
-    """Tractions to the last digit, so that theory scores the files as it scores the run, and the run scores them 0."""
+    """Tractions to the last digit, so that theory scores the files as it scores the run, and the
+    run scores them 0.
+    """
     steps = run.last_cycle[:: max(1, len(run.last_cycle) // 5)]
     write_fields(run, halfplane_fe.fields(run, run.time[steps]), tmp_path)
     found = score_file(tmp_path / "fields.pvd", Mapping(), run.scene)
     np.testing.assert_array_equal(found.comparison.result.time, run.time[steps])
     for name in ("pressure", "shear", "slip"):
-        np.testing.assert_array_equal(getattr(found.comparison.result, name), getattr(run, name)[steps], err_msg=name)
+        np.testing.assert_array_equal(
+            getattr(found.comparison.result, name), getattr(run, name)[steps], err_msg=name
+        )
     np.testing.assert_allclose(found.comparison.result.x, run.x, rtol=0, atol=1e-12)
     assert found.guesses == ()
     for part in ("lower", "upper"):
-        assert any(f"{part}_000.vtu has no 'pressure', 'shear': left out" in note for note in found.comparison.notes)
-    arrays = scored(run, p=run.pressure[steps], q=run.shear[steps], slip=run.slip[steps], time=run.time[steps])
+        assert any(
+            f"{part}_000.vtu has no 'pressure', 'shear': left out" in note
+            for note in found.comparison.notes
+        )
+    arrays = scored(
+        run, p=run.pressure[steps], q=run.shear[steps], slip=run.slip[steps], time=run.time[steps]
+    )
     for key in ("peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
         assert found.metric(key).value == pytest.approx(arrays.metric(key).value, rel=1e-9), key
         assert found.metric(key).value != 0, key
@@ -406,13 +539,20 @@ def test_the_finite_elements_can_be_the_reference(monkeypatch: pytest.MonkeyPatc
     found = scored(theory, time=theory.time, against="fe")
     assert found.comparison.reference.engine == "halfplane_fe"
     assert any("was interpolated" in note for note in found.comparison.notes)
-    assert 1e-4 < found.metric("pressure").value < 0.15  # a coarse mesh and linear interpolation between its nodes
-    with pytest.raises(InputError, match=r"none of its points lies in the contact: they go from x = 1\.7 to 4\.3"):
+    # a coarse mesh and linear interpolation between its nodes
+    assert 1e-4 < found.metric("pressure").value < 0.15
+    with pytest.raises(
+        InputError, match=r"none of its points lies in the contact: they go from x = 1\.7 to 4\.3"
+    ):
         scored(theory, x=X + 3.0, time=theory.time, against="fe", mapping={"x_offset": 1e-9})
 
 
-def test_the_package_can_be_called_and_its_page_says_a_label_once_and_a_strength_for_what_it_is(tmp_path: Path) -> None:
-    """It was "Dissipation: dissipation: not in the result", and "Explains 7 %" of what explains 86.8 % by itself."""
+def test_the_package_can_be_called_and_its_page_says_a_label_once_and_a_strength_for_what_it_is(
+    tmp_path: Path,
+) -> None:
+    """It was "Dissipation: dissipation: not in the result", and "Explains 7 %" of what explains
+    86.8 % by itself.
+    """
     assert callable(reports.score)
     assert "score" in dir(reports)
     scene = load_scene("cattaneo-mindlin")
@@ -425,18 +565,31 @@ def test_the_package_can_be_called_and_its_page_says_a_label_once_and_a_strength
     assert f"Strength {found.diagnoses[0].strength:.2f} of 1." in page
 
 
-# ----------------------------------------------------------------------------------------------------------- folders: mesh studies
+# ---------------------------------------------------------------------------- folders: mesh studies
 POINTS = (27, 53, 105, 209)
 
 
-def level(points: int, order: float = 2.0, amount: float = 0.3, rest: float = 0.0, worst: int | None = None) -> Level:
-    """The exact tractions but for a factor 1 + rest + amount h^order, twice that at the `worst` instant."""
+def level(
+    points: int,
+    order: float = 2.0,
+    amount: float = 0.3,
+    rest: float = 0.0,
+    worst: int | None = None,
+) -> Level:
+    """The exact tractions but for a factor 1 + rest + amount h^order, twice that at the `worst`
+    instant.
+    """
     solution = exact("hertz-paper", 9, points)
     size = float(np.diff(solution.x)[0])
     factor = 1 + rest + amount * size**order * np.where(np.arange(9) == worst, 2.0, 1.0)[:, None]
     fields = {"pressure": factor * solution.pressure, "shear": factor * solution.shear}
     result = surface_result(f"run{points}.csv", "", solution.x, fields, {"time": solution.time})
-    return Level(f"run{points}.csv", size, "planted", score_surface(result, Mapping(), solution.scene).comparison)
+    return Level(
+        f"run{points}.csv",
+        size,
+        "planted",
+        score_surface(result, Mapping(), solution.scene).comparison,
+    )
 
 
 @pytest.mark.parametrize(("order", "amount"), [(2.0, 0.3), (1.0, 0.05), (1.5, 0.2)])
@@ -456,12 +609,16 @@ def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_me
     assert known.line("peak_pressure").values[0] == min(known.line("peak_pressure").values)
     grows = study([level(points, -1.0, 1e-4) for points in POINTS[:3]]).line("peak_pressure")
     assert (grows.found.kind, grows.mesh) == ("diverging", None)
-    one, other = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values  # both where the finest is worst
+    # both where the finest is worst
+    one, other = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values
     assert other / one == pytest.approx(4 / 2)
     two = study([level(points) for points in (27, 53)])
     assert two.line("peak_pressure").found.order is None
     assert any("Two meshes show no order" in sentence for sentence in two.sentences)
-    for levels, words in (([level(27)], "takes two meshes at least"), ([level(27)] * 2, "have the same element size")):
+    for levels, words in (
+        ([level(27)], "takes two meshes at least"),
+        ([level(27)] * 2, "have the same element size"),
+    ):
         with pytest.raises(InputError, match=words):
             study(levels)
 
@@ -475,13 +632,20 @@ def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_me
         ("half.csv", {}, 0.1, "median spacing of the points in contact"),
     ],
 )
-def test_where_the_element_size_is_from(tmp_path: Path, name: str, sizes: dict[str, float], size: float, how: str) -> None:
-    assert element_size(tmp_path / name, Mapping(element_sizes=sizes), level(27).comparison) == (pytest.approx(size), how)
+def test_where_the_element_size_is_from(
+    tmp_path: Path, name: str, sizes: dict[str, float], size: float, how: str
+) -> None:
+    assert element_size(tmp_path / name, Mapping(element_sizes=sizes), level(27).comparison) == (
+        pytest.approx(size),
+        how,
+    )
 
 
 ENTRIES = "".join(f'<DataSet timestep="{k}" file="fine_{k}.vtu"/>' for k in range(3))
 COLLECTIONS = {
-    "fine.pvd": f'<VTKFile type="Collection" version="0.1"><Collection>{ENTRIES}</Collection></VTKFile>',
+    "fine.pvd": (
+        f'<VTKFile type="Collection" version="0.1"><Collection>{ENTRIES}</Collection></VTKFile>'
+    ),
 } | dict.fromkeys(("fine_0.vtu", "fine_1.vtu", "fine_2.vtu", "alone.vtu"), "x")
 FOLDERS = {
     "one file of each stem": (
@@ -489,7 +653,11 @@ FOLDERS = {
         "a.frd b.csv",
         "Left out of the folder: a.dat, c.md.",
     ),
-    "collections": (COLLECTIONS, "alone.vtu fine.pvd", "Read through the collections that name them: 3 files."),
+    "collections": (
+        COLLECTIONS,
+        "alone.vtu fine.pvd",
+        "Read through the collections that name them: 3 files.",
+    ),
 }
 
 
@@ -519,12 +687,18 @@ def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_p
     told = [note for note in one.comparison.notes if note.startswith("Not scored: ")]
     assert one.study is None
     assert one.comparison.result.engine == "run_h0.02.csv"
-    assert told[1] == "Not scored: spoilt_h0.1.csv, line 2: shear = 'oops' is not a finite number of at most 1e+100."
+    assert (
+        told[1]
+        == "Not scored: spoilt_h0.1.csv, line 2: shear = 'oops' is not a finite number of at most"
+        " 1e+100."
+    )
     assert told[0].startswith("Not scored: junk_h0.2.vtu: ")
     assert [file.name for file in one.unscored] == ["junk_h0.2.vtu", "spoilt_h0.1.csv"]
     # What is printed is picked by its type, whatever its words are.
     other = replace(
-        one, unscored=(UnscoredFile("a.csv", "a.csv: it holds no pressure"),), comparison=replace(one.comparison, notes=())
+        one,
+        unscored=(UnscoredFile("a.csv", "a.csv: it holds no pressure"),),
+        comparison=replace(one.comparison, notes=()),
     )
     assert "Not scored: a.csv: it holds no pressure." in list(_score_shown(other, "page"))
     written(rows(exact(points=53)), tmp_path / "run_h0.04.csv")
@@ -534,11 +708,14 @@ def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_p
     assert [note for note in both.study.notes if note.startswith("Not scored: ")] == told
     for good in tmp_path.glob("run*"):
         good.unlink()
-    with pytest.raises(InputError, match=r"junk_h0\.2\.vtu: .*\(1 other files of the folder can't be scored either\)"):
+    with pytest.raises(
+        InputError,
+        match=r"junk_h0\.2\.vtu: .*\(1 other files of the folder can't be scored either\)",
+    ):
         score_folder(tmp_path, Mapping(), scene, stages)
 
 
-# ----------------------------------------------------------------------------------- the scored examples that ship with the manual
+# ---------------------------------------------------- the scored examples that ship with the manual
 EXAMPLE_FOLDER = Path(__file__).parents[1] / "docs" / "examples" / "score"
 _SPEC = importlib.util.spec_from_file_location("measure_examples", EXAMPLE_FOLDER / "measure.py")
 assert _SPEC is not None
@@ -563,7 +740,9 @@ def test_an_example_scores_what_it_and_its_page_say(name: str) -> None:
     found, shipped = measure.numbers(example_scored(name)), SHIPPED[name]
     assert (found["diagnoses"], found["passed"]) == (shipped["diagnoses"], shipped["passed"])
     for key, value in shipped["metrics"].items():
-        assert found["metrics"][key] == (value if value is None else pytest.approx(value, rel=1e-6, abs=1e-12)), key
+        assert found["metrics"][key] == (
+            value if value is None else pytest.approx(value, rel=1e-6, abs=1e-12)
+        ), key
     made = json.loads((EXAMPLE_FOLDER / name / "made.json").read_text("utf-8"))
     block = measure.MARKS.search((EXAMPLE_FOLDER / name / "README.md").read_text("utf-8"))
     assert block is not None
@@ -584,25 +763,34 @@ def test_what_the_pages_say_of_the_results() -> None:
 def test_report_and_table_of_the_path_score_alike_and_a_turned_shear_would_be_noticed() -> None:
     folder, scene = EXAMPLE_FOLDER / "abaqus", load_scene(measure.SCENE)
     mapping = load_mapping(folder / "mapping.toml")
-    table, report = (score_file(folder / f"path.{suffix}", mapping, scene) for suffix in ("csv", "rpt"))
+    table, report = (
+        score_file(folder / f"path.{suffix}", mapping, scene) for suffix in ("csv", "rpt")
+    )
     assert measure.numbers(table)["metrics"] == measure.numbers(report)["metrics"]
     for key, value in SHIPPED["abaqus"]["metrics"].items():
-        assert table.metric(key).value == (value if value is None else pytest.approx(value, rel=1e-6)), key
+        assert table.metric(key).value == (
+            value if value is None else pytest.approx(value, rel=1e-6)
+        ), key
     wrong = score_file(folder / "path.csv", mapping.vary(signs=Signs(shear="on upper")), scene)
     assert wrong.metric("shear").value > 5 * table.metric("shear").value
 
 
-# ------------------------------------------------------------------------------------------------ a measured loop as the reference
+# ----------------------------------------------------------------- a measured loop as the reference
 CONSTANT, PAPER = load_scene("cattaneo-mindlin"), load_scene("hertz-paper")
 LOOP_LOAD = CONSTANT.load.cycle[0][0]
 # Q to 0.95 of gross sliding, where the loop is wide.
 WIDE = CONSTANT.vary(
-    load={"initial_loading": [(LOOP_LOAD, 0.0)], "cycle": [(LOOP_LOAD, 0.475 * LOOP_LOAD), (LOOP_LOAD, -0.475 * LOOP_LOAD)]}
+    load={
+        "initial_loading": [(LOOP_LOAD, 0.0)],
+        "cycle": [(LOOP_LOAD, 0.475 * LOOP_LOAD), (LOOP_LOAD, -0.475 * LOOP_LOAD)],
+    }
 )
 
 
 def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0, start=0.2):
-    """U and Q as a rig with `rig` times the compliance of the contact would write them; noise is a share of the amplitudes."""
+    """U and Q as a rig with `rig` times the compliance of the contact would write them; noise is a
+    share of the amplitudes.
+    """
     path, random = scene.load.path(), np.random.default_rng(seed)
     places = np.linspace(0, 1, 14401)  # straight between: chords of 1,441 show in f
     times = path.cycle_start + path.period * (1 + places)
@@ -613,15 +801,21 @@ def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0
     rig *= np.ptp(shift) / np.ptp(force)
     share = np.mod(start + np.linspace(0, cycles, count), 1.0)
     u, q = (np.interp(share, places, values) for values in (shift + rig * force + 0.01, force))
-    u, q = (values + noise * np.ptp(values) / 2 * random.standard_normal(count) for values in (u, q))
+    u, q = (
+        values + noise * np.ptp(values) / 2 * random.standard_normal(count) for values in (u, q)
+    )
     return u, q, rig
 
 
 def loop_of(u, q, time=None):
-    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float) if time is None else time, ())
+    return MeasuredLoop(
+        "loop.csv", u, q, np.arange(len(u), dtype=float) if time is None else time, ()
+    )
 
 
-@pytest.mark.parametrize(("scene", "friction"), [(CONSTANT, 0.42), (CONSTANT, 0.5), (PAPER, 0.9), (PAPER, 1.4)])
+@pytest.mark.parametrize(
+    ("scene", "friction"), [(CONSTANT, 0.42), (CONSTANT, 0.5), (PAPER, 0.9), (PAPER, 1.4)]
+)
 def test_an_exact_loop_gives_its_friction_its_rig_and_its_area(scene, friction):
     u, q, rig = rows_of(scene, friction)
     found = score_loop(loop_of(u, q), scene)
@@ -629,7 +823,9 @@ def test_an_exact_loop_gives_its_friction_its_rig_and_its_area(scene, friction):
     assert found.compliance == pytest.approx(rig, rel=1e-4)
     assert found.cycles == pytest.approx(20.0, rel=1e-6)
     measured, best = found.rows[:2]
-    work = semi_analytic.solve(scene.vary(friction=friction), x=0.0, fields="dissipation").dissipation
+    work = semi_analytic.solve(
+        scene.vary(friction=friction), x=0.0, fields="dissipation"
+    ).dissipation
     assert best.area == pytest.approx(work, rel=1e-3)
     assert measured.area == pytest.approx(work, rel=1e-2)
     assert measured.slope == pytest.approx(best.slope, rel=1e-4)  # 4,000 rows, 721 instants
@@ -660,19 +856,29 @@ def test_a_given_rig_and_the_files_own_size_of_the_load():
     assert wrong.rows[1].distance > 100 * given.rows[1].distance
     # U and Q twice as large with twice the f are the same loop, twice as large.
     twice = score_loop(loop_of(2 * u, 2 * q), WIDE)
-    assert (twice.scale, twice.friction) == (pytest.approx(2.0, rel=1e-6), pytest.approx(1.0, rel=1e-4))
+    assert (twice.scale, twice.friction) == (
+        pytest.approx(2.0, rel=1e-6),
+        pytest.approx(1.0, rel=1e-4),
+    )
     assert any("2 times that of the scene" in sentence for sentence in twice.said)
     assert twice.rows[1].area == pytest.approx(4 * given.rows[1].area, rel=1e-3)
 
 
 def test_at_constant_normal_load_the_form_of_q_over_time_does_not_matter():
     sine = WIDE.vary(
-        load={"kind": "ellipse", "mean_normal_load": LOOP_LOAD, "tangential_amplitude": 0.475 * LOOP_LOAD, "phase_degrees": 90.0}
+        load={
+            "kind": "ellipse",
+            "mean_normal_load": LOOP_LOAD,
+            "tangential_amplitude": 0.475 * LOOP_LOAD,
+            "phase_degrees": 90.0,
+        }
     )
     u, q, _ = rows_of(sine, 0.5)
     found = score_loop(loop_of(u, q), WIDE)
     assert found.friction == pytest.approx(0.5, rel=1e-3)
-    assert any("the form of Q and U over time counts for nothing" in sentence for sentence in found.said)
+    assert any(
+        "the form of Q and U over time counts for nothing" in sentence for sentence in found.said
+    )
 
 
 def test_uneven_times_are_used():
@@ -697,12 +903,18 @@ def test_finite_elements_lie_beside_theory():
     u, q, _ = rows_of(CONSTANT, 0.5)
     found = score_loop(loop_of(u, q), CONSTANT, against="fe")
     rows = {row.name: row for row in found.rows}
-    assert rows["finite elements, best f"].area == pytest.approx(rows["theory, best f"].area, rel=3e-3)
-    assert rows["finite elements, best f"].slope == pytest.approx(rows["theory, best f"].slope, rel=1e-3)
+    assert rows["finite elements, best f"].area == pytest.approx(
+        rows["theory, best f"].area, rel=3e-3
+    )
+    assert rows["finite elements, best f"].slope == pytest.approx(
+        rows["theory, best f"].slope, rel=1e-3
+    )
 
 
 def loop_written(path: Path, u, q, head="U,Q", **more):
-    np.savetxt(path, np.column_stack([u, q]), delimiter=",", header=head, comments="", fmt="%.9g", **more)
+    np.savetxt(
+        path, np.column_stack([u, q]), delimiter=",", header=head, comments="", fmt="%.9g", **more
+    )
 
 
 def test_the_command_writes_a_page_and_its_json(tmp_path, monkeypatch, capsys):
@@ -734,17 +946,47 @@ LOOP_FAULTS = {
     "no U": ("a,Q", lambda u, q: (u, q), (), "no column for the relative displacement"),
     "no Q": ("U,b", lambda u, q: (u, q), (), "no column for tangential_load"),
     "two Q": ("Q,Ft [N/mm]", lambda u, q: (u, q), (), "no column for the relative displacement"),
-    "unit": ("U [V],Q", lambda u, q: (u, q), (), "the column 'U [V]' is in V, and the scene in mm: state factors.length"),
-    "force": ("U,Q [kN]", lambda u, q: (u, q), (), "the column 'Q [kN]' is in kN, and the scene in N/mm: state factors.load"),
+    "unit": (
+        "U [V],Q",
+        lambda u, q: (u, q),
+        (),
+        "the column 'U [V]' is in V, and the scene in mm: state factors.length",
+    ),
+    "force": (
+        "U,Q [kN]",
+        lambda u, q: (u, q),
+        (),
+        "the column 'Q [kN]' is in kN, and the scene in N/mm: state factors.load",
+    ),
     "too few": ("U,Q", lambda u, q: (u[:20], q[:20]), (), "20 rows are too few for a loop"),
     "no cycle": ("U,Q", lambda u, q: (u[:110], q[:110]), (), "its "),
     "flat": ("U,Q", lambda u, q: (0 * u, q), (), "U is the same in every row"),
-    "noise": ("U,Q", lambda u, q: (u, np.random.default_rng(0).standard_normal(len(q))), (), "of its amplitude only"),
-    "NaN": ("U,Q", lambda u, q: (np.where(np.arange(len(u)) == 7, np.nan, u), q), (), "loop.csv, line 9: U = "),
+    "noise": (
+        "U,Q",
+        lambda u, q: (u, np.random.default_rng(0).standard_normal(len(q))),
+        (),
+        "of its amplitude only",
+    ),
+    "NaN": (
+        "U,Q",
+        lambda u, q: (np.where(np.arange(len(u)) == 7, np.nan, u), q),
+        (),
+        "loop.csv, line 9: U = ",
+    ),
     "time": ("time,U,Q", lambda u, q: (np.r_[0.0, 2.0, 1.0 + np.arange(2, len(u))], u, q), (), ""),
-    "rig": ("U,Q", lambda u, q: (u, q), ("--rig-compliance", "nan"), "--rig-compliance nan is refused"),
+    "rig": (
+        "U,Q",
+        lambda u, q: (u, q),
+        ("--rig-compliance", "nan"),
+        "--rig-compliance nan is refused",
+    ),
     "tolerance": ("U,Q", lambda u, q: (u, q), ("--tolerance", "5%"), "a loop has none"),
-    "no loop": ("U,Q", lambda u, q: (u, q), ("--scene", str(FOLDER / "flight.toml")), "its loads do not repeat"),
+    "no loop": (
+        "U,Q",
+        lambda u, q: (u, q),
+        ("--scene", str(FOLDER / "flight.toml")),
+        "its loads do not repeat",
+    ),
 }
 
 
@@ -771,7 +1013,10 @@ SPOILS = {
     "quantise": lambda u, q, chance: (np.round(u, int(chance.integers(1, 6))), q),
     "cut": lambda u, q, chance: (u[: (left := chance.integers(1, 200))], q[:left]),
     "shuffle": lambda u, q, chance: (u, chance.permutation(q)),
-    "scale": lambda u, q, chance: (u * 10.0 ** chance.integers(-8, 9), q * 10.0 ** chance.integers(-8, 9)),
+    "scale": lambda u, q, chance: (
+        u * 10.0 ** chance.integers(-8, 9),
+        q * 10.0 ** chance.integers(-8, 9),
+    ),
     "sign": lambda u, q, chance: (-u, q),
     "spike": lambda u, q, chance: (u, np.where(np.arange(200) == chance.integers(0, 200), 1e9, q)),
 }
@@ -797,9 +1042,17 @@ def test_units_of_the_headings_and_a_mapping_turn_a_loop_into_the_units_of_the_s
     found = read_loop(tmp_path / "loop.csv", Mapping(), WIDE)
     assert "The column 'U [um]' is in um: times 0.001" in found.said
     loop_written(tmp_path / "own.csv", 1e3 * u, 10 * q, "LVDT [um],Ft [N]")
-    columns, factors = {"slip": "LVDT [um]", "tangential_load": "Ft [N]"}, {"length": 1e-3, "load": 1.0}
+    columns, factors = (
+        {"slip": "LVDT [um]", "tangential_load": "Ft [N]"},
+        {
+            "length": 1e-3,
+            "load": 1.0,
+        },
+    )
     mapped = read_loop(
-        tmp_path / "own.csv", Mapping.model_validate({"columns": columns, "factors": factors, "thickness": 10.0}), WIDE
+        tmp_path / "own.csv",
+        Mapping.model_validate({"columns": columns, "factors": factors, "thickness": 10.0}),
+        WIDE,
     )
     for one in (found, mapped):
         np.testing.assert_allclose(one.shift, u, rtol=1e-7, atol=1e-12)

@@ -1,4 +1,6 @@
-"""Each diagnosis on a result that has just that fault, two faults at once, right results, and results that lack half of it all."""
+"""Each diagnosis on a result that has just that fault, two faults at once, right results, and
+results that lack half of it all.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +38,34 @@ from scenes import Materials, Scene, load_scene
 from semi_analytic.elasticity import coupling_constant
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
-OF_FILE = ("shear_sign", "pressure_sign", "swapped", "frictionless", "units", "traction_factor", "pressure_factor", "offset")
-OF_QUESTION = ("not_steady", "other_times", "stiffness", "half_model", "loads", "friction", "full_stick")
-OF_MODEL = ("memoryless", "steps", "elastic_slip", "soft_normal", "small_body", "coupling", "coarse_edge")
+OF_FILE = (
+    "shear_sign",
+    "pressure_sign",
+    "swapped",
+    "frictionless",
+    "units",
+    "traction_factor",
+    "pressure_factor",
+    "offset",
+)
+OF_QUESTION = (
+    "not_steady",
+    "other_times",
+    "stiffness",
+    "half_model",
+    "loads",
+    "friction",
+    "full_stick",
+)
+OF_MODEL = (
+    "memoryless",
+    "steps",
+    "elastic_slip",
+    "soft_normal",
+    "small_body",
+    "coupling",
+    "coarse_edge",
+)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +93,8 @@ def test_every_fault_of_the_set_has_words_and_is_planted(table: ModuleType) -> N
     assert set(FAULTS) - set(table.FAULTS) == {fault for _, _, fault in BULK_FAULTS}
 
 
-# E* = R = f = 1, P = 3 and Q = +-1.8. What the scene states, what the result has, which fault that is.
+# E* = R = f = 1, P = 3 and Q = +-1.8. What the scene states, what the result has, which fault that
+# is.
 BULK, TILT = {"bulk_stress_lower": (0.0, 0.6, -0.6)}, {"tilt": 0.1}
 BULK_FAULTS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     (BULK, {"bulk_stress_lower": (0.0, -0.6, 0.6)}, "bulk_sign"),
@@ -77,12 +105,21 @@ BULK_FAULTS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
 
 
 def pulled(keys: dict[str, Any]) -> Scene:
-    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)], **keys}
+    load = {
+        "kind": "polygon",
+        "initial_loading": [(3.0, 0.0), (3.0, 1.8)],
+        "cycle": [(3.0, -1.8)],
+        **keys,
+    }
     soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
-    return Scene.model_validate({"material": soft, "profile": profile, "friction": 1.0, "load": load})
+    return Scene.model_validate(
+        {"material": soft, "profile": profile, "friction": 1.0, "load": load}
+    )
 
 
-@pytest.mark.parametrize(("stated", "wrong", "fault"), BULK_FAULTS, ids=[fault for _, _, fault in BULK_FAULTS])
+@pytest.mark.parametrize(
+    ("stated", "wrong", "fault"), BULK_FAULTS, ids=[fault for _, _, fault in BULK_FAULTS]
+)
 def test_bulk_stress_and_tilt_turned_or_left_out_are_found_in_a_foreign_result(
     stated: dict[str, Any], wrong: dict[str, Any], fault: str
 ) -> None:
@@ -92,22 +129,34 @@ def test_bulk_stress_and_tilt_turned_or_left_out_are_found_in_a_foreign_result(
     theirs = semi_analytic.solve(scene.vary(load=wrong), x=x, time=time)
     right = semi_analytic.solve(scene, x=x, time=time)
     for answer, named in ((theirs, fault), (right, "")):
-        found = score(x, answer.pressure, answer.shear, scene=scene, time=time, slip=answer.slip, code="mine")
+        found = score(
+            x, answer.pressure, answer.shear, scene=scene, time=time, slip=answer.slip, code="mine"
+        )
         assert [one.fault for one in found.diagnoses][:1] == ([named] if named else [])
         assert not found.guesses
     # By one rule on both sides, so that a right result has no error at all.
-    assert max(abs(found.metric(key).value or 0.0) for key in ("stick_eccentricity", "dissipation")) < 1e-9
-    wronged = score(x, theirs.pressure, theirs.shear, scene=scene, time=time, slip=theirs.slip, code="mine")
+    assert (
+        max(abs(found.metric(key).value or 0.0) for key in ("stick_eccentricity", "dissipation"))
+        < 1e-9
+    )
+    wronged = score(
+        x, theirs.pressure, theirs.shear, scene=scene, time=time, slip=theirs.slip, code="mine"
+    )
     assert abs(wronged.metric("stick_eccentricity").value or 0.0) > 0.04
     assert "not looked for" in " ".join(wronged.diagnoses[0].evidence)
 
 
 @pytest.mark.parametrize("key", [*OF_FILE, *OF_QUESTION])
-@pytest.mark.parametrize("scene", ["cattaneo-mindlin", slow("hertz-paper"), slow("flat-rounded-paper")])
-def test_a_fault_of_file_or_question_is_named_first(table: ModuleType, key: str, scene: str) -> None:
+@pytest.mark.parametrize(
+    "scene", ["cattaneo-mindlin", slow("hertz-paper"), slow("flat-rounded-paper")]
+)
+def test_a_fault_of_file_or_question_is_named_first(
+    table: ModuleType, key: str, scene: str
+) -> None:
     first = diagnose(planted(table, key, scene))[0]
     assert first.fault == key
-    assert first.strength > 0.97  # 0.99 or more was measured everywhere but for the shear of bonded faces on the flat one
+    # 0.99 or more was measured everywhere but for the shear of bonded faces on the flat one
+    assert first.strength > 0.97
     assert first.evidence
     assert "{" not in first.sentence
 
@@ -125,24 +174,36 @@ def test_a_fault_of_the_model_is_named_first(table: ModuleType, key: str, scene:
     [
         ("steps", "cattaneo-mindlin", None),
         slow("elastic_slip", "cattaneo-mindlin", None),
-        # Steps and thin layers whose traces lie within one coarse element of the model; errors of a mesh that stay locked in.
+        # Steps and thin layers whose traces lie within one coarse element of the model; errors of a
+        # mesh that stay locked in.
         slow("steps", "hertz-paper", 48.0),
         slow("coupling", "cattaneo-mindlin", 0.2),
         slow("elastic_slip", "hertz-paper", 240.0),
         slow("coarse_edge", "hertz-paper", 1 / 12),
     ],
 )
-def test_and_on_other_scenes_and_mild_ones(table: ModuleType, key: str, scene: str, severity: float | None) -> None:
+def test_and_on_other_scenes_and_mild_ones(
+    table: ModuleType, key: str, scene: str, severity: float | None
+) -> None:
     assert keys(diagnose(planted(table, key, scene, severity)))[0] == key
 
 
-@pytest.mark.parametrize(("field", "fault"), [("shear", "elastic_slip"), ("pressure", "pressure_factor")])
+@pytest.mark.parametrize(
+    ("field", "fault"), [("shear", "elastic_slip"), ("pressure", "pressure_factor")]
+)
 def test_a_right_pressure_under_a_shear_that_nothing_plainer_explains_is_creep_alone(
     table: ModuleType, field: str, fault: str
 ) -> None:
     """Tractions that no fault of the set makes, bent towards the edges."""
     true = table.truth("cattaneo-mindlin")
-    found = diagnose(compare(true, replace(true, **{field: getattr(true, field) * (1 - 0.2 * np.abs(true.x) / true.x.max())})))
+    found = diagnose(
+        compare(
+            true,
+            replace(
+                true, **{field: getattr(true, field) * (1 - 0.2 * np.abs(true.x) / true.x.max())}
+            ),
+        )
+    )
     assert found[0].fault == fault
     assert not {"soft_normal", "small_body"} & set(keys(found))
 
@@ -159,7 +220,9 @@ def test_a_right_pressure_under_a_shear_that_nothing_plainer_explains_is_creep_a
         ("other_times", 0.05, "late"),
     ],
 )
-def test_the_figure_planted_is_the_figure_found(table: ModuleType, key: str, severity: float, name: str) -> None:
+def test_the_figure_planted_is_the_figure_found(
+    table: ModuleType, key: str, severity: float, name: str
+) -> None:
     first = diagnose(planted(table, key, "cattaneo-mindlin", severity))[0]
     assert first.fault == key
     assert name in first.sentence
@@ -190,12 +253,18 @@ def test_nor_do_finite_elements_on_their_default_mesh(table: ModuleType, scene: 
         slow("flat-rounded-paper", "units", "stiffness"),
     ],
 )
-def test_of_two_faults_at_once_both_are_among_the_first_three(table: ModuleType, scene: str, first: str, second: str) -> None:
+def test_of_two_faults_at_once_both_are_among_the_first_three(
+    table: ModuleType, scene: str, first: str, second: str
+) -> None:
     true, result = table.truth(scene), load_scene(scene)
     factor, asked = {"stiffness": 0.8, "friction": 1.2}, result
     for key in {first, second} & set(factor):
         k = factor[key]
-        asked = stiffer(asked, k) if key == "stiffness" else with_friction(asked, k * asked.friction.coefficient)
+        asked = (
+            stiffer(asked, k)
+            if key == "stiffness"
+            else with_friction(asked, k * asked.friction.coefficient)
+        )
     x = true.x - (0.03 if second == "offset" else 0.0)
     found = replace(semi_analytic.solve(asked, x=x, time=true.time), scene=result, x=true.x)
     p, q = {
@@ -205,7 +274,9 @@ def test_of_two_faults_at_once_both_are_among_the_first_three(table: ModuleType,
     }.get(first, (found.pressure, found.shear))
     named = diagnose(compare(true, replace(found, pressure=p, shear=q)))
     assert {first, second} <= set(keys(named)[:3])
-    if first == "units":  # taken away as the round factor that it is, so that the other one is found as large as it was made
+    # taken away as the round factor that it is, so that the other one is found as large as it was
+    # made
+    if first == "units":
         other = next(one for one in named if one.fault == second)
         assert f" {factor[second]:.3g} times " in other.sentence
 
@@ -214,23 +285,37 @@ def test_of_two_faults_at_once_both_are_among_the_first_three(table: ModuleType,
 def test_a_smooth_wave_is_no_known_pattern(table: ModuleType) -> None:
     true = table.truth("cattaneo-mindlin")
     wave = 0.1 * true.pressure * np.cos(9 * true.x)
-    (only,) = diagnose(compare(true, replace(true, pressure=true.pressure + wave, shear=true.shear - wave)))
+    (only,) = diagnose(
+        compare(true, replace(true, pressure=true.pressure + wave, shear=true.shear - wave))
+    )
     assert (only.fault, only.strength) == (UNKNOWN, 0.0)
     assert "no known pattern" in only.sentence
 
 
-def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all_the_same(table: ModuleType) -> None:
+def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all_the_same(
+    table: ModuleType,
+) -> None:
     scene, true = load_scene("cattaneo-mindlin"), table.truth("cattaneo-mindlin")
-    names = ("slip", "contact_edges", "stick_edges", "tangential_displacement", "dissipation_density")
+    names = (
+        "slip",
+        "contact_edges",
+        "stick_edges",
+        "tangential_displacement",
+        "dissipation_density",
+    )
     nothing = {name: np.full_like(getattr(true, name), np.nan) for name in names}
     shear = -true.shear
     shear[::3, 5:40] = np.nan
-    first = diagnose(compare(true, replace(true, shear=shear, dissipation=float("nan"), **nothing)))[0]
+    first = diagnose(
+        compare(true, replace(true, shear=shear, dissipation=float("nan"), **nothing))
+    )[0]
     assert first.fault == "shear_sign"
     assert any("no numbers" in line for line in first.evidence)
     assert diagnose(compare(true, replace(true, shear=np.full_like(shear, np.nan)))) == ()
     path = scene.load.path()
-    few = semi_analytic.solve(scene, x=true.x, time=path.cycle_start + path.period * np.array([0.0, 0.5, 1.0]))
+    few = semi_analytic.solve(
+        scene, x=true.x, time=path.cycle_start + path.period * np.array([0.0, 0.5, 1.0])
+    )
     assert keys(diagnose(compare(few, replace(few, shear=-few.shear))))[0] == "shear_sign"
 
 
@@ -238,7 +323,14 @@ def test_a_frictionless_scene_has_no_fault_of_friction() -> None:
     scene = load_scene("hertz-normal")
     x = np.linspace(-1.3, 1.3, 81) * float(semi_analytic.solve(scene).contact_half_width.max())
     true = semi_analytic.solve(scene, x=x)
-    found = diagnose(compare(true, replace(semi_analytic.solve(stiffer(scene, 0.5), x=true.x, time=true.time), scene=scene)))
+    found = diagnose(
+        compare(
+            true,
+            replace(
+                semi_analytic.solve(stiffer(scene, 0.5), x=true.x, time=true.time), scene=scene
+            ),
+        )
+    )
     assert found[0].fault == "stiffness"
     assert not {"friction", "full_stick", "memoryless", "elastic_slip"} & set(keys(found))
 
@@ -246,19 +338,29 @@ def test_a_frictionless_scene_has_no_fault_of_friction() -> None:
 def test_the_work_alone_tells_steps_too_long_where_tractions_hide_them(table: ModuleType) -> None:
     scene = load_scene("hertz-paper")
     time = table.times(scene, 16)
-    true, polygon = (semi_analytic.solve(scene, x=np.linspace(-1.6, 1.6, 61), time=time, straight_steps=s) for s in (False, True))
-    (only,) = diagnose(compare(true, replace(polygon, pressure=true.pressure, shear=true.shear), polygon_reference=polygon))
+    true, polygon = (
+        semi_analytic.solve(scene, x=np.linspace(-1.6, 1.6, 61), time=time, straight_steps=s)
+        for s in (False, True)
+    )
+    (only,) = diagnose(
+        compare(
+            true,
+            replace(polygon, pressure=true.pressure, shear=true.shear),
+            polygon_reference=polygon,
+        )
+    )
     assert only.fault == "steps"
     assert "16 a cycle" in only.sentence
 
 
-# ------------------------------------------------------------------------------------------------- what the hypotheses stand on
+# --------------------------------------------------------------------- what the hypotheses stand on
 def test_what_a_hypothesis_explains_is_a_share(table: ModuleType) -> None:
     what = discrepancy(planted(table, "shear_sign", "cattaneo-mindlin"))
     assert what is not None
     assert what.explained(what.expected) == 0.0
     assert what.explained(what.found) == 1.0
-    assert what.explained((what.expected[0], 0 * what.expected[1])) == pytest.approx(0.75)  # half of a difference of two
+    # half of a difference of two
+    assert what.explained((what.expected[0], 0 * what.expected[1])) == pytest.approx(0.75)
     rest = Hypothesis("shear_sign", what.found).mended(what)
     assert rest.apart(rest.expected) == 0.0
 
@@ -273,23 +375,36 @@ def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) ->
     material = comparison.scene.material
     unlike = Materials(upper=material.upper.vary(poisson_ratio=0.45), lower=material.lower)
     scene = comparison.scene.vary(material=unlike)
-    own = sentence_of(found, replace(what, comparison=replace(comparison, result=replace(comparison.result, scene=scene))))
+    own = sentence_of(
+        found,
+        replace(
+            what, comparison=replace(comparison, result=replace(comparison.result, scene=scene))
+        ),
+    )
     assert f"the scene's own materials make it, which have {coupling_constant(unlike):.2g}" in own
     assert "no fault of the result" in own
 
 
 def scattered() -> tuple[Scene, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Scene, x, time, and tractions with noise of a hundredth of the largest pressure where they are not 0."""
+    """Scene, x, time, and tractions with noise of a hundredth of the largest pressure where they
+    are not 0.
+    """
     scene, x = load_scene("cattaneo-mindlin"), np.linspace(-1.2, 1.2, 61)
-    exact = semi_analytic.solve(scene, x=x, time=np.linspace(1, 5, 25), fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        scene, x=x, time=np.linspace(1, 5, 25), fields=("pressure", "shear")
+    )
     random, size = np.random.default_rng(3), 0.01 * exact.pressure.max()
     noise = size * random.normal(size=(2, *exact.pressure.shape)) * (exact.pressure > 0)
     return scene, x, exact.time, np.maximum(exact.pressure + noise[0], 0), exact.shear + noise[1]
 
 
-def judged(scene: Scene, x: np.ndarray, time: np.ndarray, p: np.ndarray, q: np.ndarray) -> tuple[Comparison, list[Diagnosis]]:
+def judged(
+    scene: Scene, x: np.ndarray, time: np.ndarray, p: np.ndarray, q: np.ndarray
+) -> tuple[Comparison, list[Diagnosis]]:
     fields: dict[str, Any] = {"pressure": p, "shear": q}
-    comparison = score_surface(surface_result("arrays", "", x, fields, {"time": time}), Mapping(), scene).comparison
+    comparison = score_surface(
+        surface_result("arrays", "", x, fields, {"time": time}), Mapping(), scene
+    ).comparison
     what = discrepancy(comparison)
     assert what is not None
     return comparison, list(scatter(what))
@@ -300,10 +415,16 @@ def test_scattered_points_beyond_the_coulomb_limit_are_one_finding_with_a_count(
     scene, x, time, p, q = scattered()
     comparison, (only,) = judged(scene, x, time, p, q)
     assert only.fault == NOISE
-    sizes = [float(word) for word in re.findall(r"([\d.]+) in [pq]/", only.sentence.replace("(f p_ref)", ""))]
+    sizes = [
+        float(word)
+        for word in re.findall(r"([\d.]+) in [pq]/", only.sentence.replace("(f p_ref)", ""))
+    ]
     assert sizes == pytest.approx([0.01, 0.02], rel=0.1)
-    counts = re.findall(r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", only.evidence[0])[0]
-    touching = (p > 0) & np.isin(time, comparison.found.time)[:, None]  # the instants of the last cycle are judged
+    counts = re.findall(
+        r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", only.evidence[0]
+    )[0]
+    # the instants of the last cycle are judged
+    touching = (p > 0) & np.isin(time, comparison.found.time)[:, None]
     beyond = (np.abs(q) > scene.friction.coefficient * p) & touching
     assert [int(word) for word in counts] == [beyond.sum(), touching.sum()]
     assert only.evidence[0].endswith("no more than noise makes: no fault of the contact law")

@@ -1,4 +1,6 @@
-"""What `score` says beside its verdict: what could not be scored, spikes in the table, causes with a trace of their own."""
+"""What `score` says beside its verdict: what could not be scored, spikes in the table, causes with
+a trace of their own.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ CATTANEO = load_scene("cattaneo-mindlin")
 
 
 def cycle_from(start: float, scene: Scene = CATTANEO, steps: int = STEPS) -> ContactSolution:
-    """A steady cycle of theory that starts at this share of a period after the start of the path's."""
+    """A steady cycle of theory that starts at this share of a period after the start of the
+    path's.
+    """
     path = scene.load.path()
     time = path.cycle_start + path.period * (2 + start + np.linspace(0, 1, steps + 1))
     return semi_analytic.solve(scene, x=np.linspace(-1.1, 1.1, 61), time=time)
@@ -49,7 +53,11 @@ def frames(solution: ContactSolution, form: str, *names: str) -> pd.DataFrame:
         "CPRESS": solution.pressure.ravel(),
         "CSHEAR1": solution.shear.ravel(),
     } | {name: known[name] for name in names}
-    printed = {name: [form % value for value in values] for name, values in columns.items() if name != "frame"}
+    printed = {
+        name: [form % value for value in values]
+        for name, values in columns.items()
+        if name != "frame"
+    }
     return pd.DataFrame({**columns, **printed})
 
 
@@ -58,7 +66,7 @@ def written(table: pd.DataFrame, path: Path) -> Path:
     return path
 
 
-# ------------------------------------------------------------------------------------------------ a cycle from any instant
+# ------------------------------------------------------------------------- a cycle from any instant
 @pytest.mark.parametrize("start", [0.0, 1 / 3, 0.42])
 @pytest.mark.parametrize("form", ["%.5g", "%.6g", "%.9g"])
 def test_a_whole_cycle_has_its_dissipation_wherever_it_starts_and_however_it_is_printed(
@@ -66,7 +74,9 @@ def test_a_whole_cycle_has_its_dissipation_wherever_it_starts_and_however_it_is_
 ) -> None:
     solution = cycle_from(start)
     for names in (("CSLIP1",), ("CSLIP1", "P", "Q")):
-        found = score_file(written(frames(solution, form, *names), tmp_path / "cycle.csv"), Mapping(), CATTANEO)
+        found = score_file(
+            written(frames(solution, form, *names), tmp_path / "cycle.csv"), Mapping(), CATTANEO
+        )
         assert found.metric("dissipation").value == pytest.approx(0.0, abs=1e-3), names
         for key in ("permanent_stick", "largest_slip", "dissipation_density"):
             assert found.metric(key).value == pytest.approx(0.0, abs=1e-3), (key, names)
@@ -77,16 +87,24 @@ def test_a_cycle_that_starts_at_the_top_of_a_sine_is_whole(tmp_path: Path) -> No
     """There the loads stand still, and a small error of a load is a large one of the time."""
     scene = load_scene("hertz-paper")
     top = float(scene.load.phase_degrees) / 360
-    found = score_file(written(frames(cycle_from(top, scene, 24), "%.5g", "CSLIP1"), tmp_path / "top.csv"), Mapping(), scene)
+    found = score_file(
+        written(frames(cycle_from(top, scene, 24), "%.5g", "CSLIP1"), tmp_path / "top.csv"),
+        Mapping(),
+        scene,
+    )
     assert found.metric("dissipation").value is not None
 
 
 def test_finite_elements_on_their_own_instants_are_a_reference_for_a_cycle_from_elsewhere() -> None:
-    """The reference is put on the result's instants by the phase of the path, not by the time since the first of them."""
+    """The reference is put on the result's instants by the phase of the path, not by the time since
+    the first of them.
+    """
     reference, result = cycle_from(0.0, steps=600), cycle_from(0.4)
     found = compare(reference, result)
     assert found.metric("shear").value < 0.02
-    np.testing.assert_allclose(found.expected.tangential_load, found.found.tangential_load, atol=1e-9 * 90)
+    np.testing.assert_allclose(
+        found.expected.tangential_load, found.found.tangential_load, atol=1e-9 * 90
+    )
 
 
 def test_the_last_whole_cycle_of_instants() -> None:
@@ -108,7 +126,7 @@ def test_the_last_whole_cycle_of_instants() -> None:
     assert not last_whole_cycle(off, period, start)[1]
 
 
-# ------------------------------------------------------------------------------------------- what could not be scored
+# ------------------------------------------------------------------------- what could not be scored
 def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_with_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -118,10 +136,15 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
     assert (found.comparison.verdict, found.passed) == ("within", False)
     assert [metric.key for metric in found.comparison.unscored] == ["dissipation"]
     assert exit_code(found.comparison) == 1
-    assert "not scored, though a tolerance judges it: dissipation: exit code 1" in capsys.readouterr().err
+    assert (
+        "not scored, though a tolerance judges it: dissipation: exit code 1"
+        in capsys.readouterr().err
+    )
     assert lead(found) == "Within tolerance as far as it was scored."
     assert "Not scored, though a tolerance judges it: dissipation." in verdict(found)
-    left_out = score_file(part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"]))
+    left_out = score_file(
+        part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
+    )
     assert (exit_code(left_out.comparison), lead(left_out)) == (0, "Within tolerance.")
     assert "dissipation" in verdict(left_out)
 
@@ -134,7 +157,9 @@ def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_p
     assert found.passed
     assert abs(found.metric("peak_pressure").value) < 1e-9
     assert found.comparison.found.time.tolist() == pytest.approx([1.0])
-    with pytest.raises(InputError, match="without a shear the pressure alone does not say which instant is which"):
+    with pytest.raises(
+        InputError, match="without a shear the pressure alone does not say which instant is which"
+    ):
         score_file(table, Mapping(), CATTANEO)
 
 
@@ -151,7 +176,10 @@ def test_german_headings_and_decimal_commas_are_read(tmp_path: Path) -> None:
     assert abs(found.metric("shear").value) < 1e-3
 
 
-@pytest.mark.parametrize("text", ['{"x": [0, 1], "p": [1, 2]}', '[{"x": 1, "p": 2}]', "[\n [1, 2]]", "<html><p>x</p></html>"])
+@pytest.mark.parametrize(
+    "text",
+    ['{"x": [0, 1], "p": [1, 2]}', '[{"x": 1, "p": 2}]', "[\n [1, 2]]", "<html><p>x</p></html>"],
+)
 def test_what_is_no_table_is_one_short_sentence(tmp_path: Path, text: str) -> None:
     path = tmp_path / "result.csv"
     path.write_text(text * 200, encoding="utf-8")
@@ -161,27 +189,39 @@ def test_what_is_no_table_is_one_short_sentence(tmp_path: Path, text: str) -> No
     assert len(str(fault.value)) < 300
 
 
-def test_two_results_of_one_stem_do_not_share_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_results_of_one_stem_do_not_share_a_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     folder = _folder_of(Path("x.csv"), False)
     assert folder == Path("out/score-x")
     folder.mkdir(parents=True)
-    (folder / "comparison.json").write_text(json.dumps({"command": "halfplane score x.csv --scene hertz-paper --out out/score-x"}))
+    (folder / "comparison.json").write_text(
+        json.dumps({"command": "halfplane score x.csv --scene hertz-paper --out out/score-x"})
+    )
     assert _folder_of(Path("x.csv"), False) == folder
     for other, loop in ((Path("x.rpt"), False), (Path("b/x.csv"), False), (Path("x.csv"), True)):
-        with pytest.raises(InputError, match=r"it holds the score of x\.csv, which this one would replace; name a folder"):
+        with pytest.raises(
+            InputError,
+            match=r"it holds the score of x\.csv, which this one would replace; name a folder",
+        ):
             _folder_of(other, loop)
 
 
-# ------------------------------------------------------------------------------------------- single cells that stand out
-def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_nothing_else(tmp_path: Path) -> None:
+# ---------------------------------------------------------------------- single cells that stand out
+def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_nothing_else(
+    tmp_path: Path,
+) -> None:
     solution = cycle_from(0.0)
     table = frames(solution, "%.6g", "P", "Q")
     row = 7 * len(solution.x) + 25
     table.loc[row, "CPRESS"] = "1e5"
     found = score_file(written(table, tmp_path / "spiked.csv"), Mapping(), CATTANEO)
-    assert found.guesses[0].startswith(f"line {row + 2}, column 'CPRESS' (instant 8, x = {solution.x[25]:.6g}): pressure 100000")
-    assert not any("multiplied by" in sentence for sentence in found.guesses)  # no unit is guessed from it
+    assert found.guesses[0].startswith(
+        f"line {row + 2}, column 'CPRESS' (instant 8, x = {solution.x[25]:.6g}): pressure 100000"
+    )
+    # no unit is guessed from it
+    assert not any("multiplied by" in sentence for sentence in found.guesses)
     assert found.comparison.verdict == "outside"  # it is scored as it is
     (only,) = diagnosed(found).diagnoses
     assert only.fault == "outlier"
@@ -200,7 +240,11 @@ def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) ->
 
 
 def test_neither_an_edge_nor_a_contact_of_one_point_stands_out() -> None:
-    flat = semi_analytic.solve(load_scene("flat-rounded-paper"), x=np.linspace(-1.1, 1.1, 400), fields=("pressure", "shear"))
+    flat = semi_analytic.solve(
+        load_scene("flat-rounded-paper"),
+        x=np.linspace(-1.1, 1.1, 400),
+        fields=("pressure", "shear"),
+    )
     assert not spikes(flat.pressure).any()
     assert not spikes(flat.shear).any()
     lonely = np.zeros((1, 11))
@@ -209,14 +253,22 @@ def test_neither_an_edge_nor_a_contact_of_one_point_stands_out() -> None:
 
 
 def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -> None:
-    """It went on for ever: where all instants are equally near, one that was chosen came out again."""
-    found = score_file(written(frames(cycle_from(0.0), "%.6g", "P", "Q"), tmp_path / "cycle.csv"), Mapping(), CATTANEO)
+    """It went on for ever: where all instants are equally near, one that was chosen came out
+    again.
+    """
+    found = score_file(
+        written(frames(cycle_from(0.0), "%.6g", "P", "Q"), tmp_path / "cycle.csv"),
+        Mapping(),
+        CATTANEO,
+    )
     cycle = found.comparison.found
-    still = replace(cycle, whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time))
+    still = replace(
+        cycle, whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time)
+    )
     assert 1 <= len(events(still, 0.5)) <= 6
 
 
-# ------------------------------------------------------------------------------------------- causes with a trace of their own
+# ----------------------------------------------------------------- causes with a trace of their own
 ROLLER = Scene.model_validate(
     {
         "material": {"young_modulus": 205e3, "poisson_ratio": 0.3},
@@ -227,8 +279,12 @@ ROLLER = Scene.model_validate(
 )
 
 
-def averaged(half_width: float, peak: float, size: float, count: int = 5) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of elements of one size, and nodal forces of Hertz' pressure over it: their sum is P."""
+def averaged(
+    half_width: float, peak: float, size: float, count: int = 5
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of elements of one size, and nodal forces of Hertz' pressure over it: their sum is
+    P.
+    """
     nodes = size * np.arange(-count, count + 1)
     fine = np.linspace(-half_width, half_width, 20001)
     pressure = peak * np.sqrt(np.maximum(1 - (fine / half_width) ** 2, 0.0))
@@ -237,7 +293,9 @@ def averaged(half_width: float, peak: float, size: float, count: int = 5) -> tup
 
 
 @pytest.mark.parametrize("elements", [0.5, 2.0])
-def test_a_mesh_too_coarse_for_the_contact_is_the_mesh_and_no_load_unit_or_modulus(elements: float) -> None:
+def test_a_mesh_too_coarse_for_the_contact_is_the_mesh_and_no_load_unit_or_modulus(
+    elements: float,
+) -> None:
     theory = semi_analytic.solve(ROLLER, x=[0.0], time=[1.0])
     half_width, peak = float(theory.contact_half_width[0]), float(theory.pressure[0, 0])
     x, pressure = averaged(half_width, peak, half_width / elements)
@@ -249,15 +307,22 @@ def test_a_mesh_too_coarse_for_the_contact_is_the_mesh_and_no_load_unit_or_modul
     assert not any("add up to the load" in one.sentence for one in wrong.diagnoses)
 
 
-def test_a_result_on_the_coulomb_limit_where_the_reference_sticks_is_a_fault_of_the_result() -> None:
+def test_a_result_on_the_coulomb_limit_where_the_reference_sticks_is_a_fault_of_the_result() -> (
+    None
+):
     solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 121), time=[1.5])
-    found = score(solution.x, solution.pressure, 0.5 * solution.pressure, scene=CATTANEO, time=[1.5])
+    found = score(
+        solution.x, solution.pressure, 0.5 * solution.pressure, scene=CATTANEO, time=[1.5]
+    )
     assert found.diagnoses[0].fault == "full_slip"
     assert "fault of the result" in found.diagnoses[0].sentence
 
 
 def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation() -> None:
-    unlike = {"upper": {"young_modulus": 2500.0, "poisson_ratio": 0.35}, "lower": {"young_modulus": 200e3, "poisson_ratio": 0.3}}
+    unlike = {
+        "upper": {"young_modulus": 2500.0, "poisson_ratio": 0.35},
+        "lower": {"young_modulus": 200e3, "poisson_ratio": 0.3},
+    }
     scene = CATTANEO.vary(material=Materials.model_validate(unlike))
     exact = semi_analytic.solve(scene, x=np.linspace(-12, 12, 121), time=np.linspace(4, 7, 13))
     comparison = compare(exact, exact)
@@ -265,20 +330,36 @@ def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation()
     assert what is not None
     coupling = Hypothesis("coupling", what.found)
     assert "no fault of the result" in sentence_of(coupling, what)
-    against = replace(what, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe")))
+    against = replace(
+        what, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe"))
+    )
     assert "It is a fault of the result" in sentence_of(coupling, against)
     assert "--against fe" not in sentence_of(coupling, against)
 
 
 @pytest.mark.parametrize(("stiffness", "named"), [(3.0, True), (30.0, True), (1e5, False)])
-def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_adds(stiffness: float, named: bool) -> None:
+def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_adds(
+    stiffness: float, named: bool
+) -> None:
     """The pressure is as wrong as that of a mesh, which hid the penalty."""
     solution = cycle_from(0.0, steps=30)
     half_width, modulus = 1.0, 210e3 / (2 * (1 - 0.3**2))
-    creep = np.where(solution.pressure > 0, solution.shear / (stiffness * modulus / half_width), 0.0)
+    creep = np.where(
+        solution.pressure > 0, solution.shear / (stiffness * modulus / half_width), 0.0
+    )
     coarse = solution.pressure * (1 + 0.02 * np.cos(60 * solution.x))
-    found = score(solution.x, coarse, solution.shear, scene=CATTANEO, time=solution.time, slip=solution.slip + creep)
+    found = score(
+        solution.x,
+        coarse,
+        solution.shear,
+        scene=CATTANEO,
+        time=solution.time,
+        slip=solution.slip + creep,
+    )
     faults = [one.fault for one in found.diagnoses]
     assert (faults[:1] == ["elastic_slip"]) == named
     if named:
-        assert any(f"stiffness of {stiffness:.2g} E*/a_ref" in words for words in found.diagnoses[0].evidence)
+        assert any(
+            f"stiffness of {stiffness:.2g} E*/a_ref" in words
+            for words in found.diagnoses[0].evidence
+        )

@@ -1,4 +1,6 @@
-"""Readers of foreign results: every form gives the same fields with our signs, every spoilt file one sentence that says where."""
+"""Readers of foreign results: every form gives the same fields with our signs, every spoilt file
+one sentence that says where.
+"""
 
 from __future__ import annotations
 
@@ -63,12 +65,20 @@ def file(content: Any, name: str = "result.vtu") -> Make:
 
 def same(found: Any, names: tuple[str, ...], rtol: float = 0.0) -> None:
     for name in names:
-        np.testing.assert_allclose(getattr(found, name), getattr(exact(), name), rtol=rtol, atol=rtol, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(exact(), name), rtol=rtol, atol=rtol, err_msg=name
+        )
 
 
-# ---------------------------------------------------------------------------------------------------------------- tables
+# ------------------------------------------------------------------------------------------- tables
 LONG = rows(exact())
-NAMES = {"time": "Step Time", "x": "COORD1 [mm]", "pressure": "CPRESS", "shear": "CSHEAR1", "slip": "CSLIP1"}
+NAMES = {
+    "time": "Step Time",
+    "x": "COORD1 [mm]",
+    "pressure": "CPRESS",
+    "shear": "CSHEAR1",
+    "slip": "CSLIP1",
+}
 LAYOUTS = {
     "long": LONG,
     "shuffled": LONG.sample(frac=1, random_state=1),
@@ -81,11 +91,23 @@ LAYOUTS = {
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_rows_gives_the_same_fields(layout: str, tmp_path: Path) -> None:
     found = result(written(LAYOUTS[layout], tmp_path / "result.csv"))
-    same(found, ("x", "pressure", "shear", "slip", "normal_load", *(["time"] if "time" in LAYOUTS[layout] else [])))
+    same(
+        found,
+        (
+            "x",
+            "pressure",
+            "shear",
+            "slip",
+            "normal_load",
+            *(["time"] if "time" in LAYOUTS[layout] else []),
+        ),
+    )
     assert any("sorted" in note for note in found.notes) == (layout == "shuffled")
 
 
-@pytest.mark.parametrize("tag", ["", " Frame {k}", "_{k}", " t={time!r}", " (Step Time = {time!r})", "own places"])
+@pytest.mark.parametrize(
+    "tag", ["", " Frame {k}", "_{k}", " t={time!r}", " (Step Time = {time!r})", "own places"]
+)
 def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
     columns = [] if tag == "own places" else [("X", exact().x)]
     for k, time in enumerate(exact().time):
@@ -93,7 +115,9 @@ def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
         columns += [("X", exact().x)] if tag == "own places" else []
         columns += [(f"CPRESS{end}", exact().pressure[k]), (f"CSHEAR1{end}", exact().shear[k])]
     lines = [",".join(name for name, _ in columns)]
-    lines += [",".join(repr(float(values[i])) for _, values in columns) for i in range(len(exact().x))]
+    lines += [
+        ",".join(repr(float(values[i])) for _, values in columns) for i in range(len(exact().x))
+    ]
     path = file("\n".join(lines) + "\n", "paths.csv")(tmp_path)
     found = result(path)
     same(found, ("x", "pressure", "shear", *(["time"] if "time" in tag else [])))
@@ -110,9 +134,13 @@ def test_places_that_move_a_little_are_averaged_and_named(tmp_path: Path) -> Non
 
 
 def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) -> None:
-    """Its stick edges, states, slip and work are not in the result, and no instant is found by a load that is not there."""
+    """Its stick edges, states, slip and work are not in the result, and no instant is found by a
+    load that is not there.
+    """
     few, path = exact(steps=9, points=53), tmp_path / "pressure.csv"
-    columns = {f"CPRESS t={time!r}": row for time, row in zip(few.time.tolist(), few.pressure, strict=True)}
+    columns = {
+        f"CPRESS t={time!r}": row for time, row in zip(few.time.tolist(), few.pressure, strict=True)
+    }
     frames = result(written(pd.DataFrame({"X": few.x} | columns), path))
     table = rows(few)[["time", "x", "pressure"]]
     alone = result(written(table, path))
@@ -122,7 +150,15 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     comparison = report.comparison
     for key in ("peak_pressure", "pressure", "contact_edge"):
         assert abs(comparison.metric(key).value) < 1e-9, key
-    for key in ("shear", "stick_edge", "stick_edge_left", "state", "permanent_stick", "dissipation", "resultant_tangential"):
+    for key in (
+        "shear",
+        "stick_edge",
+        "stick_edge_left",
+        "state",
+        "permanent_stick",
+        "dissipation",
+        "resultant_tangential",
+    ):
         assert comparison.metric(key).value is None, key
         assert "not in the result" in comparison.metric(key).note
     # Not passed: shear, stick and dissipation have tolerances and no values.
@@ -130,27 +166,40 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     assert "outside" not in {metric.verdict for metric in comparison.metrics}
     assert diagnosed(report).diagnoses == ()
     assert [check.name for check in comparison.result_certificates] == ["tension"]
-    assert "No law of contact is violated, as far as a pressure without a shear can show." in verdict(report)
+    assert (
+        "No law of contact is violated, as far as a pressure without a shear can show."
+        in verdict(report)
+    )
     wrong = score_file(path, Mapping(times=few.time.tolist(), factors={"stress": 1.1}), few.scene)
     assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
     written(table[["x", "pressure"]].iloc[:53], path)
-    with pytest.raises(InputError, match="without a shear the pressure alone does not say which instant is which"):
+    with pytest.raises(
+        InputError, match="without a shear the pressure alone does not say which instant is which"
+    ):
         score_file(path, Mapping(), few.scene)
 
 
-# --------------------------------------------------------------------------------------------------------------- mapping
+# ------------------------------------------------------------------------------------------ mapping
 def _mapping(folder: Path, text: str) -> Mapping:
     return load_mapping(file(text, "mapping.toml")(folder))
 
 
-def test_the_mapping_scales_turns_and_shifts_and_the_example_changes_nothing(tmp_path: Path) -> None:
+def test_the_mapping_scales_turns_and_shifts_and_the_example_changes_nothing(
+    tmp_path: Path,
+) -> None:
     factors = {"pressure": -1e6, "shear": -1e6, "slip": -1e-3, "P": 25.0, "Q": 25.0}
-    table = LONG.assign(x=(LONG["x"] + 7) / 1e3, **{name: factor * LONG[name] for name, factor in factors.items()})
-    text = (
-        'code = "mine 1"\nx_offset = 7.0\nthickness = 25.0\n[factors]\nlength = 1000\nstress = 1e-6\n[signs]\n'
-        'pressure = "compression negative"\nshear = "on upper"\nslip = "lower over upper"\n'
+    table = LONG.assign(
+        x=(LONG["x"] + 7) / 1e3, **{name: factor * LONG[name] for name, factor in factors.items()}
     )
-    found = result(written(table, tmp_path / "r.csv"), **_mapping(tmp_path, text).model_dump(exclude_unset=True))
+    text = (
+        'code = "mine 1"\nx_offset = 7.0\nthickness = 25.0\n[factors]\nlength = 1000\nstress ='
+        ' 1e-6\n[signs]\npressure = "compression negative"\nshear = "on upper"\nslip = "lower over'
+        ' upper"\n'
+    )
+    found = result(
+        written(table, tmp_path / "r.csv"),
+        **_mapping(tmp_path, text).model_dump(exclude_unset=True),
+    )
     same(found, ("x", "pressure", "shear", "slip", "normal_load"), 1e-13)
     assert found.code == "mine 1"
     text = (resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8")
@@ -175,7 +224,7 @@ def test_faults_of_a_mapping(text: Any, words: str, tmp_path: Path) -> None:
         _mapping(tmp_path, text) if isinstance(text, str) else load_mapping(tmp_path / "none.toml")
 
 
-# ---------------------------------------------------------------------------------------------------------- files of fields
+# ---------------------------------------------------------------------------------- files of fields
 def stress(count: int, yy: int, xy: list[int]) -> meshio.Mesh:
     def at(points: np.ndarray) -> np.ndarray:
         p, q = fields(points)
@@ -194,7 +243,9 @@ def traction(points: np.ndarray) -> np.ndarray:
 
 def upper_alone() -> meshio.Mesh:
     points, cells = bodies()
-    return meshio.Mesh(points, [("quad", cells[0][1][40:])], {"contact_traction": -traction(points)})
+    return meshio.Mesh(
+        points, [("quad", cells[0][1][40:])], {"contact_traction": -traction(points)}
+    )
 
 
 X = np.linspace(-HALF, HALF, 41)
@@ -206,7 +257,9 @@ QUADS = [("quad", np.array([(k, k + 1, k + 42, k + 41) for k in range(40)]))]
 
 def own_places(points: np.ndarray, cells: list[Any]) -> meshio.Mesh:
     """Nothing decays away from y = 0: all of it is the surface."""
-    return meshio.Mesh(points, cells, {"pressure": pressure_at(points[:, 0]), "shear": shear_at(points[:, 0])})
+    return meshio.Mesh(
+        points, cells, {"pressure": pressure_at(points[:, 0]), "shear": shear_at(points[:, 0])}
+    )
 
 
 def marked() -> meshio.Mesh:
@@ -214,7 +267,8 @@ def marked() -> meshio.Mesh:
     face = np.flatnonzero((points[:, 1] == 0) & np.isin(np.arange(len(points)), cells[0][1][:40]))
     face = face[np.argsort(points[face, 0])]
     lines = ("line", np.column_stack([face[:-1], face[1:]]))
-    outside = np.where(np.isin(np.arange(len(points)), face), 0.0, -1.0)  # as meshio writes a set of points
+    # as meshio writes a set of points
+    outside = np.where(np.isin(np.arange(len(points)), face), 0.0, -1.0)
     data = tractions(points) | {"face": outside, "both": (points[:, 1] == 0).astype(float)}
     return meshio.Mesh(points, [*cells, lines], data, {"tag": [np.full(80, 3), np.full(40, 12)]})
 
@@ -226,7 +280,9 @@ def raised() -> meshio.Mesh:
 
 
 def collection(folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
-    """Instants scaled by 1, 2, 3, the last first in the file; the two bodies in files of their own."""
+    """Instants scaled by 1, 2, 3, the last first in the file; the two bodies in files of their
+    own.
+    """
     points, cells = bodies()
     entries = []
     for k, time in reversed(list(enumerate(times))):
@@ -260,8 +316,13 @@ def parts(*made: dict[str, np.ndarray]) -> Make:
 
     def make(folder: Path) -> Path:
         for part, own in enumerate(made):
-            meshio.Mesh(POINTS, [("quad", CELLS[0][1][40 * part : 40 * part + 40])], own).write(folder / f"body{part}.vtu")
-        write_pvd(folder / "result.pvd", [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)])
+            meshio.Mesh(POINTS, [("quad", CELLS[0][1][40 * part : 40 * part + 40])], own).write(
+                folder / f"body{part}.vtu"
+            )
+        write_pvd(
+            folder / "result.pvd",
+            [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)],
+        )
         return folder / "result.pvd"
 
     return make
@@ -275,40 +336,110 @@ ORDERS = [
     (4, 3, [1, 2], "rows of 2 x 2"),
 ]
 UPPER, LEFT = {"signs": {"shear": "on upper"}}, "has no 'CPRESS', 'CSHEAR1': left out"
-FORCE = {"columns": {"pressure": "force:1", "shear": "force:0"}, "signs": {"pressure": "compression negative"}}
+FORCE = {
+    "columns": {"pressure": "force:1", "shear": "force:0"},
+    "signs": {"pressure": "compression negative"},
+}
 SLIP = {"columns": {"slip": "CSLIP1", "pressure": "CPRESS", "shear": "CSHEAR1"}}
-# What is written, the mapping, the factor of the tractions that are read (of the last instant), parts of the notes.
+# What is written, the mapping, the factor of the tractions that are read (of the last instant),
+# parts of the notes.
 READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
     **{
         f"{suffix}, {deep} deep": (
-            file(partial(mesh, deep), f"result{suffix}"), {}, 1.0,
-            ["the surface is the lower body's face, found at y = 0", *(["the model is 0.25 thick"] if deep else [])])
-        for suffix in (".vtu", ".vtk") for deep in (0.0, 0.25)
+            file(partial(mesh, deep), f"result{suffix}"),
+            {},
+            1.0,
+            [
+                "the surface is the lower body's face, found at y = 0",
+                *(["the model is 0.25 thick"] if deep else []),
+            ],
+        )
+        for suffix in (".vtu", ".vtk")
+        for deep in (0.0, 0.25)
     },
-    **{f"stress, {order[-1]}": (file(partial(stress, *order[:-1])), {}, 1.0,
-        ["p = -sigma_yy and q = sigma_xy of the lower body", order[-1]]) for order in ORDERS},
-    "stress in other units": (file(partial(stress, *ORDERS[0][:-1])), {"factors": {"stress": 1e-6}}, 1e-6, []),
+    **{
+        f"stress, {order[-1]}": (
+            file(partial(stress, *order[:-1])),
+            {},
+            1.0,
+            ["p = -sigma_yy and q = sigma_xy of the lower body", order[-1]],
+        )
+        for order in ORDERS
+    },
+    "stress in other units": (
+        file(partial(stress, *ORDERS[0][:-1])),
+        {"factors": {"stress": 1e-6}},
+        1e-6,
+        [],
+    ),
     "a vector on the lower body": (file(partial(mesh, contact_traction=traction)), {}, 1.0, []),
-    "a vector said to be on the upper": (file(partial(mesh, contact_traction=traction)), UPPER, -1.0, []),
+    "a vector said to be on the upper": (
+        file(partial(mesh, contact_traction=traction)),
+        UPPER,
+        -1.0,
+        [],
+    ),
     "a vector on the upper body": (file(upper_alone), {}, 1.0, ["taken to act on the upper body"]),
-    "a vector said to be on the lower": (file(upper_alone), {"signs": {"shear": "on lower"}}, -1.0, []),
+    "a vector said to be on the lower": (
+        file(upper_alone),
+        {"signs": {"shear": "on lower"}},
+        -1.0,
+        [],
+    ),
     "components by name": (file(partial(mesh, force=traction)), FORCE, 1.0, []),
     "a path": (file(partial(own_places, CURVED, CHAIN)), {}, 1.0, []),
     "a curved face": (file(partial(own_places, FACE, QUADS)), {}, 1.0, []),
-    **{f"what {mark} marks": (file(marked), {"surface": mark, "y_offset": 99.0}, 1.0, [f"the surface is what {mark} marks"])
-       for mark in ("tag=12", "face")},
-    "what both bodies have": (file(marked), {"surface": "both", "y_offset": 99.0}, 1.0,
-        ["the surface is what both marks", "points of both bodies: those of the lower one were taken"]),
+    **{
+        f"what {mark} marks": (
+            file(marked),
+            {"surface": mark, "y_offset": 99.0},
+            1.0,
+            [f"the surface is what {mark} marks"],
+        )
+        for mark in ("tag=12", "face")
+    },
+    "what both bodies have": (
+        file(marked),
+        {"surface": "both", "y_offset": 99.0},
+        1.0,
+        [
+            "the surface is what both marks",
+            "points of both bodies: those of the lower one were taken",
+        ],
+    ),
     "at another y": (file(raised), {"y_offset": 5.0}, 1.0, []),
     "a collection": (collection, {}, 3.0, []),
-    "fields of the lower part alone": (parts(WHOLE, {}), {}, 1.0, [f"body1.vtu {LEFT}", "the surface is the lower body's face"]),
-    "fields of the upper part alone": (parts({}, WHOLE), {}, 1.0, [f"body0.vtu {LEFT}", "the surface is the upper body's face"]),
-    "slip of one part": (parts(BARE, WHOLE), {}, 1.0,
-        ["CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out"]),
-    "slip of one part, asked for": (parts(BARE, WHOLE), SLIP, 1.0, ["body0.vtu has no 'CSLIP1': left out"]),
-    "a mark in one part": (parts(WHOLE | {"face": 1.0 * LOWER}, WHOLE), {"surface": "face"}, 1.0,
-        ["body1.vtu has no 'face': left out"]),
-}  # fmt: skip
+    "fields of the lower part alone": (
+        parts(WHOLE, {}),
+        {},
+        1.0,
+        [f"body1.vtu {LEFT}", "the surface is the lower body's face"],
+    ),
+    "fields of the upper part alone": (
+        parts({}, WHOLE),
+        {},
+        1.0,
+        [f"body0.vtu {LEFT}", "the surface is the upper body's face"],
+    ),
+    "slip of one part": (
+        parts(BARE, WHOLE),
+        {},
+        1.0,
+        ["CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out"],
+    ),
+    "slip of one part, asked for": (
+        parts(BARE, WHOLE),
+        SLIP,
+        1.0,
+        ["body0.vtu has no 'CSLIP1': left out"],
+    ),
+    "a mark in one part": (
+        parts(WHOLE | {"face": 1.0 * LOWER}, WHOLE),
+        {"surface": "face"},
+        1.0,
+        ["body1.vtu has no 'face': left out"],
+    ),
+}
 
 
 def read_here(paths: Sequence[Path]) -> bytes:
@@ -323,7 +454,8 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
     case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     make, mapping, scale, notes = READ[case]
-    if case not in (".vtu, 0.0 deep", ".vtk, 0.25 deep", "a collection"):  # these in the process that users have
+    # these in the process that users have
+    if case not in (".vtu, 0.0 deep", ".vtk, 0.25 deep", "a collection"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
     found = result(make(tmp_path), **mapping)
     check(found, scale)
@@ -337,7 +469,9 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
         assert ("thick" in said) == ("0.25" in case)
 
 
-def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = collection(tmp_path)
     found = result(path)
@@ -349,7 +483,9 @@ def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(tmp_pa
     np.testing.assert_allclose(found.x, 1e3 * X - 500.0)
 
 
-def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pressure_at_the_points_of_a_face_needs_no_shear(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(field_files, "_read_apart", read_here)
     whole = mesh()
     del whole.point_data["CSHEAR1"]
@@ -365,13 +501,18 @@ def test_a_file_that_breaks_off_anywhere_is_refused(tmp_path: Path, suffix: str)
     content = path.read_bytes()
     for end in np.linspace(0, len(content) - 30, 3).astype(int):
         path.write_bytes(content[:end])
-        with pytest.raises(InputError, match=rf"can't be read as a {suffix} file: it is broken off or of another form \(.+\)"):
+        with pytest.raises(
+            InputError,
+            match=rf"can't be read as a {suffix} file: it is broken off or of another form \(.+\)",
+        ):
             result(path)
 
 
 # What the process of the reader does -> words of the refusal.
 ENDS = {
-    "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "of another form (VTK's reader ended with code -11)",
+    "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": (
+        "of another form (VTK's reader ended with code -11)"
+    ),
     "import time; time.sleep(60)": "reading takes longer than 2 s, which is the limit",
     "raise MemoryError": "unpacked it takes more than 2.15 GB of memory, which is the limit",
 }
@@ -383,7 +524,9 @@ def test_a_reader_that_dies_hangs_or_grows_is_one_sentence_that_names_the_file(
 ) -> None:
     """The second file of a collection is what it was reading."""
     path = collection(tmp_path, (0.0, 1.0))
-    (tmp_path / "reader.py").write_text(f"""print('{{"file": 1}}', file=__import__("sys").stderr, flush=True)\n{script}\n""")
+    (tmp_path / "reader.py").write_text(
+        f"""print('{{"file": 1}}', file=__import__("sys").stderr, flush=True)\n{script}\n"""
+    )
     monkeypatch.setattr(vtk_files, "__file__", str(tmp_path / "reader.py"))
     monkeypatch.setattr(field_files, "SECONDS", 2)
     with pytest.raises(InputError, match=re.escape(ENDS[script])) as caught:
@@ -401,17 +544,19 @@ def test_files_too_large_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
             reader(DATA / f"surface-to-surface.{kind}")
 
 
-# ------------------------------------------------------------------------------------- what CalculiX 2.20 really wrote
+# ------------------------------------------------------------------ what CalculiX 2.20 really wrote
 P, Q, FRICTION = 400.0, 60.0, 0.3
 MORTAR, SURFACE = ((DATA / f"{name}.frd").read_text() for name in ("mortar", "surface-to-surface"))
 BLOCK = read_frd(DATA / "mortar.frd").blocks[0]
 FORCE_HEAD = "total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)"
-# What trapezia over the file's values lose or gain of P, measured, and twice that: edges fall within an element of 0.1 a/0.66.
+# What trapezia over the file's values lose or gain of P, measured, and twice that: edges fall
+# within an element of 0.1 a/0.66.
 ADDS_UP = {
     "node-to-surface.frd": 1e-3,  # 5.2e-4
     "node-to-surface.dat": 2e-3,  # 7.7e-4
     "mortar.frd": 1e-3,  # 4.8e-4
-    "surface-to-surface.frd": 0.05,  # 0.021: nodal values of the linear face are extrapolated from its integration points
+    # 0.021: nodal values of the linear face are extrapolated from its integration points
+    "surface-to-surface.frd": 0.05,
     "surface-to-surface.dat": 0.02,  # 0.010
 }
 
@@ -419,39 +564,63 @@ ADDS_UP = {
 @pytest.mark.parametrize("name", ADDS_UP)
 def test_equilibrium_holds_every_sign_of_calculix(name: str) -> None:
     found = result(name)
-    normal, tangential = (np.trapezoid(field, found.x, axis=1) for field in (found.pressure, found.shear))
+    normal, tangential = (
+        np.trapezoid(field, found.x, axis=1) for field in (found.pressure, found.shear)
+    )
     np.testing.assert_allclose(normal, [P, P], rtol=ADDS_UP[name])
     # Shear is loaded to half of sliding: the same edges, on a part of the pressure.
     np.testing.assert_allclose(tangential, [0.0, Q], atol=ADDS_UP[name] * P * FRICTION * 1.5)
     np.testing.assert_array_equal(found.time, [1.0, 2.0])
     assert np.all(np.diff(found.x) > 0)
-    # Friction holds the Coulomb limit (1e-5 of the peak: six digits in the file); the upper body slips along the pull.
-    assert np.all(np.abs(found.shear) <= FRICTION * np.abs(found.pressure) + 1e-5 * found.pressure.max())
-    slides = (np.abs(found.shear[1]) > 0.999 * FRICTION * found.pressure[1]) & (found.pressure[1] > 1.0)
+    # Friction holds the Coulomb limit (1e-5 of the peak: six digits in the file); the upper body
+    # slips along the pull.
+    assert np.all(
+        np.abs(found.shear) <= FRICTION * np.abs(found.pressure) + 1e-5 * found.pressure.max()
+    )
+    slides = (np.abs(found.shear[1]) > 0.999 * FRICTION * found.pressure[1]) & (
+        found.pressure[1] > 1.0
+    )
     assert np.count_nonzero(slides) >= 2
     assert np.all((found.slip[1] - found.slip[0])[slides] > 0)
     assert np.all(found.shear[1][slides] > 0)
     if name.startswith("surface"):
         np.testing.assert_allclose(found.normal_load, [P, P], rtol=1e-4)
         np.testing.assert_allclose(found.tangential_load, [0.0, Q], atol=1e-4 * Q)
-        words = "resultants of the contact pair in surface-to-surface.dat, divided by the mapping's thickness, 1"
+        words = (
+            "resultants of the contact pair in surface-to-surface.dat, divided by the mapping's"
+            " thickness, 1"
+        )
         assert any(words in note for note in found.notes)
 
 
 def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
-    lower, upper, flat = (result(f"{name}.frd") for name in ("node-to-surface", "mortar", "surface-to-surface"))
+    lower, upper, flat = (
+        result(f"{name}.frd") for name in ("node-to-surface", "mortar", "surface-to-surface")
+    )
     inside = np.abs(lower.x) < 0.45
     for of in ("pressure", "shear"):
         other = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
-        # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick edge between nodes.
-        np.testing.assert_allclose(getattr(lower, of)[:, inside], other[:, inside], atol=0.06 * lower.pressure.max())
+        # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick
+        # edge between nodes.
+        np.testing.assert_allclose(
+            getattr(lower, of)[:, inside], other[:, inside], atol=0.06 * lower.pressure.max()
+        )
     thick = "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"
-    for found, words in ((lower, "the lower body"), (upper, "the upper body"), (lower, thick), (upper, "the slave face is curved")):
+    for found, words in (
+        (lower, "the lower body"),
+        (upper, "the upper body"),
+        (lower, thick),
+        (upper, "the slave face is curved"),
+    ):
         assert words in " ".join(found.notes)
     half_width = np.sqrt(4 * P * 100.0 / (np.pi * 210000 / (1 - 0.3**2) / 2))
     hertz = 2 * P / (np.pi * half_width**2) * np.sqrt(np.maximum(half_width**2 - upper.x**2, 0.0))
-    # Measured 0.045 of the peak: six elements a half-width, bodies of 3 mm. A wrong thickness is far off.
-    assert np.max(np.abs(upper.pressure[0] - hertz)[np.abs(upper.x) < 0.8 * half_width]) < 0.07 * hertz.max()
+    # Measured 0.045 of the peak: six elements a half-width, bodies of 3 mm. A wrong thickness is
+    # far off.
+    assert (
+        np.max(np.abs(upper.pressure[0] - hertz)[np.abs(upper.x) < 0.8 * half_width])
+        < 0.07 * hertz.max()
+    )
     # A flat slave face is read whole.
     assert (flat.x[0], flat.x[-1]) == (-4.0, 4.0)
     assert not np.any(flat.pressure[:, np.abs(flat.x) > 1.0])
@@ -462,7 +631,10 @@ def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, 
     text = ""
     for time, own in ((1.0, force[0]), (2.0, force[1])):
         text += f" statistics for slave set SUPPER, master set SLOWER and time  {time:.7E}\n\n"
-        for head, row in ((FORCE_HEAD, (*own, 0, 0, 0, 0)), ("center of gravity and mean normal", (0, 0, 0, *normal))):
+        for head, row in (
+            (FORCE_HEAD, (*own, 0, 0, 0, 0)),
+            ("center of gravity and mean normal", (0, 0, 0, *normal)),
+        ):
             text += f"   {head}\n\n" + "".join(f"{v:14.6E}" for v in row) + "\n\n"
     (folder / "mortar.dat").write_text(text)
     return edited(folder, "mortar.frd")
@@ -475,7 +647,9 @@ def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_pat
     assert any("the mesh's thickness, 0.5" in note for note in found.notes)
     np.testing.assert_allclose(result(path, thickness=1.0).normal_load, [200.0, 200.0])
     text = path.with_suffix(".dat").read_text()
-    path.with_suffix(".dat").write_text(text + text.replace("SUPPER", "OTHER").replace("2.000000E+02", "9.000000E+02"))
+    path.with_suffix(".dat").write_text(
+        text + text.replace("SUPPER", "OTHER").replace("2.000000E+02", "9.000000E+02")
+    )
     with pytest.raises(InputError, match=r"several contact pairs \(slave faces OTHER, SUPPER\)"):
         result(path)
     np.testing.assert_allclose(result(path, surface="SUPPER").normal_load, [P, P])
@@ -502,11 +676,17 @@ def test_units_times_offset_and_stated_signs_of_calculix() -> None:
     assert (plain.code, turned.code) == ("CalculiX Version 2.20", "mine")
     # A stated sign replaces that of the slave face.
     derived = result("node-to-surface.frd")
-    np.testing.assert_array_equal(result("node-to-surface.frd", signs={"shear": "on upper"}).shear, derived.shear)
-    np.testing.assert_array_equal(result("node-to-surface.frd", signs={"shear": "on lower"}).shear, -derived.shear)
+    np.testing.assert_array_equal(
+        result("node-to-surface.frd", signs={"shear": "on upper"}).shear, derived.shear
+    )
+    np.testing.assert_array_equal(
+        result("node-to-surface.frd", signs={"shear": "on lower"}).shear, -derived.shear
+    )
 
 
-def test_stress_stands_in_for_contact_values_in_either_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stress_stands_in_for_contact_values_in_either_form(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = edited(tmp_path, "surface-to-surface.frd", (" -4  CONTACT ", " -4  CONTAXT "))
     found = result(path)
     file = read_frd(path, ("STRESS",))
@@ -521,7 +701,9 @@ def test_stress_stands_in_for_contact_values_in_either_form(tmp_path: Path, monk
         np.testing.assert_allclose(np.trapezoid(one.shear[-1], one.x), Q, rtol=0.12)
         assert one.slip is None
     opened, plainly = [], Path.open
-    monkeypatch.setattr(Path, "open", lambda path, *how, **more: opened.append(path) or plainly(path, *how, **more))
+    monkeypatch.setattr(
+        Path, "open", lambda path, *how, **more: opened.append(path) or plainly(path, *how, **more)
+    )
     result(path)
     assert opened == [path]  # read once, although it has no contact values
     assert "p = -SYY and q = SXY of the lower body" in found.notes[0]
@@ -533,7 +715,7 @@ def test_stress_stands_in_for_contact_values_in_either_form(tmp_path: Path, monk
         result(path, y_offset=0.5)
 
 
-# ------------------------------------------------------------------------------------------------ CalculiX files at fault
+# -------------------------------------------------------------------------- CalculiX files at fault
 
 
 def _last(text: str, old: str, new: str) -> str:
@@ -557,15 +739,25 @@ def _touched_on_the_other_face() -> str:
 
 NODE = BLOCK.nodes[0]
 FIRST = next(line for line in MORTAR.splitlines()[BLOCK.line :] if line.startswith(" -1"))
-OPEN = re.sub(r"(?m)^( -1 {7}.{3})(?:.{12}){6}$", r"\1" + 6 * " 0.00000E+00", MORTAR[MORTAR.index(" -4  CONTACT") :])
+OPEN = re.sub(
+    r"(?m)^( -1 {7}.{3})(?:.{12}){6}$",
+    r"\1" + 6 * " 0.00000E+00",
+    MORTAR[MORTAR.index(" -4  CONTACT") :],
+)
 STRESS = SURFACE.replace(" -4  CONTACT ", " -4  CONTAXT ")
 SHORT = {
-    "stopped": (MORTAR[: [m.start() for m in re.finditer("    1PSTEP", MORTAR)][2]], "the file has no end (9999)"),
+    "stopped": (
+        MORTAR[: [m.start() for m in re.finditer("    1PSTEP", MORTAR)][2]],
+        "the file has no end (9999)",
+    ),
     "no last contact": (
         _last(MORTAR, " -4  CONTACT ", " -4  CONTAXT "),
         "left out: 1 frames without contact values (first at time 2)",
     ),
-    "no last stress": (_last(STRESS, " -4  STRESS ", " -4  STRESX "), "left out: 1 frames without stress (first at time 2)"),
+    "no last stress": (
+        _last(STRESS, " -4  STRESS ", " -4  STRESX "),
+        "left out: 1 frames without stress (first at time 2)",
+    ),
     "one time twice": (
         STRESS.replace("  102 2.000000000", "  102 1.000000000"),
         "1 blocks of stress share a time with a later one",
@@ -574,7 +766,9 @@ SHORT = {
 
 
 def _set(row: int, name: str, value: object) -> Callable[[Any], Any]:
-    return lambda table: table.assign(**{name: [value if k == row else old for k, old in enumerate(table[name])]})
+    return lambda table: table.assign(
+        **{name: [value if k == row else old for k, old in enumerate(table[name])]}
+    )
 
 
 def table(change: Callable[[Any], Any]) -> Make:
@@ -593,7 +787,9 @@ def calculix(name: str, text: str, *beside: str) -> Make:
 
 
 PRINTED = (DATA / "surface-to-surface.dat").read_text()
-PLACE = next(line for line in PRINTED.splitlines() if line.strip().startswith("1") and len(line.split()) == 5)
+PLACE = next(
+    line for line in PRINTED.splitlines() if line.strip().startswith("1") and len(line.split()) == 5
+)
 ELEMENT = PLACE.split()[0]
 PVD = "<VTKFile type='Collection'><DataSet {}file='a.pvd'/></VTKFile>"
 AVERAGE = meshio.Mesh(POINTS, CELLS, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]})
@@ -609,26 +805,64 @@ def no_such_point(folder: Path) -> Path:
 
 # What is read, words of the sentence, the mapping.
 FAULTS: dict[str, tuple[Any, ...]] = {
-    "no pressure": (table(lambda t: t.drop(columns="pressure")), "no column for pressure (looked for pressure, p, CPRESS"),
+    "no pressure": (
+        table(lambda t: t.drop(columns="pressure")),
+        "no column for pressure (looked for pressure, p, CPRESS",
+    ),
     "no x": (table(lambda t: t.drop(columns="x")), "no column for x"),
-    "word in a cell": (table(_set(7, "pressure", "n/a")), "line 9: pressure = 'n/a' is not a finite number"),
-    "a point twice": (table(_set(8, "x", float(exact().x[7]))), "stands there twice in one instant"),
+    "word in a cell": (
+        table(_set(7, "pressure", "n/a")),
+        "line 9: pressure = 'n/a' is not a finite number",
+    ),
+    "a point twice": (
+        table(_set(8, "x", float(exact().x[7]))),
+        "stands there twice in one instant",
+    ),
     "a ragged instant": (table(lambda t: t.drop(index=3)), "every instant needs the same points"),
     "P within an instant": (table(_set(5, "P", 1.0)), "normal_load goes from"),
-    "places of another mesh": (table(_set(5, "x", -1.19)), "the points are not the same at every instant"),
-    "two shears": (table(lambda t: t.rename(columns={"shear": "cshear"}).assign(CSHEAR=0.0)),
-        "could each be shear; say which by columns.shear"),
-    "no names": (file("0,1,2\n1,2,3\n", "result.csv"), "line 1: the first line must name the columns"),
-    "two points": (file("x,pressure,shear\n0,1,0\n1,1,0\n", "result.csv"), "2 points are no surface"),
-    "two pressures": (file("x,pressure,CPRESS,shear\n0,1,1,0\n", "result.csv"), "frame 1 has no shear, or no pressure"),
-    "half a frame": (file("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "result.csv"), "frame 2 has no shear, or no pressure"),
-    "other times": (table(lambda t: t.drop(columns="time").assign(Frame=np.repeat(np.arange(25), 105))),
-        "times and the file has 25 ", {"times": [0.0, 1.0]}),
-    "a column that is none": (file(LONG, "result.csv"),
-        "columns.pressure = 'presure', which is not there; did you mean 'pressure'?", {"columns": {"pressure": "presure"}}),
+    "places of another mesh": (
+        table(_set(5, "x", -1.19)),
+        "the points are not the same at every instant",
+    ),
+    "two shears": (
+        table(lambda t: t.rename(columns={"shear": "cshear"}).assign(CSHEAR=0.0)),
+        "could each be shear; say which by columns.shear",
+    ),
+    "no names": (
+        file("0,1,2\n1,2,3\n", "result.csv"),
+        "line 1: the first line must name the columns",
+    ),
+    "two points": (
+        file("x,pressure,shear\n0,1,0\n1,1,0\n", "result.csv"),
+        "2 points are no surface",
+    ),
+    "two pressures": (
+        file("x,pressure,CPRESS,shear\n0,1,1,0\n", "result.csv"),
+        "frame 1 has no shear, or no pressure",
+    ),
+    "half a frame": (
+        file("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "result.csv"),
+        "frame 2 has no shear, or no pressure",
+    ),
+    "other times": (
+        table(lambda t: t.drop(columns="time").assign(Frame=np.repeat(np.arange(25), 105))),
+        "times and the file has 25 ",
+        {"times": [0.0, 1.0]},
+    ),
+    "a column that is none": (
+        file(LONG, "result.csv"),
+        "columns.pressure = 'presure', which is not there; did you mean 'pressure'?",
+        {"columns": {"pressure": "presure"}},
+    ),
     "another program's": (file("x", "a.odb"), "no reader for '.odb'; it reads .csv"),
-    "an empty collection": (file("<VTKFile type='Collection'><Collection/></VTKFile>", "a.pvd"), "the collection is empty"),
-    "no collection": (file("<VTKFile type='UnstructuredGrid'/>", "a.pvd"), "type Collection is expected"),
+    "an empty collection": (
+        file("<VTKFile type='Collection'><Collection/></VTKFile>", "a.pvd"),
+        "the collection is empty",
+    ),
+    "no collection": (
+        file("<VTKFile type='UnstructuredGrid'/>", "a.pvd"),
+        "type Collection is expected",
+    ),
     "no time": (file(PVD.format(""), "a.pvd"), "has no time"),
     "within itself": (file(PVD.format("timestep='1' "), "a.pvd"), "no reader for '.pvd' within"),
     "broken off": (file("<VTKFile", "a.pvd"), "can't be read as a .pvd file: it is broken off"),
@@ -636,49 +870,101 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "no VTK": (file("no\nvtk\nat all\n", "a.vtk"), "can't be read as a .vtk file"),
     "XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "no reader for '.xdmf'; it reads .csv"),
     "no such point": (no_such_point, "names a point that is not there"),
-    "no field": (file(partial(mesh, force=traction)),
-        "neither contact pressure, nor contact traction, nor stress at points among 'force'"),
-    "no such field": (file(lambda: mesh(CPRESS=lambda p: fields(p)[0])),
-        "columns.shear = 'CSHEAR1', which is not there", {"columns": {"shear": "CSHEAR1"}}),
-    "values of cells": (file(AVERAGE), "values of cells, 'CPRESS', 'CSHEAR1', are not read: average them to points"),
-    "no face": (file(raised), "no point of a face at y = 0 (y goes from 4.5 to 5.5); say where it lies by y_offset"),
+    "no field": (
+        file(partial(mesh, force=traction)),
+        "neither contact pressure, nor contact traction, nor stress at points among 'force'",
+    ),
+    "no such field": (
+        file(lambda: mesh(CPRESS=lambda p: fields(p)[0])),
+        "columns.shear = 'CSHEAR1', which is not there",
+        {"columns": {"shear": "CSHEAR1"}},
+    ),
+    "values of cells": (
+        file(AVERAGE),
+        "values of cells, 'CPRESS', 'CSHEAR1', are not read: average them to points",
+    ),
+    "no face": (
+        file(raised),
+        "no point of a face at y = 0 (y goes from 4.5 to 5.5); say where it lies by y_offset",
+    ),
     "a mark of nothing": (file(marked), "marks nothing", {"surface": "tag=5"}),
     "a mark by a word": (file(marked), "'x' is no number", {"surface": "tag=x"}),
     "a mark that is none": (file(marked), "names no field of it", {"surface": "top"}),
-    "no part has it whole": (parts(*({name: WHOLE[name]} for name in BARE)),
-        "body0.vtu has no 'CSHEAR1'; body1.vtu has no 'CPRESS'"),
-    "parts unlike": (parts(WHOLE, WHOLE | {"CPRESS": POINTS}),
-        "body0.vtu: CPRESS has another number of components than in body1.vtu"),
+    "no part has it whole": (
+        parts(*({name: WHOLE[name]} for name in BARE)),
+        "body0.vtu has no 'CSHEAR1'; body1.vtu has no 'CPRESS'",
+    ),
+    "parts unlike": (
+        parts(WHOLE, WHOLE | {"CPRESS": POINTS}),
+        "body0.vtu: CPRESS has another number of components than in body1.vtu",
+    ),
     **{
         said: (partial(spoilt_instant, name, change), said)
         for name, change, said in (
-            ("body0_1.vtu", lambda m: m.point_data.pop("CSHEAR1"), "instant 2 has no field 'CSHEAR1'"),
-            ("body0_2.vtu", lambda m: m.points.__setitem__((0, 0), 9.0), "the points of instant 3 are not those of the first"),
+            (
+                "body0_1.vtu",
+                lambda m: m.point_data.pop("CSHEAR1"),
+                "instant 2 has no field 'CSHEAR1'",
+            ),
+            (
+                "body0_2.vtu",
+                lambda m: m.points.__setitem__((0, 0), 9.0),
+                "the points of instant 3 are not those of the first",
+            ),
             ("body0_2.vtu", None, "it names body0_2.vtu, which is not there"),
         )
     },
-    "neither contact nor stress": (calculix("run.frd", MORTAR.replace(" -4  CONTACT ", " -4  CONTAXT ")),
-        "no block CONTACT and none STRESS; it has DISP"),
-    "a node without coordinates": (calculix("run.frd", _contact(MORTAR, f" -1{NODE:10d}", f" -1{NODE + 90000:10d}")),
-        "has a result or an element and no coordinates"),
-    "no contact": (calculix("run.frd", MORTAR[: MORTAR.index(" -4  CONTACT")] + OPEN), "the bodies do not touch"),
-    "NaN": (calculix("run.frd", MORTAR.replace(FIRST, FIRST[:13] + "         NaN" + FIRST[25:])),
-        f"line {BLOCK.line}: block CONTACT holds numbers that are not"),
-    "no shear": (calculix("run.frd", MORTAR.replace(" -5  CSHEAR1 ", " -5  CSHEARX ")), "block CONTACT has no CSHEAR1"),
+    "neither contact nor stress": (
+        calculix("run.frd", MORTAR.replace(" -4  CONTACT ", " -4  CONTAXT ")),
+        "no block CONTACT and none STRESS; it has DISP",
+    ),
+    "a node without coordinates": (
+        calculix("run.frd", _contact(MORTAR, f" -1{NODE:10d}", f" -1{NODE + 90000:10d}")),
+        "has a result or an element and no coordinates",
+    ),
+    "no contact": (
+        calculix("run.frd", MORTAR[: MORTAR.index(" -4  CONTACT")] + OPEN),
+        "the bodies do not touch",
+    ),
+    "NaN": (
+        calculix("run.frd", MORTAR.replace(FIRST, FIRST[:13] + "         NaN" + FIRST[25:])),
+        f"line {BLOCK.line}: block CONTACT holds numbers that are not",
+    ),
+    "no shear": (
+        calculix("run.frd", MORTAR.replace(" -5  CSHEAR1 ", " -5  CSHEARX ")),
+        "block CONTACT has no CSHEAR1",
+    ),
     "both faces": (calculix("run.frd", _touched_on_the_other_face()), "nodes of both bodies"),
-    "other instants": (calculix("run.frd", MORTAR), "times and the file has 2 instants", {"times": [1.0]}),
-    "no places": (calculix("alone.dat", (DATA / "node-to-surface.dat").read_text()), "no alone.frd beside it"),
-    "no such element": (calculix("run.dat", PRINTED.replace(PLACE[:21], f"{90000:10d} {PLACE.split()[1]:>10}"), SURFACE),
-        "element 90000 is not in it"),
-    "no such side": (calculix("run.dat", PRINTED.replace(PLACE[:21], f"{ELEMENT:>10} {1:10d}"), SURFACE),
-        "of kind 9 has no face 1"),
-    "no stress printed": (calculix("run.dat", PRINTED.replace(" contact stress (", " contact strain ("), SURFACE),
-        "no contact stress is printed in it"),
-}  # fmt: skip
+    "other instants": (
+        calculix("run.frd", MORTAR),
+        "times and the file has 2 instants",
+        {"times": [1.0]},
+    ),
+    "no places": (
+        calculix("alone.dat", (DATA / "node-to-surface.dat").read_text()),
+        "no alone.frd beside it",
+    ),
+    "no such element": (
+        calculix(
+            "run.dat", PRINTED.replace(PLACE[:21], f"{90000:10d} {PLACE.split()[1]:>10}"), SURFACE
+        ),
+        "element 90000 is not in it",
+    ),
+    "no such side": (
+        calculix("run.dat", PRINTED.replace(PLACE[:21], f"{ELEMENT:>10} {1:10d}"), SURFACE),
+        "of kind 9 has no face 1",
+    ),
+    "no stress printed": (
+        calculix("run.dat", PRINTED.replace(" contact stress (", " contact strain ("), SURFACE),
+        "no contact stress is printed in it",
+    ),
+}
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_each_fault_of_a_file_is_one_sentence(fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_fault_of_a_file_is_one_sentence(
+    fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     make, said, *mapping = FAULTS[fault]
     if fault not in ("empty VTU", "no VTK", "no such point"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
@@ -686,12 +972,18 @@ def test_each_fault_of_a_file_is_one_sentence(fault: str, tmp_path: Path, monkey
     with pytest.raises(InputError, match=re.escape(said)) as caught:
         result(path, **(mapping[0] if mapping else {}))
     assert "\n" not in str(caught.value)
-    place = {"no such element": tmp_path, "no such side": tmp_path, "parts unlike": "body0.vtu"}.get(fault, path)
+    place = {
+        "no such element": tmp_path,
+        "no such side": tmp_path,
+        "parts unlike": "body0.vtu",
+    }.get(fault, path)
     assert str(caught.value).startswith(str(place))
 
 
 @pytest.mark.parametrize("fault", SHORT)
-def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(tmp_path: Path, fault: str) -> None:
+def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(
+    tmp_path: Path, fault: str
+) -> None:
     text, said = SHORT[fault]
     (tmp_path / "run.frd").write_text(text)
     found = result(tmp_path / "run.frd")
@@ -699,7 +991,7 @@ def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(tmp_path: Pat
     assert any(said in note for note in found.notes)
 
 
-# ------------------------------------------------------------------------------------------------- the forms .frd and .dat
+# -------------------------------------------------------------------------- the forms .frd and .dat
 NODES = ((1, 0.0, 0.0, 0.0), (2, 1.0, 0.0, 0.0), (3, 1.0, 1.0, 0.0), (40, 0.0, 1.0, 0.0))
 CONTACT = ("COPEN", "CSLIP1", "CSLIP2", "CPRESS", "CSHEAR1", "CSHEAR2")
 
@@ -713,20 +1005,38 @@ def record(node: int, values: tuple[float, ...], label: int = 10, key: str = "-1
     return f" {key}{node:{label}d}" + "".join(map(number, values)) + "\n"
 
 
-def frd(table: list[Any], name: str = "CONTACT", components: tuple[str, ...] = CONTACT, form: int = 1, time: float = 0.5) -> str:
+def frd(
+    table: list[Any],
+    name: str = "CONTACT",
+    components: tuple[str, ...] = CONTACT,
+    form: int = 1,
+    time: float = 0.5,
+) -> str:
     """A file of four nodes, one quadrangle and one result block."""
     label = {0: 5, 1: 10}[form]
     text = "    1C\n    1UPGM               CalculiX\n    1UVERSION           Version 2.20\n"
-    text += f"    2C{'':18}{len(NODES):12d}{'':37}{form}\n" + "".join(record(n, place, label) for n, *place in NODES) + " -3\n"
+    text += (
+        f"    2C{'':18}{len(NODES):12d}{'':37}{form}\n"
+        + "".join(record(n, place, label) for n, *place in NODES)
+        + " -3\n"
+    )
     text += f"    3C{'':18}{1:12d}{'':37}{form}\n -1{1:{label}d}{9:5d}{0:5d}{1:5d}\n -2"
     text += "".join(f"{n:{label}d}" for n, *_ in NODES) + "\n -3\n"
-    text += f"    1PSTEP{1:26d}{1:12d}{1:12d}\n  100CL  101{number(time)}{len(table):12d}{'':20}{0:2d}{1:5d}{'':10}{form:2d}\n"
+    text += (
+        f"    1PSTEP{1:26d}{1:12d}{1:12d}\n  100CL "
+        f" 101{number(time)}{len(table):12d}{'':20}{0:2d}{1:5d}{'':10}{form:2d}\n"
+    )
     text += f" -4  {name:8}{len(components):5d}{1:5d}\n"
-    text += "".join(f" -5  {component:8}{1:5d}{4:5d}{k + 1:5d}{0:5d}\n" for k, component in enumerate(components))
+    text += "".join(
+        f" -5  {component:8}{1:5d}{4:5d}{k + 1:5d}{0:5d}\n"
+        for k, component in enumerate(components)
+    )
     for node, *values in table:
         text += record(node, values[:6], label)
         for k in range(6, len(values), 6):
-            text += record(node, values[k : k + 6], label, "-2").replace(f"{node:{label}d}", " " * label)
+            text += record(node, values[k : k + 6], label, "-2").replace(
+                f"{node:{label}d}", " " * label
+            )
     return text + " -3\n 9999\n"
 
 
@@ -736,18 +1046,35 @@ def frd_of(folder: Path, text: str, **how: Any) -> calculix_files.FrdFile:
 
 
 # Six digits and two of the exponent is all that twelve characters hold.
-SIX_DIGITS = st.builds(lambda m, e: float(f"{m:.5f}E{e}"), st.floats(-9.99999, 9.99999), st.integers(-90, 90))
+SIX_DIGITS = st.builds(
+    lambda m, e: float(f"{m:.5f}E{e}"), st.floats(-9.99999, 9.99999), st.integers(-90, 90)
+)
 
 
 @settings(max_examples=40)
-@given(columns=st.integers(1, 20), count=st.integers(1, 4), data=st.data(), form=st.sampled_from([0, 1]))
+@given(
+    columns=st.integers(1, 20),
+    count=st.integers(1, 4),
+    data=st.data(),
+    form=st.sampled_from([0, 1]),
+)
 def test_numbers_of_fixed_width_come_back_exactly(
-    tmp_path_factory: pytest.TempPathFactory, columns: int, count: int, data: st.DataObject, form: int
+    tmp_path_factory: pytest.TempPathFactory,
+    columns: int,
+    count: int,
+    data: st.DataObject,
+    form: int,
 ) -> None:
     """Over several lines where there are more than six."""
-    values = data.draw(st.lists(st.lists(SIX_DIGITS, min_size=columns, max_size=columns), min_size=count, max_size=count))
+    values = data.draw(
+        st.lists(
+            st.lists(SIX_DIGITS, min_size=columns, max_size=columns), min_size=count, max_size=count
+        )
+    )
     names = tuple(f"C{k}" for k in range(columns))
-    text = frd([(k + 1, *row) for k, row in enumerate(values)], components=names, form=form, time=0.25)
+    text = frd(
+        [(k + 1, *row) for k, row in enumerate(values)], components=names, form=form, time=0.25
+    )
     (block,) = frd_of(tmp_path_factory.mktemp("frd"), text).blocks
     np.testing.assert_array_equal(block.values, values)
     np.testing.assert_array_equal(block.nodes, np.arange(count) + 1)
@@ -757,7 +1084,11 @@ def test_numbers_of_fixed_width_come_back_exactly(
 
 def test_what_else_is_in_a_frd_file(tmp_path: Path) -> None:
     found = frd_of(tmp_path, frd([(1, *range(6))]))
-    assert (found.version, found.names, found.times) == ("CalculiX Version 2.20", ("CONTACT",), (0.5,))
+    assert (found.version, found.names, found.times) == (
+        "CalculiX Version 2.20",
+        ("CONTACT",),
+        (0.5,),
+    )
     np.testing.assert_array_equal(found.nodes, [1, 2, 3, 40])
     np.testing.assert_array_equal(found.points, [row[1:] for row in NODES])
     assert [(e.number, e.kind, e.nodes) for e in found.elements] == [(1, 9, (1, 2, 3, 40))]
@@ -765,10 +1096,14 @@ def test_what_else_is_in_a_frd_file(tmp_path: Path) -> None:
         found.blocks[0].column("CPRES")
     other = frd_of(tmp_path, frd([(1, 1.0)], "PEEQ", ("PE",)))  # not asked for: passed over
     assert (other.blocks, other.names, other.times) == ((), ("PEEQ",), (0.5,))
-    text = frd([(1, 1.0, 2.0, 3.0)], "DISP", ("D1", "D2", "D3", "ALL"))  # ALL, which viewers work out, is not in the file
-    text = text.replace(f" -5  ALL     {1:5d}{4:5d}{4:5d}{0:5d}", f" -5  ALL     {1:5d}{2:5d}{0:5d}{0:5d}{1:5d}ALL")
+    # ALL, which viewers work out, is not in the file
+    text = frd([(1, 1.0, 2.0, 3.0)], "DISP", ("D1", "D2", "D3", "ALL"))
+    text = text.replace(
+        f" -5  ALL     {1:5d}{4:5d}{4:5d}{0:5d}", f" -5  ALL     {1:5d}{2:5d}{0:5d}{0:5d}{1:5d}ALL"
+    )
     assert frd_of(tmp_path, text).blocks[0].components == ("D1", "D2", "D3")
-    text = frd([(1, 1.5, 2, 3, 4, 5, 6)]).replace(number(1.5), " 1.46685-100")  # an exponent of three digits
+    # an exponent of three digits
+    text = frd([(1, 1.5, 2, 3, 4, 5, 6)]).replace(number(1.5), " 1.46685-100")
     assert frd_of(tmp_path, text, newline="\r\n").blocks[0].values[0, 0] == 1.46685e-100
 
 
@@ -780,7 +1115,9 @@ HEAD = next(line for line in LINE if line.startswith("  100C"))
 
 
 def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path) -> None:
-    """A run that is still going on: whole blocks may be missing at the end, but no block is read in part."""
+    """A run that is still going on: whole blocks may be missing at the end, but no block is read in
+    part.
+    """
     whole, path = MORTAR.encode(), tmp_path / "cut.frd"
     blocks = {b.line: b for b in read_frd(DATA / "mortar.frd").blocks}
     for end in np.linspace(0, len(whole) - 10, 30).astype(int):
@@ -837,20 +1174,50 @@ FRD_FAULTS = [
     (number(2.5), "  2.5OOOE+00", LINE[ROW], "a number, found"),
     (ROW, ROW[:-3], LINE[ROW], r"6 numbers of 12 characters, 85 in all, found 82"),
     (ROW, ROW + "E-100", LINE[ROW], "85 in all, found 90"),
-    (f" -1{40:10d}{number(0)}{number(0)}", f" -1{'4O':>10}{number(0)}{number(0)}", LINE[ROW] + 1, "a node's number"),
+    (
+        f" -1{40:10d}{number(0)}{number(0)}",
+        f" -1{'4O':>10}{number(0)}{number(0)}",
+        LINE[ROW] + 1,
+        "a node's number",
+    ),
     (" -4  CONTACT", " -5  CONTACT", LINE[HEAD] + 1, "the name of a result block"),
     (" -5  CSHEAR2", " -1  CSHEAR2", LINE[HEAD] + 7, "the name of a component"),
     (HEAD, HEAD[:12] + "      second" + HEAD[24:], LINE[HEAD], "the time of a frame"),
-    (HEAD, HEAD[:24] + f"{7:12d}" + HEAD[36:], LINE[HEAD], "7 records of block CONTACT as announced here, found 2"),
+    (
+        HEAD,
+        HEAD[:24] + f"{7:12d}" + HEAD[36:],
+        LINE[HEAD],
+        "7 records of block CONTACT as announced here, found 2",
+    ),
     (HEAD, HEAD[:24] + "            " + HEAD[36:], LINE[HEAD], "the count of records"),
     (f"{4:12d}{'':37}1\n", f"{5:12d}{'':37}1\n", 4, "5 nodes as announced here, found 4"),
     (f"{1:12d}{'':37}1\n", f"{2:12d}{'':37}1\n", 10, "2 elements as announced here, found 1"),
-    (f" -1{40:10d}{number(0)}{number(1)}", f" -1{3:10d}{number(0)}{number(1)}", 5, "every node once"),
-    (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
+    (
+        f" -1{40:10d}{number(0)}{number(1)}",
+        f" -1{3:10d}{number(0)}{number(1)}",
+        5,
+        "every node once",
+    ),
+    (
+        f" -1{40:10d}{number(0)}{number(1)}",
+        f" -1{40:10d}{number(np.nan)}{number(1)}",
+        5,
+        "finite coordinates",
+    ),
     (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
     (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of a record"),
-    (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
-    (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off after 2 of 2 records of block CONTACT"),
+    (
+        f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n",
+        "",
+        10,
+        "nodes .-2. of every element, found none of element 1",
+    ),
+    (
+        GOOD[GOOD.rindex(" -3") :],
+        "",
+        28,
+        "the file breaks off after 2 of 2 records of block CONTACT",
+    ),
     (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
     (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),
 ]
@@ -860,8 +1227,18 @@ DAT_FAULTS = [
     ("        12 ", "       1.2 ", 9, "the number of a node"),
     ("        12 ", "", 9, "4 numbers"),
     ("    1.0 2.0 3.0 0.0", "    1.0 2.0 0.0", 14, "6 numbers"),
-    ("   center of gravity", "   centre of gravity", 10, "'center of gravity and mean normal' below"),
-    (PRINTOUT[PRINTOUT.index("   center") :], "", 10, "'center of gravity and mean normal' below.*breaks off"),
+    (
+        "   center of gravity",
+        "   centre of gravity",
+        10,
+        "'center of gravity and mean normal' below",
+    ),
+    (
+        PRINTOUT[PRINTOUT.index("   center") :],
+        "",
+        10,
+        "'center of gravity and mean normal' below.*breaks off",
+    ),
     (PRINTOUT, "nothing\n", 0, "no table of CalculiX in it"),
 ]
 
@@ -879,5 +1256,13 @@ def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(
     assert old in whole
     (tmp_path / name).write_text(whole.replace(old, new, 1))
     with pytest.raises(InputError, match=said) as caught:
-        read_frd(tmp_path / name, ("CONTACT", "DISP")) if name == "case.frd" else read_dat(tmp_path / name)
-    assert "expected" not in str(caught.value) or "breaks off" in said or f"{name}: line {line}: expected" in str(caught.value)
+        (
+            read_frd(tmp_path / name, ("CONTACT", "DISP"))
+            if name == "case.frd"
+            else read_dat(tmp_path / name)
+        )
+    assert (
+        "expected" not in str(caught.value)
+        or "breaks off" in said
+        or f"{name}: line {line}: expected" in str(caught.value)
+    )

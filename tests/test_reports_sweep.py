@@ -1,4 +1,6 @@
-"""Sweeps: studies refused in sentences, points and figures that are a study's, losses; in processes of their own and on dask."""
+"""Sweeps: studies refused in sentences, points and figures that are a study's, losses; in processes
+of their own and on dask.
+"""
 
 import errno
 import importlib.util
@@ -46,9 +48,23 @@ from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
 
 F = {"name": "f", "key": "friction.coefficient"}
-PAPER = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [F | {"values": [1.0, 2.0]}]}
-COARSE = {"mesh.element_size": 0.25, "mesh.edge_element_size": 0.125, "mesh.order": 1, "mesh.growth": 1.0}
-BLOCKS = {"scene": "blocks", "engines": ["fe", "exact"], "set": COARSE | {"solver.steps_per_cycle": 24}}
+PAPER = {
+    "scene": "hertz-paper",
+    "engines": ["exact"],
+    "figures": ["exact.dissipation"],
+    "axes": [F | {"values": [1.0, 2.0]}],
+}
+COARSE = {
+    "mesh.element_size": 0.25,
+    "mesh.edge_element_size": 0.125,
+    "mesh.order": 1,
+    "mesh.growth": 1.0,
+}
+BLOCKS = {
+    "scene": "blocks",
+    "engines": ["fe", "exact"],
+    "set": COARSE | {"solver.steps_per_cycle": 24},
+}
 BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
 STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
 SPAN = {"start": 1, "stop": 2, "count": 300}
@@ -64,7 +80,7 @@ def blocks(**changes: Any) -> Study:
     return study(**BLOCKS | changes)
 
 
-# ---------------------------------------------------------------------------------------------------------------- studies
+# ------------------------------------------------------------------------------------------ studies
 
 
 def axis(**keys: Any) -> Axis:
@@ -72,16 +88,33 @@ def axis(**keys: Any) -> Axis:
 
 
 def test_values_of_axes() -> None:
-    steps = [point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).settings()]
+    steps = [
+        point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).settings()
+    ]
     assert steps == pytest.approx([2, 4, 8, 16, 32], rel=1e-15)
     product = grid([axis(values=[1, 2]), axis(name="b", values=["x", "y"])])
     assert [tuple(point.values()) for point in product] == [(1, "x"), (1, "y"), (2, "x"), (2, "y")]
     pairs = axis(name="", names=["base", "sides"], pairs=[["fixed", "free"], ["rollers", "guided"]])
-    assert list(grid([pairs])) == [{"base": "fixed", "sides": "free"}, {"base": "rollers", "sides": "guided"}]
+    assert list(grid([pairs])) == [
+        {"base": "fixed", "sides": "free"},
+        {"base": "rollers", "sides": "guided"},
+    ]
 
 
 REFUSED_ARITHMETIC = (
-    *("__import__('os')", "a.real", "[1]", "1 if a else 2", "b", "1/0", "10**400", "sqrt(-1)", "lambda: 1", "a if", "'x'"),
+    *(
+        "__import__('os')",
+        "a.real",
+        "[1]",
+        "1 if a else 2",
+        "b",
+        "1/0",
+        "10**400",
+        "sqrt(-1)",
+        "lambda: 1",
+        "a if",
+        "'x'",
+    ),
     *("9**9**9**9", "a" * 501, "c", "True", "(-1)**0.5"),
 )
 
@@ -97,10 +130,14 @@ def test_arithmetic_and_nothing_else(text: str) -> None:
     ("changes", "words"),
     [
         ({"axess": []}, "unknown key axess"),
-        ({"engine": ["fe"]}, r"unknown key engine = .*; did you mean engines\?"),  # `engine` is a key of the scene's tables
+        # `engine` is a key of the scene's tables
+        ({"engine": ["fe"]}, r"unknown key engine = .*; did you mean engines\?"),
         ({"axes": [F]}, "exactly one of"),
         ({"axes": [{"name": "f", "values": [1.0]}]}, "moves nothing"),
-        ({"axes": [{"names": ["f", "n"], "keys": ["cycles"], "pairs": [[1, 2]]}]}, "pairs: each row"),
+        (
+            {"axes": [{"names": ["f", "n"], "keys": ["cycles"], "pairs": [[1, 2]]}]},
+            "pairs: each row",
+        ),
         ({"figures": ["error.dissipation"]}, "needs engines"),
         ({"figures": ["exact.nothing"]}, "is none"),
         ({"figures": ["exact.dissipation", "exact.dissipation"]}, "twice"),
@@ -113,14 +150,36 @@ def test_arithmetic_and_nothing_else(text: str) -> None:
         # Every point is checked before anything starts.
         ({"axes": [F | {"values": [1.0, 0.1]}]}, r"point 1 \(f = 0.1\).*gross sliding"),
         ({"axes": [F | {"values": [1.0, -1.0]}]}, r"point 1 \(f = -1\).*friction.coefficient"),
-        ({"axes": [F | {"key": "friktion.coefficient", "values": [1.0]}]}, "the scene has no friktion; known there:.*friction"),
-        ({"axes": [F | {"key": "friction.coeff", "values": [1.0]}]}, r"friction.coeff = 1.0; did you mean coefficient\?"),
-        ({"axes": [F | {"key": "profile.radius", "values": ["x"]}]}, "profile.radius = 'x' is refused: should be a valid number"),
-        ({"axes": [F | {"key": "mesh.size", "values": [1.0]}]}, "mesh.size: there is no such setting"),
-        ({"axes": [F | {"key": "mesh.element_size", "values": [7.0]}]}, "element_size = 7.0 is refused"),
-        ({"axes": [F | {"key": "solver.steps_per_cycle", "values": [7.5]}]}, "it is a whole number"),
+        (
+            {"axes": [F | {"key": "friktion.coefficient", "values": [1.0]}]},
+            "the scene has no friktion; known there:.*friction",
+        ),
+        (
+            {"axes": [F | {"key": "friction.coeff", "values": [1.0]}]},
+            r"friction.coeff = 1.0; did you mean coefficient\?",
+        ),
+        (
+            {"axes": [F | {"key": "profile.radius", "values": ["x"]}]},
+            "profile.radius = 'x' is refused: should be a valid number",
+        ),
+        (
+            {"axes": [F | {"key": "mesh.size", "values": [1.0]}]},
+            "mesh.size: there is no such setting",
+        ),
+        (
+            {"axes": [F | {"key": "mesh.element_size", "values": [7.0]}]},
+            "element_size = 7.0 is refused",
+        ),
+        (
+            {"axes": [F | {"key": "solver.steps_per_cycle", "values": [7.5]}]},
+            "it is a whole number",
+        ),
         ({"axes": [F | {"values": [1.0, 1]}]}, "point 1 .* asks the same as point 0"),
-        (BLOCKS_FE | {"axes": [F | {"key": "bodies.lower.base", "values": ["fixed", "rollers"]}]}, "nothing holds the block"),
+        (
+            BLOCKS_FE
+            | {"axes": [F | {"key": "bodies.lower.base", "values": ["fixed", "rollers"]}]},
+            "nothing holds the block",
+        ),
     ],
 )
 def test_a_wrong_study_is_refused_in_a_sentence(changes: dict[str, Any], words: str) -> None:
@@ -128,10 +187,20 @@ def test_a_wrong_study_is_refused_in_a_sentence(changes: dict[str, Any], words: 
         expand(study(**changes))
 
 
-def test_a_study_file_finds_its_scene_beside_it_and_comes_back_from_its_own_json(tmp_path: Path) -> None:
-    (tmp_path / "own.json").write_text(load_scene("hertz-paper").model_dump_json(), encoding="utf-8")
-    pairs = {"names": ["f", "n"], "keys": ["friction.coefficient", "cycles"], "pairs": [[1.0, 3], [2.0, 4]]}
-    (tmp_path / "study.json").write_text(json.dumps(PAPER | {"scene": "own.json", "axes": [pairs]}), encoding="utf-8")
+def test_a_study_file_finds_its_scene_beside_it_and_comes_back_from_its_own_json(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "own.json").write_text(
+        load_scene("hertz-paper").model_dump_json(), encoding="utf-8"
+    )
+    pairs = {
+        "names": ["f", "n"],
+        "keys": ["friction.coefficient", "cycles"],
+        "pairs": [[1.0, 3], [2.0, 4]],
+    }
+    (tmp_path / "study.json").write_text(
+        json.dumps(PAPER | {"scene": "own.json", "axes": [pairs]}), encoding="utf-8"
+    )
     asked = load_study(tmp_path / "study.json")
     assert asked.scene.profile == load_scene("hertz-paper").profile
     assert study_of(json.loads(asked.model_dump_json()), "again") == asked
@@ -142,18 +211,35 @@ def test_the_study_of_the_docs_is_one() -> None:
     [text] = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
     points = expand(study_of(tomllib.loads(text), "docs/sweeps.md"))
     assert len(points) == 8
-    assert math.isclose(points[-1].question.scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10)
+    assert math.isclose(
+        points[-1].question.scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10
+    )
 
 
 def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
-    axes = [{"name": "r", "values": [500.0]}, {"name": "n", "key": "solver.steps_per_cycle", "values": [48]}]
+    axes = [
+        {"name": "r", "values": [500.0]},
+        {"name": "n", "key": "solver.steps_per_cycle", "values": [48]},
+    ]
     derived = {"k": "1000/r", "profile.radius": "r", "load.mean_normal_load": "90*k"}
     given = {"mesh.element_size": 0.1, "load.initial_loading": "straight"}
-    [point] = expand(study(**BLOCKS_FE | {"scene": "hertz-paper"}, axes=axes, set=given, derived=derived, preset="coarse"))
+    [point] = expand(
+        study(
+            **BLOCKS_FE | {"scene": "hertz-paper"},
+            axes=axes,
+            set=given,
+            derived=derived,
+            preset="coarse",
+        )
+    )
     assert point.question.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
     load = point.question.scene.load.model_dump()
     assert (load["mean_normal_load"], load["initial_loading"]) == (180.0, "straight")
-    assert (point.question.mesh.element_size, point.question.mesh.growth, point.question.solver.steps_per_cycle) == (0.1, 0.5, 48)
+    assert (
+        point.question.mesh.element_size,
+        point.question.mesh.growth,
+        point.question.solver.steps_per_cycle,
+    ) == (0.1, 0.5, 48)
 
 
 def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -163,32 +249,50 @@ def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch
     plain, both = address(), partial(address, engines=["exact", "fe"])
     assert plain == address(title="other", set={"title": "other", "tolerances.shear": 1.0})
     assert plain == address(set={"mesh.element_size": 0.1})  # theory alone has no mesh
-    others = [address(figures=["exact.peak_pressure"]), address(set={"load.mean_tangential_load": 1.0}), both()]
+    others = [
+        address(figures=["exact.peak_pressure"]),
+        address(set={"load.mean_tangential_load": 1.0}),
+        both(),
+    ]
     others += [both(set={"mesh.element_size": 0.1}), both(share_condensations=False)]
     monkeypatch.setattr("reports.sweep.solving.code_versions", lambda: {"code": "other"})
     assert len({plain, *others, address()}) == 7
 
 
 def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The engines, and what a process loads of `reports` that works as a worker does; that each line counts is the store's test."""
+    """The engines, and what a process loads of `reports` that works as a worker does; that each
+    line counts is the store's test.
+    """
     words = "import sys, reports.sweep.solving, reports.comparison.budget\n"
     words += "print(*(name for name in sys.modules if name.startswith('reports.')))"
-    found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT).stdout.split()
+    found = subprocess.run(
+        [sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT
+    ).stdout.split()
     counted: list[str] = []
-    monkeypatch.setattr(solving, "source_digest", lambda *names: "".join(counted.extend(names) or ()))
+    monkeypatch.setattr(
+        solving, "source_digest", lambda *names: "".join(counted.extend(names) or ())
+    )
     code_versions.__wrapped__()
     needed = {"scenes", "semi_analytic", "meshes", "halfplane_fe", *found} - {"reports.sweep"}
-    assert {"reports.comparison.metrics", "reports.comparison.budget", "reports.sweep.solving"} <= needed
-    assert not [name for name in needed if not any(f"{name}.".startswith(f"{whole}.") for whole in counted)]
+    assert {
+        "reports.comparison.metrics",
+        "reports.comparison.budget",
+        "reports.sweep.solving",
+    } <= needed
+    assert not [
+        name for name in needed if not any(f"{name}.".startswith(f"{whole}.") for whole in counted)
+    ]
 
 
 def test_a_module_that_is_missing_has_no_digest() -> None:
     for name in ("reports.gone", "gone", "reports.sweep.gone"):
-        with pytest.raises(InputError, match=f"^{name}: this installation lacks the module's source file"):
+        with pytest.raises(
+            InputError, match=f"^{name}: this installation lacks the module's source file"
+        ):
             source_digest(name)
 
 
-# ------------------------------------------------------------------------------------------------------ figures of a point
+# ------------------------------------------------------------------------------- figures of a point
 
 
 def task(asked: Study, **changes: Any) -> str:
@@ -203,11 +307,18 @@ def answers(asked: Study) -> list[dict[str, Any]]:
 
 def test_the_figures_are_those_of_the_engines() -> None:
     """Also what theory neglects of unlike bodies is noted beside them."""
-    names = ["error.dissipation", "fe.peak_pressure", "exact.permanent_stick_half_width", "stick_edge"]
+    names = [
+        "error.dissipation",
+        "fe.peak_pressure",
+        "exact.permanent_stick_half_width",
+        "stick_edge",
+    ]
     unlike = F | {"key": "material.lower.young_modulus", "values": [7e4]}
     [answer] = answers(blocks(axes=[unlike], figures=names, share_condensations=False))
     scene = load_scene("blocks")
-    scene = scene.vary(material=scene.material.vary(lower=scene.material.lower.vary(young_modulus=7e4)))
+    scene = scene.vary(
+        material=scene.material.vary(lower=scene.material.lower.vary(young_modulus=7e4))
+    )
     mesh = MeshSettings(element_size=0.25, edge_element_size=0.125, order=1, growth=1.0)
     fe = solve_fe(scene, mesh, SolverSettings(steps_per_cycle=24))
     exact = semi_analytic.solve(scene, x=fe.x, time=fe.time)
@@ -218,7 +329,11 @@ def test_the_figures_are_those_of_the_engines() -> None:
         "stick_edge": compare(exact, fe).metric("stick_edge").value,
     }
     assert answer["record"]["converged"]
-    assert [note for note in answer["record"]["notes"] if note.startswith("half-plane theory: Dundurs' beta = -0.14")]
+    assert [
+        note
+        for note in answer["record"]["notes"]
+        if note.startswith("half-plane theory: Dundurs' beta = -0.14")
+    ]
 
 
 def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone(
@@ -235,57 +350,97 @@ def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alon
     assert together[1]["figures"] == alone["figures"]
     assert expand(three)[1].address == expand(one)[0].address
     [own] = answers(asked(axes=[F | {"values": [1.5]}], share_condensations=False))
-    # The coarse run of the group dissipates nothing: what a point states of its W must not come from it.
-    assert any("no uncertainty estimate: its bodies are shared" in note for note in alone["record"]["notes"])
+    # The coarse run of the group dissipates nothing: what a point states of its W must not come
+    # from it.
+    assert any(
+        "no uncertainty estimate: its bodies are shared" in note
+        for note in alone["record"]["notes"]
+    )
     assert not any("uncertain by" in note for note in alone["record"]["notes"])
     # Another mesh of the same size: coarse, so a few per cent.
-    assert alone["figures"]["fe.dissipation"] == pytest.approx(own["figures"]["fe.dissipation"], rel=0.03)
+    assert alone["figures"]["fe.dissipation"] == pytest.approx(
+        own["figures"]["fe.dissipation"], rel=0.03
+    )
 
 
 def test_a_cheap_uncertainty_covers_the_error_of_half_planes() -> None:
-    """Between half-planes the error is that of the mesh, the steps and the far field: known, for theory has none."""
+    """Between half-planes the error is that of the mesh, the steps and the far field: known, for
+    theory has none.
+    """
     names = ["error.dissipation", "error.p0", "error.contact_half_width", "exact.dissipation"]
     given = {"uncertainty": "cheap", "preset": "coarse", "set": {"solver.steps_per_cycle": 48}}
     for answer in answers(study(engines=["fe", "exact"], figures=names, **given)):
         assert "exact.dissipation.uncertainty" not in answer["figures"]
         for name in names[:3]:
-            assert 0 < abs(answer["figures"][name]) <= answer["figures"][f"{name}.uncertainty"], name
+            assert 0 < abs(answer["figures"][name]) <= answer["figures"][f"{name}.uncertainty"], (
+                name
+            )
 
 
-# Constant P and bulk in phase with Q: W of Cattaneo and Mindlin and 2 R em^2 Qm/f for the amplitude em of the bulk strain.
+# Constant P and bulk in phase with Q: W of Cattaneo and Mindlin and 2 R em^2 Qm/f for the amplitude
+# em of the bulk strain.
 PULLED: dict[str, Any] = {
     "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
     "profile": {"kind": "hertz", "radius": 1.0},
     "friction": 1.0,
-    "load": {"kind": "ellipse", "mean_normal_load": 3.0, "tangential_amplitude": 1.8, "phase_degrees": 90.0,
-             "initial_loading": [[3.0, 0.0]],
-             "bulk_stress_lower": {"amplitude": 0.0, "phase_degrees": 90.0, "initial_loading": [0.0]}},
-}  # fmt: skip
-CONSTANT = PULLED | {"load": {"kind": "polygon", "initial_loading": [[3.0, 0.0], [3.0, 1.8]], "cycle": [[3.0, -1.8]]}}
+    "load": {
+        "kind": "ellipse",
+        "mean_normal_load": 3.0,
+        "tangential_amplitude": 1.8,
+        "phase_degrees": 90.0,
+        "initial_loading": [[3.0, 0.0]],
+        "bulk_stress_lower": {"amplitude": 0.0, "phase_degrees": 90.0, "initial_loading": [0.0]},
+    },
+}
+CONSTANT = PULLED | {
+    "load": {"kind": "polygon", "initial_loading": [[3.0, 0.0], [3.0, 1.8]], "cycle": [[3.0, -1.8]]}
+}
 
 
 @pytest.mark.parametrize(
     ("scene", "key", "values", "works"),
     [
-        (PULLED, "load.bulk_stress_lower.amplitude", [0.2, 0.6], [0.6128781396315213 + 0.036, 0.9368781396315213]),
-        (PULLED | {"load": PULLED["load"] | {"bulk_stress_lower": None}}, "load.tilt", [0.0], [0.6128781396315213]),
+        (
+            PULLED,
+            "load.bulk_stress_lower.amplitude",
+            [0.2, 0.6],
+            [0.6128781396315213 + 0.036, 0.9368781396315213],
+        ),
+        (
+            PULLED | {"load": PULLED["load"] | {"bulk_stress_lower": None}},
+            "load.tilt",
+            [0.0],
+            [0.6128781396315213],
+        ),
         (CONSTANT, "load.tilt", [0.0, 0.1], [0.6128781396315213] * 2),
     ],
     ids=["amplitude", "tilt of an ellipse", "tilt of a polygon"],
 )
-def test_a_sweep_goes_over_bulk_stress_and_tilt(scene: dict[str, Any], key: str, values: list[float], works: list[float]) -> None:
-    data = {"scene": scene, "axes": [{"name": "s", "key": key, "values": values}], "engines": ["exact"]}
+def test_a_sweep_goes_over_bulk_stress_and_tilt(
+    scene: dict[str, Any], key: str, values: list[float], works: list[float]
+) -> None:
+    data = {
+        "scene": scene,
+        "axes": [{"name": "s", "key": key, "values": values}],
+        "engines": ["exact"],
+    }
     found = answers(study_of(data | {"figures": ["exact.dissipation"]}, "here"))
     assert {answer["reason"] for answer in found} == {""}
-    assert [answer["figures"]["exact.dissipation"] for answer in found] == pytest.approx(works, rel=1e-9)
+    assert [answer["figures"]["exact.dissipation"] for answer in found] == pytest.approx(
+        works, rel=1e-9
+    )
 
 
-def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     # |Q| = f P at the ends of the cycle: the stick zone has just closed.
     scene = load_scene("cattaneo-mindlin")
     load, shear = next(corner for corner in scene.load.model_dump()["cycle"] if corner[1])
     just = F | {"values": [abs(shear) / load]}
-    [answer] = answers(study(figures=["exact.permanent_stick_half_width"], axes=[just], scene="cattaneo-mindlin"))
+    [answer] = answers(
+        study(figures=["exact.permanent_stick_half_width"], axes=[just], scene="cattaneo-mindlin")
+    )
     assert answer["figures"] == {"exact.permanent_stick_half_width": None}
     assert "there is none" in answer["notes"]["exact.permanent_stick_half_width"]
     partial_solution = semi_analytic.solve(scene)
@@ -298,17 +453,21 @@ def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(mon
     assert answer["record"]["steps"] == len(partial_solution.time)
 
 
-# ------------------------------------------------------------------------------------------------- the loop and its losses
+# -------------------------------------------------------------------------- the loop and its losses
 
 
 class Bench(Processes):
-    """Works at once, in this process; `fault` sees the frictions of a task and may let its worker die.
+    """Works at once, in this process; `fault` sees the frictions of a task and may let its worker
+    die.
 
     With `at_once` the pool is found broken as a task is handed out.
     """
 
     def __init__(
-        self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None, *, at_once: bool = False
+        self,
+        fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None,
+        *,
+        at_once: bool = False,
     ) -> None:
         super().__init__(2)
         self.fault, self.started, self.handed, self.at_once = fault, 0, list[list[float]](), at_once
@@ -321,7 +480,9 @@ class Bench(Processes):
         pass
 
     def submit(self, _solve: object, text: str) -> "Future[str]":
-        frictions = [point["scene"]["friction"]["coefficient"] for point in json.loads(text)["points"]]
+        frictions = [
+            point["scene"]["friction"]["coefficient"] for point in json.loads(text)["points"]
+        ]
         self.handed.append(frictions)
         future: Future[str] = Future()
         fault = self.fault(frictions)
@@ -365,7 +526,12 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert len(values(folder)) == 7
     for friction, work in values(folder).items():
         scene = load_scene("hertz-paper").vary(friction=friction)
-        assert work == semi_analytic.solve(scene, cycles="steady", x=[0.0], fields="dissipation").dissipation
+        assert (
+            work
+            == semi_analytic.solve(
+                scene, cycles="steady", x=[0.0], fields="dissipation"
+            ).dissipation
+        )
     return folder
 
 
@@ -376,9 +542,18 @@ def truth(tmp_path: Path, undisturbed: Path) -> dict[float, float]:
     return values(undisturbed)
 
 
-def dying(at: float, times: int, fault: Callable[[], BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
+def dying(
+    at: float,
+    times: int,
+    fault: Callable[[], BaseException] = BrokenExecutor,
+    *,
+    at_once: bool = False,
+) -> Bench:
     deaths = iter([True] * times)
-    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
+    return Bench(
+        lambda frictions: fault() if at in frictions and next(deaths, False) else None,
+        at_once=at_once,
+    )
 
 
 @pytest.mark.parametrize("fault", [BrokenExecutor, CancelledError])
@@ -387,30 +562,43 @@ def test_a_worker_that_dies_costs_its_own_points_which_are_named_and_solved_by_t
 ) -> None:
     """However often it dies with them: the others have their results."""
     for _ in range(3):
-        with pytest.raises(InputError, match=r"a worker died .*; points without a result: f = 1\.5; all others are stored"):
+        with pytest.raises(
+            InputError,
+            match=r"a worker died .*; points without a result: f = 1\.5; all others are stored",
+        ):
             sweep(dying(1.5, 99, fault))
         assert values(tmp_path / "out") == {f: w for f, w in truth.items() if f != 1.5}
-    assert read_index(tmp_path / "out")["status"].tolist() == ["done"] * 6  # and no row says that it failed
+    # and no row says that it failed
+    assert read_index(tmp_path / "out")["status"].tolist() == ["done"] * 6
     pool = Bench()
     sweep(pool)
     assert (values(tmp_path / "out"), pool.handed) == (truth, [[1.5]])
 
 
-def test_a_pool_that_is_found_broken_is_replaced(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+def test_a_pool_that_is_found_broken_is_replaced(
+    tmp_path: Path, truth: dict[float, float], sweep: Sweep
+) -> None:
     pool = dying(1.5, 3, at_once=True)
     sweep(pool)
     assert (values(tmp_path / "out"), pool.started) == (truth, 4)
 
 
-def test_pools_that_break_one_after_the_other_end_the_sweep_in_a_sentence(tmp_path: Path, sweep: Sweep) -> None:
+def test_pools_that_break_one_after_the_other_end_the_sweep_in_a_sentence(
+    tmp_path: Path, sweep: Sweep
+) -> None:
     """As of a script without a guard: its processes end as they start."""
     pool = dying(1.5, 99, at_once=True)
-    with pytest.raises(InputError, match=r"4 pools of workers died one after the other without a result; a script .*__main__"):
+    with pytest.raises(
+        InputError,
+        match=r"4 pools of workers died one after the other without a result; a script .*__main__",
+    ):
         sweep(pool)
     assert pool.started == 4
 
 
-def test_what_can_not_go_on_ends_in_a_sentence(tmp_path: Path, sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_can_not_go_on_ends_in_a_sentence(
+    tmp_path: Path, sweep: Sweep, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(OSError, match="no such fault"):  # what is nobody's death passes through
         sweep(dying(1.0, 1, partial(OSError, "no such fault")))
     monkeypatch.setattr(solving, "code_versions", lambda: {"code": "other"})
@@ -437,7 +625,9 @@ def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep
     assert truth.items() <= values(tmp_path / "out").items()
 
 
-def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_point_is_a_row_with_its_reason(
+    sweep: Sweep, monkeypatch: pytest.MonkeyPatch
+) -> None:
     original = solving.evaluate
 
     def evaluate(point: Any, fe: Any) -> Any:
@@ -451,8 +641,13 @@ def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pyte
     assert len(done(table)) == 6
 
 
-def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tmp_path: Path) -> None:
-    for asked, most in ((blocks(**SEVEN | {"figures": ["fe.dissipation"]}), 4), (study(axes=[F | {"linear": SPAN}]), 50)):
+def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(
+    tmp_path: Path,
+) -> None:
+    for asked, most in (
+        (blocks(**SEVEN | {"figures": ["fe.dissipation"]}), 4),
+        (study(axes=[F | {"linear": SPAN}]), 50),
+    ):
         for width in (1, 2, 100):
             prepared = prepare(asked, tmp_path)
             handed = running.tasks_of(prepared, width)
@@ -462,7 +657,9 @@ def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(tm
 
 
 DAMAGES: dict[str, Callable[[bytes, bytes], bytes]] = {
-    "digit": lambda one, _: one.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
+    "digit": lambda one, _: one.replace(
+        b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'
+    ),
     "cut": lambda one, _: one[:200],
     "empty": lambda *_: b"",
     "binary": lambda *_: b"\xff\x00\xfe" * 50,
@@ -471,7 +668,9 @@ DAMAGES: dict[str, Callable[[bytes, bytes], bytes]] = {
 
 
 @pytest.mark.parametrize("how", DAMAGES)
-def test_a_damaged_result_is_set_aside_and_made_again(how: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+def test_a_damaged_result_is_set_aside_and_made_again(
+    how: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep
+) -> None:
     store, pool = Store(tmp_path / "truth"), Bench()
     one, other = (store.path(address) for address in sorted(store.addresses())[:2])
     spoilt = DAMAGES[how](one.read_bytes(), other.read_bytes())
@@ -489,12 +688,16 @@ def test_a_result_that_can_not_be_read_is_a_sentence_and_stays(tmp_path: Path) -
     path = store.path(min(store.addresses()))
     path.unlink()
     path.mkdir()
-    with pytest.raises(StoreError, match="this result can't be read: Is a directory; mend that, or name another"):
+    with pytest.raises(
+        StoreError, match="this result can't be read: Is a directory; mend that, or name another"
+    ):
         store.read(path.stem)
     assert path.is_dir()
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG], ids=errno.errorcode.get)
+@pytest.mark.parametrize(
+    "number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG], ids=errno.errorcode.get
+)
 def test_a_full_disk_is_a_sentence_and_loses_nothing(
     number: int,
     tmp_path: Path,
@@ -515,7 +718,11 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
     monkeypatch.setattr(os, "fsync", fsync)
     assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
     words = capsys.readouterr().err
-    assert re.search(r"no room left on the disk.*stays; 3 of 7 points are stored; .* resume with: halfplane sweep", words)
+    assert re.search(
+        r"no room left on the disk.*stays; 3 of 7 points are stored; .* resume with: halfplane"
+        r" sweep",
+        words,
+    )
     monkeypatch.setattr(os, "fsync", real)
     assert len(values(out)) == 3
     assert not list(out.rglob(".halfplane-*"))
@@ -523,7 +730,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
     assert values(out) == truth
 
 
-# ------------------------------------------------------------------------------------------------------------- how far it is
+# ------------------------------------------------------------------------------------ how far it is
 
 
 @pytest.fixture
@@ -531,13 +738,25 @@ def store(tmp_path: Path) -> Store:
     """Three points done."""
     made = Store(tmp_path / "out")
     made.prepare()
-    made.write_plan({"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(3)])
+    made.write_plan(
+        {"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(3)]
+    )
     for number in range(3):
-        made.write({"address": f"{number:064x}", "status": "done", "figures": {"W": 1.0}, "seconds": 1.0, "reason": ""})
+        made.write(
+            {
+                "address": f"{number:064x}",
+                "status": "done",
+                "figures": {"W": 1.0},
+                "seconds": 1.0,
+                "reason": "",
+            }
+        )
     return made
 
 
-def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_state_is_told_though_a_result_goes_meanwhile(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Between the table and the times of its results: set aside by another process, or removed."""
     table = Store.table
 
@@ -550,9 +769,13 @@ def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypa
     assert state_of(store)["points"] == {"done": 3, "failed": 0, "waiting": 0, "total": 3}
 
 
-def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(store: Store) -> None:
+def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
+    store: Store,
+) -> None:
     assert state_of(store)["seconds_left"] is None  # nothing waits
-    store.write_plan({"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(8)])
+    store.write_plan(
+        {"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(8)]
+    )
     for number in range(3):
         os.utime(store.path(f"{number:064x}"), (0, 1000 + 10 * number))
     found = state_of(store)
@@ -560,7 +783,7 @@ def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
     assert found["seconds_left"] == pytest.approx(5 * 10)
 
 
-# ------------------------------------------------------------------------------------------------------ workers and Ctrl-C
+# ------------------------------------------------------------------------------- workers and Ctrl-C
 
 
 @pytest.mark.parametrize(
@@ -576,11 +799,15 @@ def test_options_that_do_not_fit_are_a_sentence(options: dict[str, Any], words: 
 
 
 def test_workers_hear_no_ctrl_c_from_birth() -> None:
-    """A terminal sends it to them too: one that came while they were born ended in their tracebacks."""
+    """A terminal sends it to them too: one that came while they were born ended in their
+    tracebacks.
+    """
     pool = Processes(1)
     pool.start()
     try:
-        assert signal.SIGINT in pool.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(600)
+        assert signal.SIGINT in pool.executor.submit(
+            signal.pthread_sigmask, signal.SIG_BLOCK, []
+        ).result(600)
     finally:
         pool.stop(at_once=True)
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
@@ -608,7 +835,7 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(sweep: 
     assert (rounds, stopped) == (["born"], [True])
 
 
-# ------------------------------------------------------------------------------------------------- pages, pictures, notes
+# --------------------------------------------------------------------------- pages, pictures, notes
 
 
 def test_neglected_coupling_is_noted_in_store_table_and_page(
@@ -617,7 +844,10 @@ def test_neglected_coupling_is_noted_in_store_table_and_page(
     monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
     axes = [F | {"key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
     (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes}), encoding="utf-8")
-    note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    note = (
+        "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear"
+        " tractions is neglected"
+    )
     out = str(tmp_path / "out")
     assert main(["sweep", str(tmp_path / "study.json"), "--out", out, "--quiet"]) == 0
     assert f"note on 1 of 2 points: {note}" in " ".join(capsys.readouterr().out.split())
@@ -632,8 +862,15 @@ def picture(x: Sequence[float], y: Sequence[float] = (), **keys: Any) -> str:
     """The SVG of the first panel of a figure over `x`, or over the product of `x` and `y`."""
     names = ("x", "y")[: 1 + bool(y)]
     points = [dict(zip(names, (a, b), strict=False)) for a in x for b in y or [0.0]]
-    table = pd.DataFrame([{"number": n, **point, "error.p0": 1.0 + n, "status": "done"} for n, point in enumerate(points)])
-    axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])][: len(names)]
+    table = pd.DataFrame(
+        [
+            {"number": n, **point, "error.p0": 1.0 + n, "status": "done"}
+            for n, point in enumerate(points)
+        ]
+    )
+    axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])][
+        : len(names)
+    ]
     [drawn] = draw(table, axes, load_scene("hertz-paper"))
     return stacks(drawn)[0][0].__html__()
 
@@ -646,7 +883,10 @@ def ticks(svg: str, name: str) -> list[str]:
 def test_a_map_has_a_coloured_cell_for_each_value_and_ticks_at_the_values_of_the_study() -> None:
     svg = picture([0.4, 0.6, 0.8], [0.3, 0.6, 0.9])
     assert len(re.findall(r'<rect[^>]*fill="#[0-9a-f]{6}"[^>]*data-label="error.p0 = ', svg)) == 9
-    assert (ticks(svg, "across"), ticks(svg, "upright")) == (["0.4", "0.6", "0.8"], ["0.3", "0.6", "0.9"])
+    assert (ticks(svg, "across"), ticks(svg, "upright")) == (
+        ["0.4", "0.6", "0.8"],
+        ["0.3", "0.6", "0.9"],
+    )
     factors = picture([1.0, 4.0, 16.0, 64.0], logarithmic={"start": 1.0, "stop": 64.0, "count": 4})
     assert ticks(factors, "across") == ["1", "4", "16", "64"]
     for values in ([0.1, 0.11, 1.0, 5.0], [float(n) for n in range(1, 20)]):  # too near, too many
@@ -655,8 +895,10 @@ def test_a_map_has_a_coloured_cell_for_each_value_and_ticks_at_the_values_of_the
         assert max(abs(b - a - shown[1] + shown[0]) for a, b in pairwise(shown)) < 1e-9
 
 
-# ----------------------------------------------------------------------------------------------------- killed, starved and doubled
-needs_dask = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]")
+# ---------------------------------------------------------------------- killed, starved and doubled
+needs_dask = pytest.mark.skipif(
+    not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]"
+)
 POINTS = 500
 STUDY = f"""scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
 [[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {{start = 1.0, stop = 2.0, count = {POINTS}}}\n"""
@@ -667,8 +909,12 @@ BLOCKS_FILE = """scene = "blocks"\nfigures = ["error.dissipation", "stick_edge"]
 """
 
 
-def sweeping(home: Path, *words: str, session: bool = False, **environment: str) -> subprocess.Popen[str]:
-    return start(home, "sweep", *words, session=session, PYTHONPATH=str(home / "code"), **environment)
+def sweeping(
+    home: Path, *words: str, session: bool = False, **environment: str
+) -> subprocess.Popen[str]:
+    return start(
+        home, "sweep", *words, session=session, PYTHONPATH=str(home / "code"), **environment
+    )
 
 
 def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
@@ -681,7 +927,9 @@ def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
 def children(pid: int) -> list[int]:
     """Workers of a client: processes below it that were spawned."""
     psutil = importlib.import_module("psutil")
-    return [one.pid for one in psutil.Process(pid).children() if "spawn_main" in " ".join(one.cmdline())]
+    return [
+        one.pid for one in psutil.Process(pid).children() if "spawn_main" in " ".join(one.cmdline())
+    ]
 
 
 def until(true: Callable[[], bool], client: subprocess.Popen[str]) -> None:
@@ -708,20 +956,29 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def same(home: Path, name: str, study: str = "study") -> None:
-    """All points are there, once, with the figures of the undisturbed sweep, in the results and in index.csv."""
+    """All points are there, once, with the figures of the undisturbed sweep, in the results and in
+    index.csv.
+    """
     columns = [name for name in read_index(home / name).columns if name not in STATUS]
-    found, wanted = (done(read_index(home / folder))[columns].values.tolist() for folder in (name, f"true-{study}"))
+    found, wanted = (
+        done(read_index(home / folder))[columns].values.tolist()
+        for folder in (name, f"true-{study}")
+    )
     assert len(columns) == 4
     assert found == wanted
     assert len(found) == (8 if study == "blocks" else POINTS)
     lines = (home / name / "index.csv").read_text(encoding="utf-8").splitlines()
-    assert [line.split(",")[0] for line in lines[1:]] == [str(number) for number in range(len(wanted))]
+    assert [line.split(",")[0] for line in lines[1:]] == [
+        str(number) for number in range(len(wanted))
+    ]
     assert Store(home / name).damaged() == []
 
 
 @pytest.mark.slow
 def test_nine_interruptions_of_500_points(home: Path) -> None:
-    """Killed, by Ctrl-C, by a batch system: workers end too, what is stored stays, and the last run ends with the truth."""
+    """Killed, by Ctrl-C, by a batch system: workers end too, what is stored stays, and the last run
+    ends with the truth.
+    """
     store, chance, kept = home / "nine", random.Random(19), 0
     for how in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM) * 3:
         client = sweeping(home, "study.toml", "--out", "nine", "--workers", "2")
@@ -732,7 +989,8 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
         client.send_signal(how)
         _, err = finish(client, -how if how == signal.SIGKILL else 128 + how)
         end = time.monotonic() + 600
-        while any(Path(f"/proc/{pid}").exists() for pid in workers):  # they notice that their client is gone
+        # they notice that their client is gone
+        while any(Path(f"/proc/{pid}").exists() for pid in workers):
             assert how == signal.SIGKILL
             assert time.monotonic() < end
             time.sleep(0.1)
@@ -774,7 +1032,9 @@ def test_a_worker_killed_in_mid_point_loses_nothing(home: Path) -> None:
 
 
 class Cluster:
-    """`dask scheduler` and two `dask worker`, as a batch system would keep them; with TLS where `tls` has its options."""
+    """`dask scheduler` and two `dask worker`, as a batch system would keep them; with TLS where
+    `tls` has its options.
+    """
 
     def __init__(self, home: Path, tls: tuple[str, ...] = ()) -> None:
         with socket.socket() as probe:
@@ -805,14 +1065,28 @@ class Cluster:
     def work(self) -> subprocess.Popen[str]:
         return self.begin("dask_worker", self.address, "--nthreads", "1", "--no-nanny")
 
-    def client(self, out: str, study: str = "light.toml", **environment: str) -> subprocess.Popen[str]:
-        return sweeping(self.home, study, "--out", out, "--executor", "dask", "--scheduler", self.address, **environment)
+    def client(
+        self, out: str, study: str = "light.toml", **environment: str
+    ) -> subprocess.Popen[str]:
+        return sweeping(
+            self.home,
+            study,
+            "--out",
+            out,
+            "--executor",
+            "dask",
+            "--scheduler",
+            self.address,
+            **environment,
+        )
 
     def tended(self, client: subprocess.Popen[str]) -> tuple[str, str]:
         """What the client prints; workers that end with their scheduler begin again meanwhile."""
         end = time.monotonic() + 600
         while client.poll() is None and time.monotonic() < end:
-            self.workers = [self.work() if worker.poll() is not None else worker for worker in self.workers]
+            self.workers = [
+                self.work() if worker.poll() is not None else worker for worker in self.workers
+            ]
             time.sleep(0.5)
         return finish(client)
 
@@ -832,7 +1106,9 @@ def cluster(home: Path) -> Iterator[Cluster]:
 @pytest.mark.slow
 @needs_dask
 @pytest.mark.parametrize("who", ["scheduler", "worker"])
-def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, cluster: Cluster) -> None:
+def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(
+    who: str, cluster: Cluster
+) -> None:
     """A scheduler that is gone ends the sweep in a sentence, and the next run resumes it."""
     client = cluster.client(who)
     until(lambda: results(cluster.home / who) >= 50, client)
@@ -841,7 +1117,10 @@ def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, clu
     else:
         cluster.scheduler.kill()
         cluster.scheduler.wait()
-        assert "the scheduler is gone; see to it, then start the sweep again" in finish(client, code=2)[1]
+        assert (
+            "the scheduler is gone; see to it, then start the sweep again"
+            in finish(client, code=2)[1]
+        )
         assert 50 <= results(cluster.home / who) < POINTS
         cluster.scheduler = cluster.schedule()
         client = cluster.client(who)
@@ -852,17 +1131,25 @@ def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, clu
 def listening(pid: int) -> set[str]:
     """Addresses that a process listens at."""
     psutil = importlib.import_module("psutil")  # there with distributed
-    return {one.laddr.ip for one in psutil.Process(pid).net_connections("inet") if one.status == psutil.CONN_LISTEN}
+    return {
+        one.laddr.ip
+        for one in psutil.Process(pid).net_connections("inet")
+        if one.status == psutil.CONN_LISTEN
+    }
 
 
 @pytest.mark.slow
 @needs_dask
-def test_a_cluster_without_an_address_is_of_this_machine_alone_and_outlives_a_worker_and_ctrl_c(home: Path) -> None:
+def test_a_cluster_without_an_address_is_of_this_machine_alone_and_outlives_a_worker_and_ctrl_c(
+    home: Path,
+) -> None:
     words = ("study.toml", "--out", "local", "--executor", "dask", "--workers", "2")
     client = sweeping(home, *words, session=True)
     until(lambda: results(home / "local") >= 50, client)
     workers = children(client.pid)
-    assert {address for pid in (client.pid, *workers) for address in listening(pid)} == {"127.0.0.1"}
+    assert {address for pid in (client.pid, *workers) for address in listening(pid)} == {
+        "127.0.0.1"
+    }
     os.kill(workers[0], signal.SIGKILL)
     until(lambda: results(home / "local") >= 150, client)
     os.killpg(client.pid, signal.SIGINT)  # as a terminal does, to all
@@ -876,24 +1163,55 @@ def test_a_cluster_without_an_address_is_of_this_machine_alone_and_outlives_a_wo
 @needs_dask
 def test_a_scheduler_with_tls_takes_our_certificate_and_nobody_without(home: Path) -> None:
     """And an address where nobody answers is a sentence."""
-    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sweep"]
-    subprocess.run([*make, "-keyout", home / "key.pem", "-out", home / "cert.pem"], check=True, capture_output=True)
-    tls = ("--tls-ca-file", str(home / "cert.pem"), "--tls-cert", str(home / "cert.pem"), "--tls-key", str(home / "key.pem"))
+    make = [
+        "openssl",
+        "req",
+        "-x509",
+        "-newkey",
+        "rsa:2048",
+        "-nodes",
+        "-days",
+        "2",
+        "-subj",
+        "/CN=sweep",
+    ]
+    subprocess.run(
+        [*make, "-keyout", home / "key.pem", "-out", home / "cert.pem"],
+        check=True,
+        capture_output=True,
+    )
+    tls = (
+        "--tls-ca-file",
+        str(home / "cert.pem"),
+        "--tls-cert",
+        str(home / "cert.pem"),
+        "--tls-key",
+        str(home / "key.pem"),
+    )
     cluster = Cluster(home, tls)
     try:
-        config = {"CA_FILE": "cert.pem", "CLIENT__CERT": "cert.pem", "CLIENT__KEY": "key.pem"}  # of dask itself
-        ours = {f"DASK_DISTRIBUTED__COMM__TLS__{name}": str(home / file) for name, file in config.items()}
+        # of dask itself
+        config = {"CA_FILE": "cert.pem", "CLIENT__CERT": "cert.pem", "CLIENT__KEY": "key.pem"}
+        ours = {
+            f"DASK_DISTRIBUTED__COMM__TLS__{name}": str(home / file)
+            for name, file in config.items()
+        }
         cluster.tended(cluster.client("tls", study="blocks.toml", **ours))
         same(home, "tls", "blocks")
         plain = ("--executor", "dask", "--scheduler", f"tcp://127.0.0.1:{cluster.port}")
         for where in (plain, (*plain[:-1], "tcp://127.0.0.1:9")):
-            assert "no dask scheduler answers there" in finish(sweeping(home, "study.toml", "--out", "none", *where), code=2)[1]
+            assert (
+                "no dask scheduler answers there"
+                in finish(sweeping(home, "study.toml", "--out", "none", *where), code=2)[1]
+            )
     finally:
         cluster.end()
 
 
 def refused_to_others(port: int) -> bool:
-    """Whether a process of another user, which knows the port and no certificate, gets no answer of the scheduler."""
+    """Whether a process of another user, which knows the port and no certificate, gets no answer of
+    the scheduler.
+    """
     child = os.fork()
     if child == 0:
         answered = True
@@ -903,8 +1221,12 @@ def refused_to_others(port: int) -> bool:
             context = ssl.create_default_context()
             context.check_hostname = False
             context.verify_mode = ssl.CERT_NONE
-            with socket.create_connection(("127.0.0.1", port), timeout=20) as plain, context.wrap_socket(plain) as secure:
-                answered = bool(secure.recv(1))  # the scheduler speaks first, to those whom it knows
+            with (
+                socket.create_connection(("127.0.0.1", port), timeout=20) as plain,
+                context.wrap_socket(plain) as secure,
+            ):
+                # the scheduler speaks first, to those whom it knows
+                answered = bool(secure.recv(1))
         except OSError:  # among them ssl.SSLError
             answered = False
         finally:
@@ -913,12 +1235,17 @@ def refused_to_others(port: int) -> bool:
 
 
 @needs_dask
-def test_a_local_cluster_has_tls_of_its_own_and_no_dashboard(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_local_cluster_has_tls_of_its_own_and_no_dashboard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     distributed = importlib.import_module("distributed")
     asked: dict[str, Any] = {}
 
     def cluster(**options: Any) -> None:
-        asked.update(options, routes=importlib.import_module("dask.config").get("distributed.scheduler.http.routes"))
+        asked.update(
+            options,
+            routes=importlib.import_module("dask.config").get("distributed.scheduler.http.routes"),
+        )
         raise OSError("enough")
 
     monkeypatch.setattr(distributed, "LocalCluster", cluster)

@@ -1,4 +1,6 @@
-"""A ContactSolution in closed form, without an engine: Cattaneo-Mindlin, P constant, Q cycling. What planted faults start from."""
+"""A ContactSolution in closed form, without an engine: Cattaneo-Mindlin, P constant, Q cycling.
+What planted faults start from.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -17,20 +19,31 @@ EVIL = f"""{SCRIPT}</script><img src=x onerror="document.title='run'"> " onmouse
 
 
 def closed_form_dissipation(scene: Scene) -> float:
-    """W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2], k = Q/(fP): theory.md's constant-P loop, anchors' formula."""
+    """W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2], k = Q/(fP): theory.md's constant-P loop,
+    anchors' formula.
+    """
     f, load, k = scene.friction.coefficient, scene.load.path().at(1.0)[0], LOAD_RATIO
-    return float(2 * compliance(scene.material) * (f * load) ** 2 / np.pi * ((1 - k) * np.log(1 - k) + k - k**2 / 2))
+    return float(
+        2
+        * compliance(scene.material)
+        * (f * load) ** 2
+        / np.pi
+        * ((1 - k) * np.log(1 - k) + k - k**2 / 2)
+    )
 
 
 def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any) -> ContactSolution:
-    """The steady cycle of the library's cattaneo-mindlin scene, times 1 to 4, with named fields replaced by `changed`."""
+    """The steady cycle of the library's cattaneo-mindlin scene, times 1 to 4, with named fields
+    replaced by `changed`.
+    """
     scene = load_scene("cattaneo-mindlin")
     f, a = scene.friction.coefficient, HALF_WIDTH
     time = np.linspace(1.0, 4.0, 3 * steps_per_leg + 1)
     normal, tangential = scene.load.path().at(time)
     load = float(normal[0])
     x = np.linspace(-1.3 * a, 1.3 * a, points)
-    # Share of the full amplitude since the last turn of Q, which is what slips anew: Mindlin's superposition.
+    # Share of the full amplitude since the last turn of Q, which is what slips anew: Mindlin's
+    # superposition.
     turn = np.where(time <= 2.0, -1.0, np.where(time <= 3.0, 1.0, -1.0)) * LOAD_RATIO * f * load
     since = np.abs(tangential - turn) / (2 * f * load)
     sense = np.sign(tangential - turn)
@@ -78,7 +91,13 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
 
 def with_fields(solution: ContactSolution, **changed: Any) -> ContactSolution:
     """`solution` with fields replaced, arrays frozen."""
-    return replace(solution, **{name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v for name, v in changed.items()})
+    return replace(
+        solution,
+        **{
+            name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v
+            for name, v in changed.items()
+        },
+    )
 
 
 def evil() -> Comparison:
@@ -88,8 +107,14 @@ def evil() -> Comparison:
     record = replace(truth.record, notes=(EVIL,), message=EVIL)
     own = {"record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}, "engine": EVIL}
     truth = replace(truth, scene=truth.scene.vary(**words, units=f"{EVIL}, {EVIL}, MPa"), **own)
-    wrong = {"pressure": 1.01 * truth.pressure, "shear": 0.99 * truth.shear, "slip": truth.slip + 1e-4}
-    return replace(compare(truth, with_fields(truth, **wrong), polygon_reference=truth), notes=(EVIL,))
+    wrong = {
+        "pressure": 1.01 * truth.pressure,
+        "shear": 0.99 * truth.shear,
+        "slip": truth.slip + 1e-4,
+    }
+    return replace(
+        compare(truth, with_fields(truth, **wrong), polygon_reference=truth), notes=(EVIL,)
+    )
 
 
 def _hertz(x: np.ndarray, a: float, load: float, size: Any) -> np.ndarray:
@@ -98,18 +123,24 @@ def _hertz(x: np.ndarray, a: float, load: float, size: Any) -> np.ndarray:
 
 
 def _shear(x: np.ndarray, a: float, load: float, f: float, share: np.ndarray) -> np.ndarray:
-    """First loading to Q = share f P: f p(x) less the same over the stick zone c = a sqrt(1 - share)."""
+    """First loading to Q = share f P: f p(x) less the same over the stick zone c = a sqrt(1 -
+    share).
+    """
     stick = a * np.sqrt(1 - share)[:, None]
     return f * (_hertz(x, a, load, a) - _hertz(x, a, load, stick))
 
 
 def _shift(scene: Scene, load: float, share: Any) -> np.ndarray:
-    """U = (A f/pi) int_{P_c}^{P} ln(2L/a(eta)) d eta, P_c = P (1 - share), a^2 proportional to eta."""
+    """U = (A f/pi) int_{P_c}^{P} ln(2L/a(eta)) d eta, P_c = P (1 - share), a^2 proportional to
+    eta.
+    """
     f, length = scene.friction.coefficient, scene.profile.datum_length
     start = load * (1 - np.asarray(share))
 
     def primitive(eta: np.ndarray) -> np.ndarray:
-        return eta * (np.log(2 * length / HALF_WIDTH) + 0.5 * np.log(load)) - 0.5 * (eta * np.log(eta) - eta)
+        return eta * (np.log(2 * length / HALF_WIDTH) + 0.5 * np.log(load)) - 0.5 * (
+            eta * np.log(eta) - eta
+        )
 
     return compliance(scene.material) * f / np.pi * (primitive(np.asarray(load)) - primitive(start))
 
@@ -123,7 +154,9 @@ def test_tractions_carry_the_loads() -> None:
 
 
 def test_loop_work_is_the_closed_form_and_converges_at_second_order() -> None:
-    """Two independent ways to W: the loop of the closed-form shift, and the closed form of the dissipation."""
+    """Two independent ways to W: the loop of the closed-form shift, and the closed form of the
+    dissipation.
+    """
     expected = closed_form_dissipation(load_scene("cattaneo-mindlin"))
     errors = [loop_work(last_cycle(cattaneo_mindlin(steps))) / expected - 1 for steps in (40, 80)]
     assert abs(errors[1]) < 1e-3

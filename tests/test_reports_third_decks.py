@@ -1,4 +1,6 @@
-"""Third solver: decks read by a strict parser, a script in CalculiX' place, and (slow) CalculiX itself on the decks."""
+"""Third solver: decks read by a strict parser, a script in CalculiX' place, and (slow) CalculiX
+itself on the decks.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,14 @@ import pytest
 
 from reports import cli
 from reports.console import Stages
-from reports.third.calculix import Attempt, calculix_version, find_calculix, run_calculix, solve_with_calculix, status
+from reports.third.calculix import (
+    Attempt,
+    calculix_version,
+    find_calculix,
+    run_calculix,
+    solve_with_calculix,
+    status,
+)
 from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import ConvergenceError, InputError, load_scene, scene_names
 
@@ -27,11 +36,20 @@ import third  # noqa: E402
 
 sys.path.remove(str(BENCHMARKS))
 
-COARSE = DeckSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=20.0, growth=0.6, steps_per_cycle=16)
-SCENES = ("hertz-paper", "cattaneo-mindlin", "pad-on-block", "layer", "cylinder-roller-frictionless")
+COARSE = DeckSettings(
+    element_size=1 / 8, edge_element_size=1 / 16, far_radius=20.0, growth=0.6, steps_per_cycle=16
+)
+SCENES = (
+    "hertz-paper",
+    "cattaneo-mindlin",
+    "pad-on-block",
+    "layer",
+    "cylinder-roller-frictionless",
+)
 
-# Every keyword that a deck may have: parameters needed and allowed ("?"), and the kinds of the entries of a data line: i integer,
-# f number with a point, w word, "+" any count of the one before; none: no data line.
+# Every keyword that a deck may have: parameters needed and allowed ("?"), and the kinds of the
+# entries of a data line: i integer, f number with a point, w word, "+" any count of the one before;
+# none: no data line.
 KEYWORDS: dict[str, tuple[str, str | None]] = {
     "HEADING": ("", None),
     "NODE": ("NSET", "ifff"),
@@ -59,13 +77,25 @@ KEYWORDS: dict[str, tuple[str, str | None]] = {
     "NODE PRINT": ("NSET FREQUENCY", "w+"),
 }
 IN_STEP = {"STATIC", "CLOAD", "DLOAD", "CONTROLS", "END STEP"}
-BEFORE_STEPS = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQUATION", "AMPLITUDE", "CONTACT PAIR"}
+BEFORE_STEPS = {
+    "NODE",
+    "ELEMENT",
+    "NSET",
+    "SURFACE",
+    "MATERIAL",
+    "ELASTIC",
+    "EQUATION",
+    "AMPLITUDE",
+    "CONTACT PAIR",
+}
 
 Card = tuple[str, dict[str, str], list[list[str]]]
 
 
 def parse(text: str) -> list[Card]:
-    """(keyword, parameters, data lines) of a deck; ValueError at the first line outside the closed set."""
+    """(keyword, parameters, data lines) of a deck; ValueError at the first line outside the closed
+    set.
+    """
     cards: list[Card] = []
     inside = False
     for line in text.splitlines():
@@ -153,38 +183,62 @@ class TestText:
         assert [row[0] for row in elements] == list(range(1, len(elements) + 1))
         used = {node for row in elements for node in row[1:]}
         assert used | {reference} == nodes == set(range(1, reference + 1))
-        sets = {parameters["NSET"]: data for keyword, parameters, data in cards if keyword == "NSET"}
+        sets = {
+            parameters["NSET"]: data for keyword, parameters, data in cards if keyword == "NSET"
+        }
         assert set(sets) == {"LOWER_FACE_NODES", "UPPER_FACE_NODES"}
         for data in sets.values():
             members = [int(word) for row in data for word in row]
             assert len(members) > 10
             assert set(members) <= used
-        names = {parameters["NAME"] for keyword, parameters, _ in cards if keyword.startswith("SURFACE") and "NAME" in parameters}
+        names = {
+            parameters["NAME"]
+            for keyword, parameters, _ in cards
+            if keyword.startswith("SURFACE") and "NAME" in parameters
+        }
         pair = next(card for card in cards if card[0] == "CONTACT PAIR")
         assert {*pair[2][0], pair[1]["INTERACTION"]} == names
         held = data_of(cards, "BOUNDARY")
         assert {int(row[0]) for row in held} <= nodes
         assert any(row[1] == "2" for row in held)
 
-    def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(self, name: str) -> None:
+    def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(
+        self, name: str
+    ) -> None:
         cards, deck, scene = cards_of(name), deck_of(name), load_scene(name)
         tables = amplitudes(cards)
         path = scene.load.path()
         time = tables["NORMAL_LOAD"][:, 0] + path.start
-        loads = dict(zip(("NORMAL_LOAD", "TANGENTIAL_LOAD"), path.at(np.minimum(time, deck.time[-1])), strict=True))
+        loads = dict(
+            zip(
+                ("NORMAL_LOAD", "TANGENTIAL_LOAD"),
+                path.at(np.minimum(time, deck.time[-1])),
+                strict=True,
+            )
+        )
         for key, values in loads.items():
-            assert np.allclose(tables[key][:, 1], values, rtol=0, atol=1e-10 * loads["NORMAL_LOAD"].max())
+            assert np.allclose(
+                tables[key][:, 1], values, rtol=0, atol=1e-10 * loads["NORMAL_LOAD"].max()
+            )
         ends = np.cumsum([float(row[1]) for row in data_of(cards, "STATIC")])
-        assert np.allclose(ends[1:], tables["NORMAL_LOAD"][1:, 0], rtol=1e-10), "the first step is the touch"
+        assert np.allclose(ends[1:], tables["NORMAL_LOAD"][1:, 0], rtol=1e-10), (
+            "the first step is the touch"
+        )
         assert 0 < ends[0] < ends[1]
-        signs = {parameters["AMPLITUDE"]: data[0] for keyword, parameters, data in cards if keyword == "CLOAD"}
+        signs = {
+            parameters["AMPLITUDE"]: data[0]
+            for keyword, parameters, data in cards
+            if keyword == "CLOAD"
+        }
         assert signs["NORMAL_LOAD"] == [str(deck.reference), "2", "-1."]
         assert ("TANGENTIAL_LOAD" in signs) == (scene.friction.coefficient > 0)
 
 
 @pytest.mark.parametrize("name", SCENES)
 class TestBodies:
-    def test_elements_fill_the_bodies_and_the_face_is_one_chain_of_their_sides(self, name: str) -> None:
+    def test_elements_fill_the_bodies_and_the_face_is_one_chain_of_their_sides(
+        self, name: str
+    ) -> None:
         deck = deck_of(name)
         for body in (deck.lower, deck.upper):
             areas = body.areas()
@@ -194,18 +248,27 @@ class TestBodies:
             assert abs((areas * x).sum() / areas.sum()) < 1e-9 * np.abs(body.nodes).max()
             cells = body.elements[body.contact_faces[:, 0] - body.first_element]
             side, rows = body.contact_faces[:, 1] - 1, np.arange(len(cells))
-            # Anticlockwise: the lower body's face is passed through from right to left, the upper one's from left to right.
+            # Anticlockwise: the lower body's face is passed through from right to left, the upper
+            # one's from left to right.
             ends = [cells[rows, side], cells[rows, (side + 1) % 4]]
             left, right = ends[::-1] if body is deck.lower else ends
-            assert (body.nodes[right - body.first_node, 0] > body.nodes[left - body.first_node, 0]).all()
+            assert (
+                body.nodes[right - body.first_node, 0] > body.nodes[left - body.first_node, 0]
+            ).all()
             assert np.array_equal(np.unique([left, right]), np.unique(body.contact_nodes))
             assert len(side) == len(body.contact_nodes) - 1
 
     def test_upper_plane_carries_every_node_of_its_support(self, name: str) -> None:
         deck = deck_of(name)
         tied = [tuple(map(float, row)) for row in data_of(cards_of(name), "EQUATION")[1::2]]
-        assert len(tied) == len({row[:2] for row in tied}) == sum(len(nodes) for nodes in deck.upper.held.values())
-        assert all(row[3] == deck.reference and row[1] == row[4] and row[2] == -row[5] for row in tied)
+        assert (
+            len(tied)
+            == len({row[:2] for row in tied})
+            == sum(len(nodes) for nodes in deck.upper.held.values())
+        )
+        assert all(
+            row[3] == deck.reference and row[1] == row[4] and row[2] == -row[5] for row in tied
+        )
         assert {row[1] for row in tied} == {1.0, 2.0}
 
 
@@ -213,12 +276,19 @@ def test_the_gap_is_the_scenes_profile_and_true_faces_stay_as_they_are_made() ->
     """Unequal sides are cut as they are."""
     at = np.linspace(-4.0, 4.0, 161)
     points = np.stack([at, np.where(at < 0, 2e-3, 5e-4) * at**2], axis=1).tolist()
-    unequal = load_scene("hertz-paper").vary(profile={"kind": "tabulated", "points": points, "symmetric": False})
-    for deck, close in ((deck_of("hertz-paper"), 1e-15), (build_deck(unequal, COARSE, deck_of("hertz-paper").scales), 1e-9)):
+    unequal = load_scene("hertz-paper").vary(
+        profile={"kind": "tabulated", "points": points, "symmetric": False}
+    )
+    for deck, close in (
+        (deck_of("hertz-paper"), 1e-15),
+        (build_deck(unequal, COARSE, deck_of("hertz-paper").scales), 1e-9),
+    ):
         x, y = deck.upper.nodes[deck.upper.contact_nodes - deck.upper.first_node].T
         assert np.allclose(y, deck.scene.profile.height(x), rtol=0, atol=close)
         far = np.abs(deck.upper.nodes[:, 0]) > 3 * x.max()
-        assert deck.upper.nodes[far, 1].min() < 4 * y.max(), "the continuation of the gap stays bounded"
+        assert deck.upper.nodes[far, 1].min() < 4 * y.max(), (
+            "the continuation of the gap stays bounded"
+        )
     deck = deck_of("cylinder-roller-frictionless")
     x, y = deck.upper.nodes[deck.upper.contact_nodes - deck.upper.first_node].T
     assert np.allclose(y, 50 - np.sqrt(50**2 - x**2), rtol=0, atol=1e-9)
@@ -235,39 +305,66 @@ def imposed(bodies: dict[str, Any] | None = None, **load: Any) -> Deck:
     return build_deck(scene, COARSE, deck_of("hertz-paper").scales)
 
 
-def moved(deck: Deck, text: str, nodes: dict[tuple[int, int], float]) -> dict[tuple[int, int], float]:
-    """What the equations make of (node, direction) by the movements of the nodes that drive them."""
+def moved(
+    deck: Deck, text: str, nodes: dict[tuple[int, int], float]
+) -> dict[tuple[int, int], float]:
+    """What the equations make of (node, direction) by the movements of the nodes that drive
+    them.
+    """
     found = {}
     for row in data_of(parse(text), "EQUATION")[1::2]:
-        terms = [(int(a), int(b), float(c)) for a, b, c in zip(row[::3], row[1::3], row[2::3], strict=True)]
+        terms = [
+            (int(a), int(b), float(c))
+            for a, b, c in zip(row[::3], row[1::3], row[2::3], strict=True)
+        ]
         first = terms[0]
-        found[first[:2]] = -sum(factor * nodes[node, way] for node, way, factor in terms[1:]) / first[2]
+        found[first[:2]] = (
+            -sum(factor * nodes[node, way] for node, way, factor in terms[1:]) / first[2]
+        )
     return found
 
 
-@pytest.mark.parametrize("turn", [{"tilt": 1e-3}, {"moment": 4.0}, {"line_of_action": {"x": 0.1, "height": 2.0}}, {}], ids=str)
-def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turns(turn: dict[str, Any]) -> None:
+@pytest.mark.parametrize(
+    "turn",
+    [{"tilt": 1e-3}, {"moment": 4.0}, {"line_of_action": {"x": 0.1, "height": 2.0}}, {}],
+    ids=str,
+)
+def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turns(
+    turn: dict[str, Any],
+) -> None:
     deck = imposed(bulk_stress_lower=WAVE, bulk_stress_upper=-7.0, **turn)
     path, size, last = deck.scene.load.path(), deck.scales.half_width, len(deck.time) - 1
     text = deck_text(deck)
     cards = parse(text)
     tables = amplitudes(cards)
-    # u = eps (x, -nu/(1 - nu) y) of a uniform stress along x in plane strain, and a turn that opens the gap at x > 0.
+    # u = eps (x, -nu/(1 - nu) y) of a uniform stress along x in plane strain, and a turn that opens
+    # the gap at x > 0.
     nu, young = 0.3, 210e3
     time = deck.time[last]
     stresses = 3 + 20 * math.cos(time - math.pi / 2), -7.0
     strains = [stress * (1 - nu**2) / young for stress in stresses]
     for name, strain in zip(("LOWER", "UPPER"), strains, strict=True):
         assert tables[f"{name}_STRAIN"][last, 1] == pytest.approx(strain * size, rel=1e-9)
-    nodes = {(deck.strained, way): strain * size for way, strain in zip((1, 2), strains, strict=True)}
+    nodes = {
+        (deck.strained, way): strain * size for way, strain in zip((1, 2), strains, strict=True)
+    }
     alpha = 1e-3 if "tilt" in turn else 2e-3
-    nodes |= {(deck.turning, 1): alpha * size * bool(turn), (deck.reference, 1): 0.02, (deck.reference, 2): -0.05}
+    nodes |= {
+        (deck.turning, 1): alpha * size * bool(turn),
+        (deck.reference, 1): 0.02,
+        (deck.reference, 2): -0.05,
+    }
     found = moved(deck, text, nodes)
-    for body, strain, plane, turned in ((deck.lower, strains[0], (0.0, 0.0), 0.0), (deck.upper, strains[1], (0.02, -0.05), alpha)):
+    for body, strain, plane, turned in (
+        (deck.lower, strains[0], (0.0, 0.0), 0.0),
+        (deck.upper, strains[1], (0.02, -0.05), alpha),
+    ):
         for way, numbers in body.held.items():
             x, y = body.nodes[numbers - body.first_node].T
             stretched = strain * (x if way == 1 else -nu / (1 - nu) * y)
-            wanted = plane[way - 1] + stretched + (turned if turn else 0.0) * (-y if way == 1 else x)
+            wanted = (
+                plane[way - 1] + stretched + (turned if turn else 0.0) * (-y if way == 1 else x)
+            )
             # On the lower arc nothing moves the node at x = 0 along x, which is held.
             by_equation = [found.get((node, way), 0.0) for node in numbers.tolist()]
             assert by_equation == pytest.approx(wanted, rel=1e-9, abs=1e-15)
@@ -278,11 +375,18 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
         p, q = path.at(time)
         moment = 4.0 if "moment" in turn else 0.1 * p + 2 * q
         assert tables["MOMENT"][last, 1] == pytest.approx(moment / size, rel=1e-9)
-        pushes = [row for k, parameters, data in cards if k == "CLOAD" and parameters["AMPLITUDE"] == "MOMENT" for row in data]
+        pushes = [
+            row
+            for k, parameters, data in cards
+            if k == "CLOAD" and parameters["AMPLITUDE"] == "MOMENT"
+            for row in data
+        ]
         assert pushes == [[str(deck.turning), "1", "-1."]]  # what M does on -alpha
     # A node that an equation moves is not held as well, and what drives it is.
     held = {(int(row[0]), int(row[1])) for row in data_of(cards, "BOUNDARY")}
-    assert {(node, way) for way, numbers in deck.lower.held.items() for node in numbers.tolist()} <= held | found.keys()
+    assert {
+        (node, way) for way, numbers in deck.lower.held.items() for node in numbers.tolist()
+    } <= held | found.keys()
     assert not held & found.keys()
     assert {(deck.strained, 1), (deck.strained, 2)} <= held
 
@@ -300,7 +404,8 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
             for element, face, factor in data:
                 k = int(face[1:]) - 1
                 start, end = (places[corners[int(element)][n] - 1] for n in (k, (k + 1) % 4))
-                inward = np.array([-(end - start)[1], (end - start)[0]])  # corners go round anticlockwise
+                # corners go round anticlockwise
+                inward = np.array([-(end - start)[1], (end - start)[0]])
                 total += float(factor) * inward
             forces[parameters["AMPLITUDE"]] = total
     tables = {name: rows[:, 1] for name, rows in amplitudes(cards).items()}
@@ -309,10 +414,14 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
         side = height if "RIGHT" in name else -height
         # The gap is cut into the upper block, also at its ends.
         assert force == pytest.approx([side, 0.0], rel=1e-9 if "LOWER" in name else 1e-3, abs=1e-12)
-    assert set(forces) == {f"{body}_{side}_END" for body in ("LOWER", "UPPER") for side in ("LEFT", "RIGHT")}
+    assert set(forces) == {
+        f"{body}_{side}_END" for body in ("LOWER", "UPPER") for side in ("LEFT", "RIGHT")
+    }
     left, right = (tables[f"LOWER_{side}_END"] for side in ("LEFT", "RIGHT"))
     q, stress = tables["TANGENTIAL_LOAD"], deck.bulk_stress[0]
-    assert (right - left) * height + q == pytest.approx(0 * q, abs=1e-9), "nothing is left for what keeps it from drifting"
+    assert (right - left) * height + q == pytest.approx(0 * q, abs=1e-9), (
+        "nothing is left for what keeps it from drifting"
+    )
     assert (left + right) / 2 == pytest.approx(stress, abs=1e-9)
     assert tables["UPPER_LEFT_END"] == pytest.approx(tables["UPPER_RIGHT_END"])
 
@@ -320,13 +429,27 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
 @pytest.mark.parametrize(
     ("bodies", "load", "words"),
     [
-        ({"lower": BLOCK, "upper": BLOCK | {"base": "rollers"}}, {"bulk_stress_upper": 5.0}, "a deck holds Q by the rigid plane"),
-        ({"lower": BLOCK | {"sides": "guided"}}, {"bulk_stress_lower": 5.0}, "nothing pulls the ends of the lower body"),
-        ({"upper": {"kind": "pad", "width": 6.0, "height": 8.0}}, {"bulk_stress_upper": 5.0}, "nothing pulls the ends of the"),
+        (
+            {"lower": BLOCK, "upper": BLOCK | {"base": "rollers"}},
+            {"bulk_stress_upper": 5.0},
+            "a deck holds Q by the rigid plane",
+        ),
+        (
+            {"lower": BLOCK | {"sides": "guided"}},
+            {"bulk_stress_lower": 5.0},
+            "nothing pulls the ends of the lower body",
+        ),
+        (
+            {"upper": {"kind": "pad", "width": 6.0, "height": 8.0}},
+            {"bulk_stress_upper": 5.0},
+            "nothing pulls the ends of the",
+        ),
     ],
     ids=["upper on rollers", "guided sides", "pad"],
-)  # fmt: skip
-def test_what_a_deck_can_not_pull_is_refused(bodies: dict[str, Any], load: dict[str, Any], words: str) -> None:
+)
+def test_what_a_deck_can_not_pull_is_refused(
+    bodies: dict[str, Any], load: dict[str, Any], words: str
+) -> None:
     with pytest.raises(InputError, match=words):
         imposed(bodies, **load)
 
@@ -336,7 +459,11 @@ def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> N
     whole = third.whole_cylinder(half)
     assert whole.upper.areas().min() > 0
     assert whole.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
-    assert len(np.unique(whole.upper.nodes.round(9), axis=0)) == len(whole.upper.nodes) == whole.reference - whole.upper.first_node
+    assert (
+        len(np.unique(whole.upper.nodes.round(9), axis=0))
+        == len(whole.upper.nodes)
+        == whole.reference - whole.upper.first_node
+    )
     loaded = whole.upper.nodes[whole.upper.held[2] - whole.upper.first_node]
     assert loaded[:, 1].max() == pytest.approx(100.0)
     assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
@@ -350,7 +477,9 @@ def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
     for load in (deck.normal_load, deck.tangential_load):
         assert np.isclose(load[begin], load[-1])
     assert np.isclose(deck.time[-1] - deck.time[begin], 2 * path.period), "two revolutions"
-    assert np.isclose(deck_of("cattaneo-mindlin").tangential_load.max(), 27.186859502219357, rtol=1e-12), "vertices are instants"
+    assert np.isclose(
+        deck_of("cattaneo-mindlin").tangential_load.max(), 27.186859502219357, rtol=1e-12
+    ), "vertices are instants"
 
 
 def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
@@ -402,9 +531,15 @@ def stand_in(folder: Path, body: str) -> Path:
     return program
 
 
-def test_the_status_file_has_accepted_and_rejected_attempts_and_maybe_half_a_line(tmp_path: Path) -> None:
+def test_the_status_file_has_accepted_and_rejected_attempts_and_maybe_half_a_line(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "deck.sta").write_text(STA + "     2          2     1", encoding="utf-8")
-    assert status(tmp_path / "deck.sta") == [Attempt(False, 60, 0.0), Attempt(True, 9, 0.0625), Attempt(True, 15, 0.25)]
+    assert status(tmp_path / "deck.sta") == [
+        Attempt(False, 60, 0.0),
+        Attempt(True, 9, 0.0625),
+        Attempt(True, 15, 0.25),
+    ]
     assert status(tmp_path / "none.sta") == []
 
 
@@ -416,7 +551,14 @@ def test_a_run_that_reaches_its_end_counts_increments_and_iterations(tmp_path: P
         seen.append(state)
         (tmp_path / "seen").touch()
 
-    done = run_calculix(stand_in(tmp_path, "until [ -e seen ]; do sleep 0.05; done"), tmp_path, "deck", 0.25, 300.0, report)
+    done = run_calculix(
+        stand_in(tmp_path, "until [ -e seen ]; do sleep 0.05; done"),
+        tmp_path,
+        "deck",
+        0.25,
+        300.0,
+        report,
+    )
     assert (done.increments, done.iterations) == (2, 84)
     assert seen[-1][:2] == (100, 100)
 
@@ -428,25 +570,59 @@ def interrupted(*_: object) -> None:
 @pytest.mark.parametrize(
     ("body", "end", "limit", "report", "fault", "words"),
     [
-        ("echo '*ERROR: cutbacks'; exit 201", 0.25, 300.0, None, ConvergenceError, "exit code 201 .* cutbacks"),
-        ("echo 'Job finished'; exit 0", 1.0, 300.0, None, ConvergenceError, "exit code 0 at time 0.25 of 1.*Job finished"),
-        ("exec sleep 20", 1.0, 0.5, None, ConvergenceError, "time limit of 0.5 s at time 0.25 of 1"),
+        (
+            "echo '*ERROR: cutbacks'; exit 201",
+            0.25,
+            300.0,
+            None,
+            ConvergenceError,
+            "exit code 201 .* cutbacks",
+        ),
+        (
+            "echo 'Job finished'; exit 0",
+            1.0,
+            300.0,
+            None,
+            ConvergenceError,
+            "exit code 0 at time 0.25 of 1.*Job finished",
+        ),
+        (
+            "exec sleep 20",
+            1.0,
+            0.5,
+            None,
+            ConvergenceError,
+            "time limit of 0.5 s at time 0.25 of 1",
+        ),
         ("exec sleep 20", 1.0, 300.0, interrupted, KeyboardInterrupt, "^$"),
     ],
     ids=["failed", "short", "late", "interrupted"],
 )
 def test_a_run_that_stops_early_is_reported_with_the_end_of_its_log_and_its_process_is_gone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, end: float, limit: float, report: Any, fault: Any, words: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    body: str,
+    end: float,
+    limit: float,
+    report: Any,
+    fault: Any,
+    words: str,
 ) -> None:
     started, popen = [], subprocess.Popen
-    monkeypatch.setattr(subprocess, "Popen", lambda *given, **how: started.append(popen(*given, **how)) or started[0])
+    monkeypatch.setattr(
+        subprocess,
+        "Popen",
+        lambda *given, **how: started.append(popen(*given, **how)) or started[0],
+    )
     with pytest.raises(fault, match=words):
         run_calculix(stand_in(tmp_path, body), tmp_path, "deck", end, limit, report)
     code = {"exec sleep 20": -signal.SIGKILL}.get(body, 201 * ("201" in body))
     assert started[0].returncode == code
 
 
-def test_the_program_is_found_with_its_version_or_named_with_make_peers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_program_is_found_with_its_version_or_named_with_make_peers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.chdir(tmp_path)  # the stand-in leaves files where it is called
     assert calculix_version(stand_in(tmp_path, "echo 'This is Version 2.20'")) == "2.20"
     assert calculix_version(stand_in(tmp_path, "true")) == "of unknown version"
@@ -464,24 +640,33 @@ def test_every_scene_of_the_library_makes_a_deck(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not on PATH: make peers installs it")
+@pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="ccx is not on PATH: make peers installs it"
+)
 class TestCalculix:
     # Measured with CalculiX 2.20 beside each figure; the limit is half as much again.
     @pytest.mark.parametrize(
         ("name", "limits"),
         [
             ("hertz-normal", {"peak_pressure": 0.0018, "pressure": 0.08}),  # 0.0012, 0.052
-            ("cattaneo-mindlin", {"dissipation": 0.03, "peak_pressure": 0.006, "pressure": 0.026, "shear": 0.075}),
+            (
+                "cattaneo-mindlin",
+                {"dissipation": 0.03, "peak_pressure": 0.006, "pressure": 0.026, "shear": 0.075},
+            ),
         ],
     )
-    def test_tractions_and_work_are_those_of_theory(self, name: str, limits: dict[str, float]) -> None:
+    def test_tractions_and_work_are_those_of_theory(
+        self, name: str, limits: dict[str, float]
+    ) -> None:
         third = solve_with_calculix(load_scene(name), DeckSettings(cycles=1), Stages(quiet=True))
         assert not third.failure
         comparison: Any = third.comparison
         for key, limit in limits.items():
             assert abs(comparison.metric(key).value) < limit, key
         result = comparison.result
-        assert np.allclose(result.normal_load[1:], comparison.scene.load.path().at(result.time[1:])[0], rtol=2e-3)
+        assert np.allclose(
+            result.normal_load[1:], comparison.scene.load.path().at(result.time[1:])[0], rtol=2e-3
+        )
 
     def test_run_leaves_three_columns_and_a_time_limit_the_rest(
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -502,5 +687,7 @@ class TestCalculix:
         monkeypatch.setattr("reports.third.calculix.TIME_LIMIT", 1.0)
         assert cli.main([*words[:-2], str(late), "--quiet"]) == 3
         assert "time limit of 1 s" in capsys.readouterr().err.replace("\n", " ")
-        assert "time limit" in json.loads((late / "third.json").read_text(encoding="utf-8"))["failure"]
+        assert (
+            "time limit" in json.loads((late / "third.json").read_text(encoding="utf-8"))["failure"]
+        )
         assert not (late / "third.nc").exists()

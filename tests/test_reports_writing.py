@@ -1,4 +1,6 @@
-"""A report: strict JSON, a page that needs no network and runs no word from outside; notebook, charts."""
+"""A report: strict JSON, a page that needs no network and runs no word from outside; notebook,
+charts.
+"""
 
 import csv
 import io
@@ -47,7 +49,17 @@ from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fi
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
 FIGURES = {
-    *("bodies", "cycle", "slip_history", "tractions", "load_path", "hysteresis", "half_widths", "state_map", "dissipation_density"),
+    *(
+        "bodies",
+        "cycle",
+        "slip_history",
+        "tractions",
+        "load_path",
+        "hysteresis",
+        "half_widths",
+        "state_map",
+        "dissipation_density",
+    ),
     "errors",
 }
 
@@ -62,7 +74,9 @@ def comparison() -> Comparison:
 @pytest.fixture(scope="module")
 def folder(comparison: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("report") / "deep" / "out"
-    page = write(comparison, out, command="halfplane run 'my scene.toml'", seconds={"finite elements": 1.5})
+    page = write(
+        comparison, out, command="halfplane run 'my scene.toml'", seconds={"finite elements": 1.5}
+    )
     assert page == out / "report.html"
     return out
 
@@ -80,14 +94,23 @@ def test_everything_is_there(folder: Path) -> None:
     files = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     tables = {f"figures/{name}.csv" for name in FIGURES}
     assert tables <= files
-    assert files - tables == {"report.html", "comparison.json", "reference.nc", "result.nc", "scene.json", MANIFEST}
+    assert files - tables == {
+        "report.html",
+        "comparison.json",
+        "reference.nc",
+        "result.nc",
+        "scene.json",
+        MANIFEST,
+    }
     assert set(read_json(folder / MANIFEST)["files"]) == files
 
 
 def test_what_is_not_finite_becomes_null_and_is_said(tmp_path: Path) -> None:
     pressure = TRUTH.pressure.copy()
     pressure[3, 30] = np.nan
-    write(compare(TRUTH, with_fields(TRUTH, pressure=pressure, dissipation=np.inf)), tmp_path / "out")
+    write(
+        compare(TRUTH, with_fields(TRUTH, pressure=pressure, dissipation=np.inf)), tmp_path / "out"
+    )
     stored = read_json(tmp_path / "out" / "comparison.json")
     for key in ("pressure", "dissipation"):
         assert stored["metrics"][key]["value"] is None
@@ -98,7 +121,9 @@ def test_what_is_not_finite_becomes_null_and_is_said(tmp_path: Path) -> None:
 
 def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison) -> None:
     for drawing in draw(Report(comparison)):
-        with (folder / "figures" / f"{drawing.name}.csv").open(encoding="utf-8", newline="") as stream:
+        with (folder / "figures" / f"{drawing.name}.csv").open(
+            encoding="utf-8", newline=""
+        ) as stream:
             rows = list(csv.DictReader(stream))
         assert list(rows[0]) == list(drawing.table)
         for name, column in drawing.table.items():
@@ -111,41 +136,64 @@ def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison)
             assert np.array_equal(stored, TRUTH.state[:, np.abs(TRUTH.x) <= 1.12])
 
 
-def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_works(tmp_path: Path, folder: Path) -> None:
-    """P = 3, Q = +-1.8, eps = +-0.3 (E* = R = f = 1): W in closed form; where U alone is drawn, nobody may take it for that."""
+def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_works(
+    tmp_path: Path, folder: Path
+) -> None:
+    """P = 3, Q = +-1.8, eps = +-0.3 (E* = R = f = 1): W in closed form; where U alone is drawn,
+    nobody may take it for that.
+    """
     work = 0.9368781396315213
     load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]}
     load |= {"bulk_stress_lower": (0.0, 0.6, -0.6), "tilt": 0.0}
     soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
-    scene = Scene.model_validate({"material": soft, "profile": profile, "friction": 1.0, "load": load})
-    exact = semi_analytic.solve(scene, x=np.linspace(-2.4, 2.4, 81), time=np.linspace(4.0, 6.0, 161))
+    scene = Scene.model_validate(
+        {"material": soft, "profile": profile, "friction": 1.0, "load": load}
+    )
+    exact = semi_analytic.solve(
+        scene, x=np.linspace(-2.4, 2.4, 81), time=np.linspace(4.0, 6.0, 161)
+    )
     comparison = compare(exact, exact)
     write(comparison, tmp_path / "out")
     content, plain = (read_json(path / "comparison.json") for path in (tmp_path / "out", folder))
     assert (
-        "The lower body is under a bulk stress from −0.6 to 0.6 MPa along x. The upper body is tilted by 0 rad."
-        in content["question"]
+        "The lower body is under a bulk stress from −0.6 to 0.6 MPa along x. The upper body is"
+        " tilted by 0 rad." in content["question"]
     )
     assert " under bulk stress and tilt" in content["headline"]
     assert "bulk" not in plain["question"] + plain["headline"]
     answer = content["reference"]
     assert answer["loop_work"] == pytest.approx(work, rel=1e-10)
-    assert (answer["permanent_stick_left"], answer["permanent_stick_right"]) == pytest.approx((-0.93607744, 1.53607744), abs=1e-7)
+    assert (answer["permanent_stick_left"], answer["permanent_stick_right"]) == pytest.approx(
+        (-0.93607744, 1.53607744), abs=1e-7
+    )
     beside = {"bulk_work", "permanent_stick_left", "permanent_stick_right"}
     assert beside <= answer.keys()
     assert not beside & plain["reference"].keys()
     # Both works by the rows of the figure's table, and their sum.
-    rows = list(csv.DictReader((tmp_path / "out" / "figures" / "hysteresis.csv").read_text(encoding="utf-8").splitlines()))
+    rows = list(
+        csv.DictReader(
+            (tmp_path / "out" / "figures" / "hysteresis.csv")
+            .read_text(encoding="utf-8")
+            .splitlines()
+        )
+    )
     force, shift = (np.array([float(row[name]) for row in rows]) for name in ("Q", "U_reference"))
     loop = float(np.trapezoid(force, shift))
     assert loop + answer["bulk_work"] == pytest.approx(work, rel=1e-3)
     assert abs(loop / work - 1) > 0.1
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    for words in ("With bulk stress that is not the dissipation", "of it −∮", "ε = σ/E′", "σ, lower body"):
+    for words in (
+        "With bulk stress that is not the dissipation",
+        "of it −∮",
+        "ε = σ/E′",
+        "σ, lower body",
+    ):
         assert words in page, words
         assert words not in (folder / "report.html").read_text(encoding="utf-8"), words
     shown = dict(summary_rows(exact))
-    assert float(next(shown[name] for name in shown if name.startswith("closed integral of (Q dU - m_q"))) == pytest.approx(work)
+    assert float(
+        next(shown[name] for name in shown if name.startswith("closed integral of (Q dU - m_q"))
+    ) == pytest.approx(work)
     assert any(name.startswith("of it by bulk stress") for name in shown)
     assert not any("m_q" in name for name, _ in summary_rows(TRUTH))
 
@@ -155,11 +203,16 @@ def test_the_map_of_states_and_the_table_say_one_share() -> None:
     found = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
     assert found.metric("state").value
     captions = {plate.name: plate.caption for plate in draw(Report(found))}
-    assert f" They differ over {value_of(found.metric('state'))} of the length in contact" in captions["state_map"]
+    assert (
+        f" They differ over {value_of(found.metric('state'))} of the length in contact"
+        in captions["state_map"]
+    )
 
 
 class Page(HTMLParser):
-    """Tags with attributes, words, and what could run: scripts, frames, handlers, addresses that are code or lie elsewhere."""
+    """Tags with attributes, words, and what could run: scripts, frames, handlers, addresses that
+    are code or lie elsewhere.
+    """
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -173,8 +226,14 @@ class Page(HTMLParser):
         for name, value in attrs:
             address = str(value).strip().lower()
             code = name.startswith("on") or address.startswith(("javascript:", "data:text/html"))
-            elsewhere = name in {"href", "src", "xlink:href", "action"} and address.startswith(("http", "//"))
-            if code or elsewhere or (tag == "img" and name == "src" and not address.startswith("data:image/")):
+            elsewhere = name in {"href", "src", "xlink:href", "action"} and address.startswith(
+                ("http", "//")
+            )
+            if (
+                code
+                or elsewhere
+                or (tag == "img" and name == "src" and not address.startswith("data:image/"))
+            ):
                 self.dangers.append((tag, name, value))
         if tag in {"iframe", "object", "embed", "base", "form"}:
             self.dangers.append((tag, "", ""))
@@ -192,7 +251,9 @@ def test_page_needs_no_network(page: Page, folder: Path) -> None:
     """Figures are inside; every other address is a file of the folder or a place on the page."""
     places = {attributes["id"] for _, attributes in page.found if "id" in attributes}
     names = ("src", "href", "action", "data", "poster", "srcset")
-    for address in (value for _, attributes in page.found for name in names if (value := attributes.get(name))):
+    for address in (
+        value for _, attributes in page.found for name in names if (value := attributes.get(name))
+    ):
         if address.startswith("#"):
             assert address[1:] in places
         elif not address.startswith("data:image/png;base64,"):
@@ -204,15 +265,31 @@ def test_page_needs_no_network(page: Page, folder: Path) -> None:
 
 def test_page_says_what_it_is_and_is_not(page: Page) -> None:
     text = " ".join(" ".join(page.words).split())
-    sentences = ("two codes agreeing is not validation", "Not within tolerance.", "halfplane run 'my scene.toml'", "not assessed")
-    for words in (*sentences, "Through the cycle", "Stick and slip", "Dissipation of a cycle", "Admissible", "Work"):
+    sentences = (
+        "two codes agreeing is not validation",
+        "Not within tolerance.",
+        "halfplane run 'my scene.toml'",
+        "not assessed",
+    )
+    for words in (
+        *sentences,
+        "Through the cycle",
+        "Stick and slip",
+        "Dissipation of a cycle",
+        "Admissible",
+        "Work",
+    ):
         assert words in text
 
 
 def test_page_has_every_figure_with_words_for_it(page: Page) -> None:
     figures = [attributes for tag, attributes in page.found if tag == "figure"]
     assert len(figures) == len(FIGURES)
-    panels = [attributes for tag, attributes in page.found if tag == "svg" and attributes.get("role") == "img"]
+    panels = [
+        attributes
+        for tag, attributes in page.found
+        if tag == "svg" and attributes.get("role") == "img"
+    ]
     assert len(panels) > len(FIGURES)
     assert all(attributes["aria-label"] for attributes in (*figures, *panels))
     identities = [attributes["id"] for _, attributes in page.found if "id" in attributes]
@@ -233,7 +310,9 @@ class TestNotebook:
             assert len(shown.findall(".//tr")) == 10 + scene.load.has_bulk_or_tilt
             assert {element.tag for element in shown.iter()} <= TABLE
 
-    def test_the_table_of_a_solution_and_that_of_a_comparison_with_its_verdict(self, comparison: Comparison) -> None:
+    def test_the_table_of_a_solution_and_that_of_a_comparison_with_its_verdict(
+        self, comparison: Comparison
+    ) -> None:
         solution = semi_analytic.solve(load_scene("hertz-paper"))
         shown = ET.fromstring(solution._repr_html_())
         assert [element.tag for element in shown.iter()].count("table") == 1
@@ -250,29 +329,59 @@ class TestNotebook:
 
     def test_words_from_outside_are_escaped(self) -> None:
         found = evil()
-        nothing = with_fields(found.result, tangential_displacement=np.full(len(TRUTH.time), np.nan))
+        nothing = with_fields(
+            found.result, tangential_displacement=np.full(len(TRUTH.time), np.nan)
+        )
         for shown in (found.scene, found.result, nothing, found, Report(found)):
             words = shown._repr_html_()
             assert EVIL in "".join(ET.fromstring(words).itertext())
             assert (Page(words).scripts, Page(words).dangers) == (0, [])
 
 
-# ------------------------------------------------------------------------------------ words from outside on pages and in tables
+# -------------------------------------------------------- words from outside on pages and in tables
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A report and a sweep in which every word from outside is an attack."""
     home = tmp_path_factory.mktemp("evil")
-    axis = {"name": "f", "label": EVIL, "unit": EVIL, "key": "friction.coefficient", "values": [1.0, 1.5]}
-    words = {"names": [EVIL, "g"], "keys": ["title", "cycles"], "pairs": [["=1+1", 1], [EVIL, 2], ["@x", 3]]}
-    content = {"scene": "hertz-paper", "title": EVIL, "purpose": EVIL, "engines": ["exact"], "figures": ["exact.dissipation"]}
+    axis = {
+        "name": "f",
+        "label": EVIL,
+        "unit": EVIL,
+        "key": "friction.coefficient",
+        "values": [1.0, 1.5],
+    }
+    words = {
+        "names": [EVIL, "g"],
+        "keys": ["title", "cycles"],
+        "pairs": [["=1+1", 1], [EVIL, 2], ["@x", 3]],
+    }
+    content = {
+        "scene": "hertz-paper",
+        "title": EVIL,
+        "purpose": EVIL,
+        "engines": ["exact"],
+        "figures": ["exact.dissipation"],
+    }
     study = study_of(content | {"axes": [axis, words]}, "evil")
     store, points = Store(home / "sweep"), expand(study)
     store.prepare()
-    store.write_plan(json.loads(study.model_dump_json()), [Planned(p.number, p.address, p.coordinates) for p in points])
+    store.write_plan(
+        json.loads(study.model_dump_json()),
+        [Planned(p.number, p.address, p.coordinates) for p in points],
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(running, "workers_of", lambda **_: Bench())
         running.run(study, store.folder)
-    store.write({"address": points[0].address, "status": "failed", "values": {}, "figures": {}, "seconds": 1.0, "reason": EVIL})
+    store.write(
+        {
+            "address": points[0].address,
+            "status": "failed",
+            "values": {},
+            "figures": {},
+            "seconds": 1.0,
+            "reason": EVIL,
+        }
+    )
     report = write(Report(evil(), guesses=(EVIL,)), home / "report", command=EVIL, log=(EVIL,))
     return {"report": report, "sweep": write_page(store)}
 
@@ -300,8 +409,21 @@ def test_a_browser_runs_nothing_of_a_sweep(pages: dict[str, Path]) -> None:
     browser = shutil.which("chromium")
     if browser is None:
         pytest.skip("needs chromium")
-    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run([*command, pages["sweep"].as_uri()], capture_output=True, text=True, timeout=1200, check=True)
+    command = [
+        browser,
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--virtual-time-budget=3000",
+        "--dump-dom",
+    ]
+    done = subprocess.run(
+        [*command, pages["sweep"].as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=1200,
+        check=True,
+    )
     assert "<title>run</title>" not in done.stdout
     assert "&lt;script&gt;" in done.stdout
 
@@ -310,7 +432,9 @@ def cells(text: str) -> list[str]:
     return [cell for row in csv.reader(io.StringIO(text)) for cell in row]
 
 
-@pytest.mark.parametrize("formula", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", " =1"])
+@pytest.mark.parametrize(
+    "formula", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", " =1"]
+)
 def test_formulas_in_tables_are_text(formula: str) -> None:
     assert harmless(formula).startswith("'")
     written = cells(table_text({formula: [1.0], "words": [formula]}))
@@ -320,13 +444,18 @@ def test_formulas_in_tables_are_text(formula: str) -> None:
 def test_numbers_in_tables_stay_and_no_table_has_a_formula(pages: dict[str, Path]) -> None:
     for number in ("-1", "+1e-3", "-inf", "0", "", "1.5"):
         assert harmless(number) == number
-    found = [cell for page in pages.values() for path in page.parent.rglob("*.csv") for cell in cells(path.read_text("utf-8"))]
+    found = [
+        cell
+        for page in pages.values()
+        for path in page.parent.rglob("*.csv")
+        for cell in cells(path.read_text("utf-8"))
+    ]
     assert len(found) > 1000
     assert [cell for cell in found if harmless(cell) != cell] == []
     assert {"'=1+1", "'@x"} <= set(found)
 
 
-# ------------------------------------------------------------------------------------------ charts: on the page and alone
+# -------------------------------------------------------------------- charts: on the page and alone
 NASTY = "<b>$x_1$ & \\frac{1}{2}"
 
 
@@ -343,15 +472,30 @@ def plate(name: str = "all") -> Plate:
         Arrow((0.1, 0.1), (0.3, 0.6)),
         Note(0.5, 0.9, NASTY),
     ]
-    plain = Panel("plain", Axis(0.0, 1.0, "x / a_ref"), Axis(0.0, 1.0, NASTY), marks, NASTY, notes=["rms 1 % of p_ref"])
-    log = Panel("log", Axis(0.1, 10.0, "x", log=True), Axis(1e-3, 1.0, "y", log=True), [Curve(x + 0.1, x + 1e-3, "c0")], "log")
+    plain = Panel(
+        "plain",
+        Axis(0.0, 1.0, "x / a_ref"),
+        Axis(0.0, 1.0, NASTY),
+        marks,
+        NASTY,
+        notes=["rms 1 % of p_ref"],
+    )
+    log = Panel(
+        "log",
+        Axis(0.1, 10.0, "x", log=True),
+        Axis(1e-3, 1.0, "y", log=True),
+        [Curve(x + 0.1, x + 1e-3, "c0")],
+        "log",
+    )
     bitmap = Bitmap(np.eye(3, dtype=np.uint8), ("#ff0000", "#00ff00"))
     pixels = Panel("map", Axis(0.0, 1.0, "x"), Axis(0.0, 1.0, "y"), [bitmap], "map")
     keys = Key("c1 dash", NASTY), Key("pale-stick", "band", True)
     return Plate(name, NASTY, "", "", (plain, Cell((log, pixels), 3)), {"x": x}, keys)
 
 
-def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style_sheet_on_a_light_page() -> None:
+def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style_sheet_on_a_light_page() -> (
+    None
+):
     shown = {
         "x / a_ref": "x / a<sub>ref</sub>",
         "A f² P_ref²": "A f² P<sub>ref</sub>²",
@@ -360,29 +504,45 @@ def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style
         "": "",
     }
     assert {text: marked(text) for text in shown} == shown
-    wanted = {"stroke": "#a83400", "stroke-width": "1.3", "stroke-dasharray": "6 2.5", "fill": "none"}
+    wanted = {
+        "stroke": "#a83400",
+        "stroke-width": "1.3",
+        "stroke-dasharray": "6 2.5",
+        "fill": "none",
+    }
     assert wanted.items() <= dict(style_of("curve f q")).items()
     assert style_of("body lower")["fill"] == "#cfe3f2"
     assert style_of("title", text=True)["font-size"] == "13"  # not that of a phone
 
 
 def test_every_figure_stands_alone_and_can_be_published() -> None:
-    """No variable of the page, no class of it, nothing of other figures, and XML that any reader takes, with its own words."""
+    """No variable of the page, no class of it, nothing of other figures, and XML that any reader
+    takes, with its own words.
+    """
     compared = compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))
     alone_by_name = {one.name: figure(compared, one.name) for one in draw(Report(compared))}
     assert all(len(alone) > 2000 for alone in alone_by_name.values())
     for alone in (*alone_by_name.values(), plate().svg()):
         root = ET.fromstring(alone)
         assert root.tag.endswith("svg")
-        assert not [word for word in ("var(", "<use", "class=", "data-", "{{") if word in alone.replace("data:image/png", "")]
-    words = ["".join(element.itertext()) for element in root.iter("{http://www.w3.org/2000/svg}text")]
+        assert not [
+            word
+            for word in ("var(", "<use", "class=", "data-", "{{")
+            if word in alone.replace("data:image/png", "")
+        ]
+    words = [
+        "".join(element.itertext()) for element in root.iter("{http://www.w3.org/2000/svg}text")
+    ]
     assert "x / aref" in words
-    assert (words.count(NASTY), words.count(NASTY.replace("_", ""))) == (0, 3)  # its subscript is set
+    # its subscript is set
+    assert (words.count(NASTY), words.count(NASTY.replace("_", ""))) == (0, 3)
     assert "#123456" in alone
     assert alone == plate().svg()
 
 
-def test_a_script_gets_each_figure_by_the_name_of_its_values(comparison: Comparison, tmp_path: Path) -> None:
+def test_a_script_gets_each_figure_by_the_name_of_its_values(
+    comparison: Comparison, tmp_path: Path
+) -> None:
     """Those of the page in a report's folder, and a sentence with the names for any other."""
     write(comparison, tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out" / "figures").glob("*.csv")}
@@ -390,27 +550,51 @@ def test_a_script_gets_each_figure_by_the_name_of_its_values(comparison: Compari
     drawn = {one.name: one for one in draw(Report(comparison))}
     for name in names:
         assert figure(comparison, name) == figure(Report(comparison), name) == drawn[name].svg()
-    with pytest.raises(InputError, match=r"'traction' is no figure of this comparison; its figures are .*\btractions\b"):
+    with pytest.raises(
+        InputError,
+        match=r"'traction' is no figure of this comparison; its figures are .*\btractions\b",
+    ):
         figure(comparison, "traction")
 
 
 def test_every_plot_of_a_difference_carries_its_number() -> None:
-    """5 % more pressure: rms and the largest are those of p/p_ref, and the place is where p is largest."""
-    plates = {p.name: p for p in draw(Report(compare(TRUTH, with_fields(TRUTH, pressure=1.05 * TRUTH.pressure))))}
+    """5 % more pressure: rms and the largest are those of p/p_ref, and the place is where p is
+    largest.
+    """
+    plates = {
+        p.name: p
+        for p in draw(Report(compare(TRUTH, with_fields(TRUTH, pressure=1.05 * TRUTH.pressure))))
+    }
     cell = plates["tractions"].panels[0]
     assert isinstance(cell, Cell)
     p, q = cell.panels[1].notes
     # Hertz: the mean of p^2/p0^2 is 2/3, of 47 points 0.654.
     assert p == "p: rms 4 %, largest 5 % at x = 0 a_ref"
     assert q.startswith("q: rms 0 %, largest 0 % at")
-    noted = {name for name, plate in plates.items() for stack in stacks(plate) for panel in stack if panel.notes}
-    assert {"tractions", "cycle", "half_widths", "slip_history", "dissipation_density", "hysteresis"} <= noted
+    noted = {
+        name
+        for name, plate in plates.items()
+        for stack in stacks(plate)
+        for panel in stack
+        if panel.notes
+    }
+    assert {
+        "tractions",
+        "cycle",
+        "half_widths",
+        "slip_history",
+        "dissipation_density",
+        "hysteresis",
+    } <= noted
     assert "they differ" in plates["state_map"].panels[2].title  # type: ignore[union-attr]
 
 
 def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> None:
     blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
-    found = compare(with_fields(TRUTH, scene=blocks), with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure))
+    found = compare(
+        with_fields(TRUTH, scene=blocks),
+        with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure),
+    )
     assert found.verdict is None
     (plate,) = (one for one in draw(Report(found)) if one.name == "errors")
     assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)

@@ -1,4 +1,6 @@
-"""The library itself: honest tags, expected numbers with sources that the engine named meets, list and page."""
+"""The library itself: honest tags, expected numbers with sources that the engine named meets, list
+and page.
+"""
 
 from __future__ import annotations
 
@@ -47,12 +49,15 @@ WANTED = 16
 QUICK = ("blocks", "cylinder-roller-frictionless", "layer", "full-stick")
 
 
-# ------------------------------------------------------------------------------------------------------------- the table
+# ---------------------------------------------------------------------------------------- the table
 def test_the_library_is_large_enough_and_nothing_stands_twice() -> None:
     assert len(NAMES) >= WANTED
     assert len(set(NAMES)) == len(NAMES)
     found = [load_scene(name) for name in NAMES]
-    for texts in ([scene.title for scene in found], [scene.vary(name="").model_dump_json() for scene in found]):
+    for texts in (
+        [scene.title for scene in found],
+        [scene.vary(name="").model_dump_json() for scene in found],
+    ):
         assert len(set(texts)) == len(texts)
     assert all(re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name) for name in NAMES)
 
@@ -62,7 +67,10 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
     load, kinds = scene.load, {scene.bodies.lower.kind, scene.bodies.upper.kind}
     path = load.path()
     turns = np.concatenate(
-        [np.stack(leg.loads(np.linspace(leg.start, leg.end, 9)), axis=1) for leg in path.cycle or path.initial_loading]
+        [
+            np.stack(leg.loads(np.linspace(leg.start, leg.end, 9)), axis=1)
+            for leg in path.cycle or path.initial_loading
+        ]
     )
     wide = np.linalg.svd(turns - turns.mean(axis=0), compute_uv=False)
     periodic = path.period is not None
@@ -92,15 +100,21 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_sources(name: str) -> None:
+def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_sources(
+    name: str,
+) -> None:
     scene = load_scene(name)
     assert set(scene.tags) <= set(tags())
     assert len(set(scene.tags)) == len(scene.tags)
     assert {tag: tag in scene.tags for tag in honest_tags(scene)} == honest_tags(scene)
     assert scene.purpose
     assert scene.source
-    assert {one.engine for one in scene.expected} >= {THEORY} | ({FINITE} if not scene.bodies.half_planes else set())
-    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(scene.expected)
+    assert {one.engine for one in scene.expected} >= {THEORY} | (
+        {FINITE} if not scene.bodies.half_planes else set()
+    )
+    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(
+        scene.expected
+    )
     assert all(len(one.source) > 10 for one in scene.expected)
     # Something in each scene is somebody else's number, whatever may be frozen beside it.
     assert [one for one in scene.expected if not one.source.startswith("our own")]
@@ -112,8 +126,9 @@ def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
     assert [scene.name for scene in tagged(("pad", "unlike"))] == ["flat-pad-on-block"]
 
 
-# ------------------------------------------------------------------------------------------------- met by the engine named
-# By half-plane theory: test_semi_analytic_fields.py, one solution of each scene for the laws and for these numbers.
+# -------------------------------------------------------------------------- met by the engine named
+# By half-plane theory: test_semi_analytic_fields.py, one solution of each scene for the laws and
+# for these numbers.
 @pytest.mark.parametrize("name", NAMES)
 def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: str) -> None:
     """Those of the default settings, which test_reports_published holds to the code."""
@@ -127,18 +142,27 @@ def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: st
             assert abs(value / one.value - 1) <= one.tolerance, one
 
 
-@pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in EVERY])
+@pytest.mark.parametrize(
+    "name",
+    [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in EVERY],
+)
 def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
-    """Elements of a/8 and a/32: pressure and half-width to 4 %, dissipation to 15 % (worst: 13.2 %, flat-pad-on-block).
+    """Elements of a/8 and a/32: pressure and half-width to 4 %, dissipation to 15 % (worst: 13.2 %,
+    flat-pad-on-block).
 
-    One number states a larger tolerance of its own: the published roller's stress on linear elements of 1.5 mm.
+    One number states a larger tolerance of its own: the published roller's stress on linear
+    elements of 1.5 mm.
     """
     scene = scene_of(name)
     solution = halfplane_fe.solve(scene, mesh=MeshSettings.coarse())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
     for finding in laws.expected_numbers(scene, [solution]):
-        limit = 0.15 if finding.expected.quantity == "dissipation" else max(0.04, finding.expected.tolerance)
+        limit = (
+            0.15
+            if finding.expected.quantity == "dissipation"
+            else max(0.04, finding.expected.tolerance)
+        )
         assert abs(finding.difference) <= limit, finding
 
 
@@ -150,21 +174,31 @@ def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
     assert not [one for one in findings if not one.met]
 
 
-# ---------------------------------------------------------------------------------- sources that are neither of the engines
+# ---------------------------------------------------------- sources that are neither of the engines
 def value_of(name: str, quantity: str) -> float:
     """The expected number of the finite elements."""
-    return next(one.value for one in scene_of(name).expected if (one.engine, one.quantity) == (FINITE, quantity))
+    return next(
+        one.value
+        for one in scene_of(name).expected
+        if (one.engine, one.quantity) == (FINITE, quantity)
+    )
 
 
 def modulus(scene: Scene) -> float:
-    return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in (scene.material.lower, scene.material.upper))
+    return 1 / sum(
+        (1 - body.poisson_ratio**2) / body.young_modulus
+        for body in (scene.material.lower, scene.material.upper)
+    )
 
 
-def periodic(e_star: float, radius: float, distance: float, half_width: float, terms: int = 120) -> tuple[float, float]:
+def periodic(
+    e_star: float, radius: float, distance: float, half_width: float, terms: int = 120
+) -> tuple[float, float]:
     """Load and peak pressure of one of a row of parabolas.
 
-    h'(x) = (2/(E* W)) PV int p cot(pi (x - s)/W) ds; with t = tan(pi x/W) the kernel is 1/(t - tau) for an even p, and
-    p = sum c_k sin(k theta), t = tan(pi a/W) cos(theta), gives PV int p d tau/(t - tau) = pi sum c_k cos(k theta).
+    h'(x) = (2/(E* W)) PV int p cot(pi (x - s)/W) ds; with t = tan(pi x/W) the kernel is 1/(t - tau)
+    for an even p, and p = sum c_k sin(k theta), t = tan(pi a/W) cos(theta), gives PV int p d tau/(t
+    - tau) = pi sum c_k cos(k theta).
     """
     reach = math.tan(math.pi * half_width / distance)
     theta = (2 * np.arange(terms) + 1) * np.pi / (2 * terms)
@@ -174,15 +208,26 @@ def periodic(e_star: float, radius: float, distance: float, half_width: float, t
     nodes, weights = np.polynomial.legendre.leggauss(200)
     angle, weights = (nodes + 1) * np.pi / 2, weights * np.pi / 2
     along = distance / math.pi * reach * np.sin(angle) / (1 + (reach * np.cos(angle)) ** 2)
-    return float(weights @ (np.sin(np.outer(angle, k)) @ c * along)), float(np.sin(k * np.pi / 2) @ c)
+    return float(weights @ (np.sin(np.outer(angle, k)) @ c * along)), float(
+        np.sin(k * np.pi / 2) @ c
+    )
 
 
 def test_numbers_of_the_row_of_contacts() -> None:
     """Contacts far from each other are those of Hertz."""
     assert periodic(1.0, 1.0, 1e4, 1.0) == pytest.approx((math.pi / 4, 0.5), rel=1e-6)
     scene = scene_of("row-of-contacts")
-    e_star, load, distance = modulus(scene), scene.load.initial_loading[0][0], scene.bodies.lower.width
-    half_width = brentq(lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load, 0.5, 1.3, xtol=1e-14)
+    e_star, load, distance = (
+        modulus(scene),
+        scene.load.initial_loading[0][0],
+        scene.bodies.lower.width,
+    )
+    half_width = brentq(
+        lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load,
+        0.5,
+        1.3,
+        xtol=1e-14,
+    )
     assert value_of("row-of-contacts", "largest_half_width") == pytest.approx(half_width, rel=1e-10)
     peak = periodic(e_star, scene.profile.radius, distance, half_width)[1]
     assert value_of("row-of-contacts", "largest_pressure") == pytest.approx(peak, rel=1e-10)
@@ -192,7 +237,12 @@ def test_numbers_of_the_thin_blocks() -> None:
     """Two like layers sink alike: one of half the modulus on which the parabola is rigid."""
     scene = scene_of("thin-blocks")
     steel = scene.material.lower
-    layer = layer_truth.Layer(steel.young_modulus / 2, steel.poisson_ratio, scene.bodies.lower.height, scene.profile.radius)
+    layer = layer_truth.Layer(
+        steel.young_modulus / 2,
+        steel.poisson_ratio,
+        scene.bodies.lower.height,
+        scene.profile.radius,
+    )
     load = scene.load.mean_normal_load + scene.load.normal_amplitude
     half_width = layer_truth.half_width_under(layer, load, 0.94)
     assert value_of("thin-blocks", "largest_half_width") == pytest.approx(half_width, rel=1e-9)
@@ -202,12 +252,19 @@ def test_numbers_of_the_thin_blocks() -> None:
 
 @pytest.mark.parametrize("name", ["large-pad", "large-pad-steep"])
 def test_numbers_of_the_large_pads(name: str) -> None:
-    """P = E* int_0^a x h'/sqrt(a^2 - x^2) dx with the slope of an arc, x/sqrt(R^2 - x^2), by quadrature over x = a sin t."""
+    """P = E* int_0^a x h'/sqrt(a^2 - x^2) dx with the slope of an arc, x/sqrt(R^2 - x^2), by
+    quadrature over x = a sin t.
+    """
     scene = scene_of(name)
     radius, load = scene.profile.radius, scene.load.initial_loading[0][0]
     a = value_of(name, "largest_half_width")
     carried = (
-        modulus(scene) * quad(lambda t: (a * math.sin(t)) ** 2 / math.sqrt(radius**2 - (a * math.sin(t)) ** 2), 0, math.pi / 2)[0]
+        modulus(scene)
+        * quad(
+            lambda t: (a * math.sin(t)) ** 2 / math.sqrt(radius**2 - (a * math.sin(t)) ** 2),
+            0,
+            math.pi / 2,
+        )[0]
     )
     assert carried == pytest.approx(load, rel=1e-10)
 
@@ -226,15 +283,23 @@ def test_the_flight_is_what_its_script_makes() -> None:
     assert set(scene_companions("time-series")) == {"time-series.csv"}
 
 
-# -------------------------------------------------------------------------------------------------- the check is able to fail
+# ------------------------------------------------------------------------ the check is able to fail
 @pytest.fixture(scope="module")
 def mindlin() -> ContactSolution:
     return semi_analytic.solve(scene_of("cattaneo-mindlin"))
 
 
-SCALE = 2 / modulus(scene_of("cattaneo-mindlin")) * (0.5 * 90.62286500739786) ** 2  # W of a zero is over A f^2 P^2
-NONE = ("permanent_stick_half_width", "stick_share", "stick_centre", "moment", "lower_face_displacement")
-# What is expected, of what the answer holds or as a number; the difference that is found, NaN for no such thing.
+# W of a zero is over A f^2 P^2
+SCALE = 2 / modulus(scene_of("cattaneo-mindlin")) * (0.5 * 90.62286500739786) ** 2
+NONE = (
+    "permanent_stick_half_width",
+    "stick_share",
+    "stick_centre",
+    "moment",
+    "lower_face_displacement",
+)
+# What is expected, of what the answer holds or as a number; the difference that is found, NaN for
+# no such thing.
 PLANTED: dict[str, tuple[str, Callable[[float], float], Callable[[float], float]]] = {
     "right": ("dissipation", lambda work: work, lambda _: 0.0),
     "off": ("dissipation", lambda work: work * (1 + 2e-6), lambda _: -2e-6),
@@ -244,7 +309,9 @@ PLANTED: dict[str, tuple[str, Callable[[float], float], Callable[[float], float]
 
 
 @pytest.mark.parametrize("name", PLANTED)
-def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(name: str, mindlin: ContactSolution) -> None:
+def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(
+    name: str, mindlin: ContactSolution
+) -> None:
     quantity, value, difference = PLANTED[name]
     work = mindlin.dissipation
     one = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
@@ -257,7 +324,18 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(name: str, 
 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
-    assert [one.expected.engine for one in laws.expected_numbers(mindlin.scene, [mindlin])] == [THEORY] * 3
+    assert [one.expected.engine for one in laws.expected_numbers(mindlin.scene, [mindlin])] == [
+        THEORY
+    ] * 3
     content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
     assert [one["met"] for one in content] == [True] * 3
-    assert {"quantity", "value", "tolerance", "engine", "source", "found", "difference", "met"} == set(content[0])
+    assert {
+        "quantity",
+        "value",
+        "tolerance",
+        "engine",
+        "source",
+        "found",
+        "difference",
+        "met",
+    } == set(content[0])

@@ -1,4 +1,6 @@
-"""Loads: segments against their definition in 50 digits and against themselves; paths, bulk stress and tilt; what is refused."""
+"""Loads: segments against their definition in 50 digits and against themselves; paths, bulk stress
+and tilt; what is refused.
+"""
 
 from __future__ import annotations
 
@@ -48,48 +50,76 @@ SEGMENTS = {
     "parabola": parabola_segment(-1.0, 2.0, (3.0, 0.1), 0.25),
     "ellipse": ELLIPSE,
     "ellipse from elsewhere": HarmonicSegment(-3.0, 2.0, (3.0, 1.1), ((1.0, 2.5),), ((0.7, -1.0),)),
-    "harmonics": HarmonicSegment(0.0, TURN, (3.0, 0.2), ((1.0, 0.2), (0.5, -0.7)), ((0.3, 1.4), (0.0, 0.0), (0.2, 0.1))),
-    "many harmonics": HarmonicSegment(0.0, TURN, (3.0, 0.2), ((1.0, 0.2),), tuple((1 / k, 2.0 * k) for k in range(1, 41))),
+    "harmonics": HarmonicSegment(
+        0.0, TURN, (3.0, 0.2), ((1.0, 0.2), (0.5, -0.7)), ((0.3, 1.4), (0.0, 0.0), (0.2, 0.1))
+    ),
+    "many harmonics": HarmonicSegment(
+        0.0, TURN, (3.0, 0.2), ((1.0, 0.2),), tuple((1 / k, 2.0 * k) for k in range(1, 41))
+    ),
     "series": ChebyshevSegment(0.5, 2.0, (3.0, 0.4, -0.3, 0.05, 0.1), (0.1, 0.5, 0.02, 0.3)),
 }
 EVERY = pytest.mark.parametrize("segment", SEGMENTS.values(), ids=SEGMENTS)
 COMBINATIONS = (NORMAL_LOAD, TANGENTIAL_LOAD, Combination(-0.6, 1.0), Combination(-0.6, -1.0))
-WAVES = st.lists(st.tuples(st.just(0.0) | st.floats(1e-3, 1), st.floats(-180, 180)), min_size=1, max_size=3)
+WAVES = st.lists(
+    st.tuples(st.just(0.0) | st.floats(1e-3, 1), st.floats(-180, 180)), min_size=1, max_size=3
+)
 
 
-# -------------------------------------------------------------------------------------------------------------- segments
+# ----------------------------------------------------------------------------------------- segments
 def exact_loads(segment, moment):
-    """(P, Q) of a segment at a double in the working precision of mpmath, from the segment's definition."""
+    """(P, Q) of a segment at a double in the working precision of mpmath, from the segment's
+    definition.
+    """
     t, start, end = mpmath.mpf(float(moment)), mpmath.mpf(segment.start), mpmath.mpf(segment.end)
     match segment:
         case StraightSegment():
             part = (t - start) / (end - start)
-            return tuple(a + (mpmath.mpf(b) - mpmath.mpf(a)) * part for a, b in zip(segment.first, segment.last, strict=True))
+            return tuple(
+                a + (mpmath.mpf(b) - mpmath.mpf(a)) * part
+                for a, b in zip(segment.first, segment.last, strict=True)
+            )
         case ChebyshevSegment():
             u = 2 * (t - start) / (end - start) - 1
             series = (segment.normal, segment.tangential)
-            return tuple(mpmath.fsum(c * mpmath.chebyt(k, u) for k, c in enumerate(part)) for part in series)
+            return tuple(
+                mpmath.fsum(c * mpmath.chebyt(k, u) for k, c in enumerate(part)) for part in series
+            )
         case HarmonicSegment():
             loads = zip(segment.mean, (segment.normal, segment.tangential), strict=True)
-            return tuple(m + mpmath.fsum(a * mpmath.cos(k * t - b) for k, (a, b) in enumerate(w, 1)) for m, w in loads)
+            return tuple(
+                m + mpmath.fsum(a * mpmath.cos(k * t - b) for k, (a, b) in enumerate(w, 1))
+                for m, w in loads
+            )
 
 
 @EVERY
 @settings(max_examples=60)
 @given(part=st.floats(0, 1), step=st.floats(-14, -0.1), ahead=st.booleans())
 def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part, step, ahead):
-    """The relative error of a change stays at round-off however short the step is; a difference of loads has no digit at 1e-14."""
+    """The relative error of a change stays at round-off however short the step is; a difference of
+    loads has no digit at 1e-14.
+    """
     since = segment.start + part * (segment.end - segment.start)
     moment = since + (1 if ahead else -1) * 10**step
     assume(segment.start <= moment <= segment.end and moment != since)
-    found = [float(segment.change_of(what, moment, since)) for what in (NORMAL_LOAD, TANGENTIAL_LOAD)]
-    many = len(getattr(segment, "tangential", ())) > 10  # 40 waves: a sum of as many rounded arguments
+    found = [
+        float(segment.change_of(what, moment, since)) for what in (NORMAL_LOAD, TANGENTIAL_LOAD)
+    ]
+    # 40 waves: a sum of as many rounded arguments
+    many = len(getattr(segment, "tangential", ())) > 10
     with mpmath.workdps(50):
         before, after = (exact_loads(segment, t) for t in (since, moment))
         wanted = [float(value) for value in before]
-        np.testing.assert_allclose(segment.loads(since), wanted, rtol=0, atol=2e-14 if many else 5e-15)
-        # Arguments of sines are rounded, k t - b to a digit of its size: counted where a sine is near its zero.
-        waves = [wave for part in (segment.normal, segment.tangential) for wave in enumerate(part, 1)] if many else []
+        np.testing.assert_allclose(
+            segment.loads(since), wanted, rtol=0, atol=2e-14 if many else 5e-15
+        )
+        # Arguments of sines are rounded, k t - b to a digit of its size: counted where a sine is
+        # near its zero.
+        waves = (
+            [wave for part in (segment.normal, segment.tangential) for wave in enumerate(part, 1)]
+            if many
+            else []
+        )
         rounded = 2.3e-16 * sum(k * abs(a) * (k * segment.end + abs(b)) for k, (a, b) in waves)
         slack = max(rounded, 4e-15) * abs(moment - since)
         for value, one, other in zip(found, before, after, strict=True):
@@ -108,17 +138,32 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
     dp, dq = segment.rates(t)
     for what in COMBINATIONS:
         value = what.normal * p + what.tangential * q
-        np.testing.assert_allclose(segment.change_of(what, t[:, None], t), value[:, None] - value, atol=2e-14)
-        np.testing.assert_allclose(segment.rate_of(what, t), what.normal * dp + what.tangential * dq, atol=3e-13)
+        np.testing.assert_allclose(
+            segment.change_of(what, t[:, None], t), value[:, None] - value, atol=2e-14
+        )
+        np.testing.assert_allclose(
+            segment.rate_of(what, t), what.normal * dp + what.tangential * dq, atol=3e-13
+        )
         ahead, behind = segment.change_of(what, t + 1e-6, t), segment.change_of(what, t - 1e-6, t)
         np.testing.assert_allclose(segment.rate_of(what, t), (ahead - behind) / 2e-6, atol=1e-8)
     times = np.full((2, 3), t[10])
-    assert {part.shape for part in (*segment.loads(times), *segment.rates(times), segment.change_of(what, times, t[0]))} == {(2, 3)}
+    assert {
+        part.shape
+        for part in (
+            *segment.loads(times),
+            *segment.rates(times),
+            segment.change_of(what, times, t[0]),
+        )
+    } == {(2, 3)}
     for delay in (-50.0, 0.3, 7 * TURN):
-        np.testing.assert_allclose(segment.shifted(delay).loads(t + delay), segment.loads(t), atol=2e-12)
+        np.testing.assert_allclose(
+            segment.shifted(delay).loads(t + delay), segment.loads(t), atol=2e-12
+        )
     for what in COMBINATIONS:  # such as the moment of a line of action
         moment = segment.beside(what)
-        np.testing.assert_allclose(moment.loads(t), (0 * p, what.normal * p + what.tangential * q), rtol=0, atol=2e-14)
+        np.testing.assert_allclose(
+            moment.loads(t), (0 * p, what.normal * p + what.tangential * q), rtol=0, atol=2e-14
+        )
         assert (moment.start, moment.end) == (segment.start, segment.end)
     if form := segment.slope_and_bend(segment.end):  # the parabola of a segment is its path
         since = [segment.change_of(one, t, segment.end) for one in (NORMAL_LOAD, TANGENTIAL_LOAD)]
@@ -141,22 +186,32 @@ def test_all_turning_points_are_found_and_nothing_else(segment, what):
 
 
 def found_again(segment, what, close):
-    """The change at the time that is found for an amount is that amount, from either end of every stretch."""
+    """The change at the time that is found for an amount is that amount, from either end of every
+    stretch.
+    """
     for ends in runs(segment, what):
         for first, last in (ends, ends[::-1]):
             amount = segment.change_of(what, np.linspace(*ends, 33), first)
             if abs(amount[0] - amount[-1]) < 1e-12:  # a constant load: any time will do
                 continue
             again = segment.time_of(what, amount, first, last)
-            np.testing.assert_allclose(segment.change_of(what, again, first), amount, rtol=0, atol=close)
+            np.testing.assert_allclose(
+                segment.change_of(what, again, first), amount, rtol=0, atol=close
+            )
             most = amount[np.argmax(np.abs(amount))]
-            assert segment.time_of(what, [-np.sign(most), 3 * most], first, last).tolist() == [first, last]
+            assert segment.time_of(what, [-np.sign(most), 3 * most], first, last).tolist() == [
+                first,
+                last,
+            ]
 
 
 @EVERY
 @pytest.mark.parametrize("what", COMBINATIONS)
 def test_a_time_is_found_again_by_the_change_since_either_end(segment, what):
-    size = max(np.max(np.abs(segment.change_of(what, np.linspace(*ends, 33), ends[0]))) for ends in runs(segment, what))
+    size = max(
+        np.max(np.abs(segment.change_of(what, np.linspace(*ends, 33), ends[0])))
+        for ends in runs(segment, what)
+    )
     found_again(segment, what, 1e-14 * max(1.0, size))  # 6e-15 of 40 waves
 
 
@@ -165,9 +220,15 @@ def test_a_time_is_found_again_by_the_change_since_either_end(segment, what):
 @given(WAVES, WAVES, st.floats(-1, 1))
 def test_times_on_harmonics_are_found_however_they_turn(normal, tangential, friction):
     """Newton's method once gave up after three bisections without gain: a time was 0.02 late."""
-    waves = [tuple((size, math.radians(phase)) for size, phase in load) for load in (normal, tangential)]
+    waves = [
+        tuple((size, math.radians(phase)) for size, phase in load) for load in (normal, tangential)
+    ]
     scale = sum(abs(friction) * size for size, _ in waves[0]) + sum(size for size, _ in waves[1])
-    found_again(HarmonicSegment(0.0, TURN, (3.0, 0.0), *waves), Combination(friction, 1.0), 2e-14 * scale + 1e-290)
+    found_again(
+        HarmonicSegment(0.0, TURN, (3.0, 0.0), *waves),
+        Combination(friction, 1.0),
+        2e-14 * scale + 1e-290,
+    )
 
 
 def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_one_that_is_no_number_nowhere():
@@ -183,28 +244,51 @@ def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time()
     what = Combination(-0.6, 1.0)
     top = ELLIPSE.turning_points(what)[0]
     apart = np.array([1e-3, 1e-5, 1e-7])
-    expected = -ELLIPSE.wave(what)[0] * 2 * np.sin(apart / 2) ** 2 * np.sign(ELLIPSE.change_of(what, top, top + 1.0))
+    expected = (
+        -ELLIPSE.wave(what)[0]
+        * 2
+        * np.sin(apart / 2) ** 2
+        * np.sign(ELLIPSE.change_of(what, top, top + 1.0))
+    )
     np.testing.assert_allclose(ELLIPSE.change_of(what, top + apart, top), expected, rtol=1e-8)
     for what in COMBINATIONS:
         for moment in (4.2, 6.0, 9.9):
             other = float(ELLIPSE.mirrored(what, moment, 7.0))
             assert abs(other - 7.0) <= math.pi
             assert abs(ELLIPSE.change_of(what, other, moment)) < 1e-14
-    assert all(segment.mirrored(NORMAL_LOAD, 1.0, 1.0) is None for segment in SEGMENTS.values() if segment.ellipse is None)
+    assert all(
+        segment.mirrored(NORMAL_LOAD, 1.0, 1.0) is None
+        for segment in SEGMENTS.values()
+        if segment.ellipse is None
+    )
 
 
 def test_segments_state_what_they_are_and_keep_their_ends():
-    assert {name for name, segment in SEGMENTS.items() if segment.is_straight} == {"straight", "constant P"}
-    assert {name for name, segment in SEGMENTS.items() if segment.ellipse} == {"ellipse", "ellipse from elsewhere"}
-    assert {name for name, segment in SEGMENTS.items() if segment.slope_and_bend(segment.end)} == {"straight", "parabola"}
+    assert {name for name, segment in SEGMENTS.items() if segment.is_straight} == {
+        "straight",
+        "constant P",
+    }
+    assert {name for name, segment in SEGMENTS.items() if segment.ellipse} == {
+        "ellipse",
+        "ellipse from elsewhere",
+    }
+    assert {name for name, segment in SEGMENTS.items() if segment.slope_and_bend(segment.end)} == {
+        "straight",
+        "parabola",
+    }
     assert ChebyshevSegment(0.0, 1.0, (3.0, 1.0), (0.0, 2.0)).is_straight
     turned = SEGMENTS["ellipse from elsewhere"].ellipse
     assert (turned.phase, turned.origin) == (-3.5, 2.5)
     assert replace(ELLIPSE, normal=((1.0, 0.0), (0.0, 3.0))).ellipse == ELLIPSE.ellipse
     assert replace(ELLIPSE, normal=((1.0, 0.0), (1e-300, 0.0))).ellipse is None
     assert replace(ELLIPSE.shifted(7 * TURN), start=ELLIPSE.start, end=ELLIPSE.end) == ELLIPSE
-    # Not the start, where Q turns too: the root of a polynomial lay a rounding inside the third turn, and instants moved with it.
-    turns = [leg for number in range(3) for leg in load_scene("hertz-paper").load.path().cycle_legs(number)]
+    # Not the start, where Q turns too: the root of a polynomial lay a rounding inside the third
+    # turn, and instants moved with it.
+    turns = [
+        leg
+        for number in range(3)
+        for leg in load_scene("hertz-paper").load.path().cycle_legs(number)
+    ]
     assert [len(leg.turning_points(TANGENTIAL_LOAD)) for leg in turns] == [1, 1, 1]
     straight = StraightSegment(0.1, 0.7, (0.1, 0.3), (1.1, -0.7))
     assert [float(v) for t in (0.1, 0.7) for v in straight.loads(t)] == [0.1, 0.3, 1.1, -0.7]
@@ -215,8 +299,13 @@ def test_segments_state_what_they_are_and_keep_their_ends():
     np.testing.assert_allclose(q, (2 * 0.1 / 3 - 0.25) * step, rtol=1e-13)
 
 
-# ----------------------------------------------------------------------------------------------------------------- paths
-E = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 0.2, "tangential_amplitude": 1}
+# -------------------------------------------------------------------------------------------- paths
+E = {
+    "mean_normal_load": 3,
+    "normal_amplitude": 1,
+    "mean_tangential_load": 0.2,
+    "tangential_amplitude": 1,
+}
 HARMONICS = HarmonicLoad(
     mean_normal_load=3.0,
     mean_tangential_load=0.2,
@@ -224,7 +313,10 @@ HARMONICS = HarmonicLoad(
     tangential_harmonics=[(0.3, 80.0), (0.0, 0.0), (0.2, 5.0)],
 )
 FUNCTIONS = CallableLoad(
-    normal_load=lambda t: 3 + math.cos(t) ** 3, tangential_load=lambda t: np.sin(np.sin(t)), duration=TURN, repeats=True
+    normal_load=lambda t: 3 + math.cos(t) ** 3,
+    tangential_load=lambda t: np.sin(np.sin(t)),
+    duration=TURN,
+    repeats=True,
 )
 PERIODIC = {
     "polygon": PolygonLoad(initial_loading=[(2, 0)], cycle=[(2, 1), (1, -1), (3, 0.5)]),
@@ -252,7 +344,9 @@ def test_a_path_starts_from_nothing_is_continuous_and_repeats(load):
     times = path.cycle_start + path.period * np.linspace(0, 1, 23)
     for turns in (1, 17, 40):
         np.testing.assert_allclose(path.at(times + turns * path.period), path.at(times), atol=1e-11)
-    assert [v.shape for shape in ((), (2, 3)) for v in path.at(np.full(shape, path.cycle_start))] == [(), (), (2, 3), (2, 3)]
+    assert [
+        v.shape for shape in ((), (2, 3)) for v in path.at(np.full(shape, path.cycle_start))
+    ] == [(), (), (2, 3), (2, 3)]
 
 
 @settings(max_examples=60)
@@ -266,26 +360,43 @@ def test_cycle_starts_where_q_is_farthest_from_its_mean_while_p_grows(phase):
     assert abs(q_rate) < 1e-12
     assert p_rate > -1e-12
     assert path.period == pytest.approx(TURN, rel=1e-15)
-    if 0.5 < phase < 179.5:  # a negative phase is the mirrored history: the same points of the P-Q plane in the same order
-        mirrored = EllipseLoad(**E | {"mean_tangential_load": -0.2}, phase_degrees=phase - 180).path()
+    # a negative phase is the mirrored history: the same points of the P-Q plane in the same order
+    if 0.5 < phase < 179.5:
+        mirrored = EllipseLoad(
+            **E | {"mean_tangential_load": -0.2}, phase_degrees=phase - 180
+        ).path()
         along = np.linspace(0, TURN, 9)
         p, q = path.at(path.cycle_start + along)
         np.testing.assert_allclose(mirrored.at(mirrored.cycle_start + along), (p, -q), atol=1e-14)
 
 
 def test_ways_to_the_cycle():
-    """The paper's parabola ends tangent to the ellipse: dQ/dP = 0 where |Q - Q0| is largest. Points are passed in equal times."""
+    """The paper's parabola ends tangent to the ellipse: dQ/dP = 0 where |Q - Q0| is largest. Points
+    are passed in equal times.
+    """
     path = PERIODIC["parabola"].path()
-    for segment, moment in ((path.initial_loading[0], path.cycle_start), (path.cycle[0], path.cycle_start)):
+    for segment, moment in (
+        (path.initial_loading[0], path.cycle_start),
+        (path.cycle[0], path.cycle_start),
+    ):
         dp, dq = segment.rates(moment)
         assert float(dq / dp) == pytest.approx(0.0, abs=1e-15)
     path = PERIODIC["points on the way"].path()
     assert [segment.last for segment in path.initial_loading[:2]] == [(1, 0.5), (2, 0.1)]
-    assert [segment.end - segment.start for segment in path.initial_loading] == pytest.approx([math.pi] * 3)
+    assert [segment.end - segment.start for segment in path.initial_loading] == pytest.approx(
+        [math.pi] * 3
+    )
     assert len(FUNCTIONS.path().initial_loading) == 1
-    once = CallableLoad(normal_load=lambda t: t, tangential_load=lambda t: 0.1 * t**2, duration=2.0).path()
+    once = CallableLoad(
+        normal_load=lambda t: t, tangential_load=lambda t: 0.1 * t**2, duration=2.0
+    ).path()
     assert (once.start, once.period) == (0.0, None)  # unloaded at its start
-    bent = CallableLoad(normal_load=lambda t: 2 + t, tangential_load=lambda t: 0 * t, duration=2.0, initial_loading=[(1.0, 0.3)])
+    bent = CallableLoad(
+        normal_load=lambda t: 2 + t,
+        tangential_load=lambda t: 0 * t,
+        duration=2.0,
+        initial_loading=[(1.0, 0.3)],
+    )
     assert [float(v) for v in bent.path().at(-1.0)] == pytest.approx([1.0, 0.3])
 
 
@@ -300,13 +411,23 @@ def test_a_path_that_just_ends():
         path.at([-0.1, 0.5])
 
 
-# ------------------------------------------------------------------------------------------------------------- harmonics
+# ---------------------------------------------------------------------------------------- harmonics
 @pytest.mark.parametrize("order", [2, 700])
 def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order):
-    """So many times and waves that they are worked out in parts, each time to the same last digit as alone."""
+    """So many times and waves that they are worked out in parts, each time to the same last digit
+    as alone.
+    """
     chance = np.random.default_rng(order)
-    waves = [(float(a), float(phase)) for a, phase in chance.uniform((0, -180), (1, 180), (order, 2))]
-    (segment,) = HarmonicLoad(mean_normal_load=3.0 * order, normal_harmonics=waves, tangential_harmonics=waves[:1]).path().cycle
+    waves = [
+        (float(a), float(phase)) for a, phase in chance.uniform((0, -180), (1, 180), (order, 2))
+    ]
+    (segment,) = (
+        HarmonicLoad(
+            mean_normal_load=3.0 * order, normal_harmonics=waves, tangential_harmonics=waves[:1]
+        )
+        .path()
+        .cycle
+    )
     t = chance.uniform(0, TURN, (3, 1000))
     p, q = segment.loads(t)
     k, a, phase = np.arange(1, order + 1), *np.array(waves).T
@@ -320,8 +441,21 @@ def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order
     assert change[0, 3] == segment.change_of(NORMAL_LOAD, t[0, 3], t[2, 3])
 
 
-HIGH = HarmonicLoad(mean_normal_load=90.0, tangential_harmonics=[(10.0, 90.0), *[(0.0, 0.0)] * 298, (30.0, 90.0)]).path().cycle[0]
-LEGS = [HARMONICS.path().cycle[0], HARMONICS.path().cycle[0].shifted(1.3), *FUNCTIONS.path().cycle[:2], HIGH, ELLIPSE]
+HIGH = (
+    HarmonicLoad(
+        mean_normal_load=90.0,
+        tangential_harmonics=[(10.0, 90.0), *[(0.0, 0.0)] * 298, (30.0, 90.0)],
+    )
+    .path()
+    .cycle[0]
+)
+LEGS = [
+    HARMONICS.path().cycle[0],
+    HARMONICS.path().cycle[0].shifted(1.3),
+    *FUNCTIONS.path().cycle[:2],
+    HIGH,
+    ELLIPSE,
+]
 
 
 @pytest.mark.parametrize("segment", LEGS, ids=lambda segment: type(segment).__name__)
@@ -329,18 +463,23 @@ def test_a_segment_turns_no_more_often_than_it_says_and_samples_show_it(segment)
     dense = segment.rates(np.linspace(segment.start, segment.end, 100_001)[1:-1])
     few = segment.rates(sampled(segment, 25)[1:-1])
     for normal, tangential in ((1, 0), (0, 1), (-0.5, 1), (0.5, 1)):
-        true, seen = (np.count_nonzero(np.diff(np.sign(normal * p + tangential * q)) != 0) for p, q in (dense, few))
+        true, seen = (
+            np.count_nonzero(np.diff(np.sign(normal * p + tangential * q)) != 0)
+            for p, q in (dense, few)
+        )
         assert true <= segment.most_turns
         assert seen == true or segment.most_turns < 30
 
 
-# ------------------------------------------------------------------------------------------------- functions and records
+# ---------------------------------------------------------------------------- functions and records
 def test_functions_are_followed_to_round_off_and_a_kink_becomes_an_edge():
     path = FUNCTIONS.path()
     t = np.linspace(0, TURN, 501)
     np.testing.assert_allclose(path.at(t), (3 + np.cos(t) ** 3, np.sin(np.sin(t))), atol=1e-13)
     assert all(isinstance(segment, ChebyshevSegment) for segment in path.cycle)
-    kinked = CallableLoad(normal_load=lambda t: 2 + 0 * t, tangential_load=lambda t: np.abs(t - 1 / 3), duration=1.0)
+    kinked = CallableLoad(
+        normal_load=lambda t: 2 + 0 * t, tangential_load=lambda t: np.abs(t - 1 / 3), duration=1.0
+    )
     ends = [segment.end for segment in kinked.path().initial_loading]
     assert min(abs(end - 1 / 3) for end in ends) < 1e-12
     assert len(ends) < 12
@@ -352,29 +491,44 @@ RECORD = {"rows": [[0, 1, 0], [1, 2, 0.1], [2, 1, 0]], "repeats": False}
 def make(given):
     if "rows" in given:
         return TimeSeriesLoad(**{"repeats": True} | given)
-    return CallableLoad(**{"normal_load": lambda t: 2 + 0 * t, "tangential_load": lambda t: 0 * t, "duration": 1.0} | given)
+    return CallableLoad(
+        **{"normal_load": lambda t: 2 + 0 * t, "tangential_load": lambda t: 0 * t, "duration": 1.0}
+        | given
+    )
 
 
 REFUSED_LOADS = [
-    ({"tangential_load": lambda t: np.sign(t - 0.5)}, "tangential_load jumps|tangential_load is too rough"),
+    (
+        {"tangential_load": lambda t: np.sign(t - 0.5)},
+        "tangential_load jumps|tangential_load is too rough",
+    ),
     ({"normal_load": lambda t: 1 / (t - 0.5 + 0j).real}, "normal_load is not finite at time 0.5"),
-    ({"tangential_load": lambda t: t, "repeats": True}, "tangential_load jumps from 1 to .* at time 1"),
+    (
+        {"tangential_load": lambda t: t, "repeats": True},
+        "tangential_load jumps from 1 to .* at time 1",
+    ),
     ({"normal_load": 3.0}, "only be built in Python"),
     ({"duration": 0.0}, "greater than 0"),
     ({"rows": [[0, 1, 0], [1, 2, 0]]}, "must end with the loads of its first row"),
     ({"rows": [[0, 0, 0], [1, 2, 0], [2, 0, 0]]}, "can't start unloaded"),
-    ({"rows": [[0, 1, math.nan], [1, 1, 0]]}, r"row 1: \[0\.0, 1\.0, nan\] is not all finite numbers"),
+    (
+        {"rows": [[0, 1, math.nan], [1, 1, 0]]},
+        r"row 1: \[0\.0, 1\.0, nan\] is not all finite numbers",
+    ),
     ({"rows": [[0, 1], [1, 1]]}, "three numbers"),
-    *((RECORD | keys, why) for keys, why in (
-        ({"threshold": {"P": 1}}, "threshold has a use with reduce"),
-        ({"reduce": "tolerance"}, "needs a threshold, such as"),
-        ({"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
-        ({"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
-        ({"average": 2, "repeats": True}, "average goes with records that do not repeat"),
-        ({"average": 2}, "average = 2 leaves one of 3 rows"),
-        ({"average": 0}, "greater than or equal to 1"),
-    )),
-]  # fmt: skip
+    *(
+        (RECORD | keys, why)
+        for keys, why in (
+            ({"threshold": {"P": 1}}, "threshold has a use with reduce"),
+            ({"reduce": "tolerance"}, "needs a threshold, such as"),
+            ({"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
+            ({"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
+            ({"average": 2, "repeats": True}, "average goes with records that do not repeat"),
+            ({"average": 2}, "average = 2 leaves one of 3 rows"),
+            ({"average": 0}, "greater than or equal to 1"),
+        )
+    ),
+]
 
 
 @pytest.mark.parametrize(("given", "why"), REFUSED_LOADS)
@@ -395,7 +549,7 @@ def test_a_series_starts_from_nothing():
     assert len(TimeSeriesLoad(rows=[[0, 2, 1], [1, 2, 1], [2, 2, 0]]).path().initial_loading) == 3
 
 
-# ------------------------------------------------------------------------------------------------------------- reduction
+# ---------------------------------------------------------------------------------------- reduction
 SWINGS = st.lists(st.integers(-6, 6), min_size=2, max_size=40)
 
 
@@ -403,7 +557,9 @@ SWINGS = st.lists(st.integers(-6, 6), min_size=2, max_size=40)
 @given(values=SWINGS, threshold=st.sampled_from([0.0, 0.5, 1.0, 2.0, 5.0]))
 @example([0, 0, 3, 3, 1, 1, 4], 0.0)
 def test_turning_points_are_those_of_the_definition(values: list[int], threshold: float) -> None:
-    """They turn by more than the threshold each, and between two of them nothing turns back by more."""
+    """They turn by more than the threshold each, and between two of them nothing turns back by
+    more.
+    """
     array = np.array(values, dtype=float)
     found = turning_points(array, threshold)
     ends = np.unique([0, *found, len(values) - 1])
@@ -422,13 +578,16 @@ def test_turning_points_are_those_of_the_definition(values: list[int], threshold
 
 
 def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
-    """By brute force: the least size at which a walk along the kept lines, never back, is that near each point of the path."""
+    """By brute force: the least size at which a walk along the kept lines, never back, is that near
+    each point of the path.
+    """
     worst = 0.0
     for first, last in pairwise(kept.tolist()):
         share = np.linspace(0, 1, 2001)
         line = path[first] + share[:, None] * (path[last] - path[first])
         reached = np.zeros(1)
-        for point in path[first + 1 : last]:  # the best walk to each place on the line: minimax over what came before
+        # the best walk to each place on the line: minimax over what came before
+        for point in path[first + 1 : last]:
             near = np.max(np.abs(line - point), axis=1)
             reached = np.maximum(near, np.minimum.accumulate(np.broadcast_to(reached, near.shape)))
         worst = max(worst, float(np.min(reached)))
@@ -442,7 +601,9 @@ def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
 )
 @example([(0, 0), (1, 0), (5, 0), (1, 0), (5, 0)], 1)  # near the whole line, and to and fro on it
 @example([(0, 0), (4, 0), (0, 0), (4, 0)], 1)  # a distance without order misses that
-def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[int, int]], size: float) -> None:
+def test_a_reduced_path_stays_within_its_tolerance_in_order(
+    points: list[tuple[int, int]], size: float
+) -> None:
     path = np.array(points, dtype=float)
     kept = within(path, np.array([size, size]))
     assert (kept[0], kept[-1]) == (0, len(path) - 1)
@@ -454,13 +615,17 @@ def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[i
 
 def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
     time = np.linspace(0, 6, 1200)
-    rows = np.column_stack([time, 90 + 8 * np.sin(2 * np.pi * time + 0.4), 20 * np.sin(2 * np.pi * time)])
+    rows = np.column_stack(
+        [time, 90 + 8 * np.sin(2 * np.pi * time + 0.4), 20 * np.sin(2 * np.pi * time)]
+    )
     base = load_scene("hertz-paper").vary(friction=0.6, load=TimeSeriesLoad(rows=rows.tolist()))
 
     def work(**keys: object) -> tuple[float, int]:
         scene = base.vary(load=keys)
         ends = scene.load.series()[[0, -1], 0]
-        return semi_analytic.solve(scene, x=[0.0], time=ends, fields=("dissipation",)).dissipation, len(scene.load.kept_rows())
+        return semi_analytic.solve(
+            scene, x=[0.0], time=ends, fields=("dissipation",)
+        ).dissipation, len(scene.load.kept_rows())
 
     whole, _ = work()
     for keys, most, kept in (
@@ -472,13 +637,23 @@ def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
         found, count = work(**keys)
         assert abs(found / whole - 1) < most, keys
         assert count <= kept, keys
-    words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words("N/mm")
-    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q. P goes from" in words
+    words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words(
+        "N/mm"
+    )
+    assert (
+        "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q. P goes"
+        " from" in words
+    )
     assert base.vary(load={"average": 4}).load.rows == base.load.rows  # all rows stay in the scene
 
 
-# -------------------------------------------------------------------------------------------------- bulk stress and tilt
-PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1}
+# ----------------------------------------------------------------------------- bulk stress and tilt
+PAPER = {
+    "mean_normal_load": 3,
+    "normal_amplitude": 1,
+    "mean_tangential_load": 1.1,
+    "tangential_amplitude": 1,
+}
 OF_WAVES: dict[str, Any] = {
     "mean_normal_load": 3,
     "normal_harmonics": [(1, 0), (0.2, 30)],
@@ -487,9 +662,14 @@ OF_WAVES: dict[str, Any] = {
 }
 CORNERS: dict[str, Any] = {"initial_loading": [(2, 0), (3, 0.3)], "cycle": [(3, 1.8), (2.5, -1.8)]}
 ROWS = [[0, 2, 0.2], [1, 2, 1], [3, 1, 0], [4, 2, 0.2]]
-OF_FUNCTIONS: dict[str, Any] = {"normal_load": lambda t: 3 + math.cos(t), "tangential_load": math.sin, "duration": 2 * math.pi}
+OF_FUNCTIONS: dict[str, Any] = {
+    "normal_load": lambda t: 3 + math.cos(t),
+    "tangential_load": math.sin,
+    "duration": 2 * math.pi,
+}
 Q_OF_WAVES = {"mean": 0.05, "harmonics": [(0.5, 90), (0.15, 0)], "initial_loading": [0.05]}
-# Loads whose stress below is half of Q, whose stress above is twice P, whose tilt is 0.1 P, stated in each kind's own way.
+# Loads whose stress below is half of Q, whose stress above is twice P, whose tilt is 0.1 P, stated
+# in each kind's own way.
 STATED = {
     "ellipse": EllipseLoad(
         **PAPER,
@@ -505,10 +685,17 @@ STATED = {
         tilt={"mean": 0.3, "harmonics": [(0.1, 0), (0.02, 30)]},
     ),
     "polygon": PolygonLoad(
-        **CORNERS, bulk_stress_lower=(0, 0.15, 0.9, -0.9), bulk_stress_upper=(4, 6, 6, 5), tilt=(0.2, 0.3, 0.3, 0.25)
+        **CORNERS,
+        bulk_stress_lower=(0, 0.15, 0.9, -0.9),
+        bulk_stress_upper=(4, 6, 6, 5),
+        tilt=(0.2, 0.3, 0.3, 0.25),
     ),
     "rows": TimeSeriesLoad(
-        rows=ROWS, repeats=True, bulk_stress_lower=(0.1, 0.5, 0, 0.1), bulk_stress_upper=(4, 4, 2, 4), tilt=(0.2, 0.2, 0.1, 0.2)
+        rows=ROWS,
+        repeats=True,
+        bulk_stress_lower=(0.1, 0.5, 0, 0.1),
+        bulk_stress_upper=(4, 4, 2, 4),
+        tilt=(0.2, 0.2, 0.1, 0.2),
     ),
     "functions": CallableLoad(
         **OF_FUNCTIONS,
@@ -525,7 +712,11 @@ def test_stresses_and_tilt_follow_the_loads_in_every_cycle(kind: str) -> None:
     """P and Q are those of the load without them."""
     plain = STATED[kind].vary(bulk_stress_lower=None, bulk_stress_upper=None, tilt=None).path()
     path = STATED[kind].path()
-    assert (path.has_bulk_or_tilt, path.moment_given, plain.has_bulk_or_tilt) == (True, False, False)
+    assert (path.has_bulk_or_tilt, path.moment_given, plain.has_bulk_or_tilt) == (
+        True,
+        False,
+        False,
+    )
     for leg, bare in zip(path.legs(3), plain.legs(3), strict=True):
         time = np.linspace(leg.start, leg.end, 7)
         assert leg.bulk is not None
@@ -536,15 +727,27 @@ def test_stresses_and_tilt_follow_the_loads_in_every_cycle(kind: str) -> None:
         assert bare.bulk is bare.turning is None
         np.testing.assert_allclose(leg.bulk.loads(time), (q / 2, 2 * p), rtol=0, atol=3e-14)
         np.testing.assert_allclose(leg.turning.loads(time), (0.1 * p, 0 * p), rtol=0, atol=3e-15)
-        np.testing.assert_allclose(leg.bulk.rates(time), (leg.rates(time)[1] / 2, 2 * leg.rates(time)[0]), rtol=0, atol=3e-11)
+        np.testing.assert_allclose(
+            leg.bulk.rates(time),
+            (leg.rates(time)[1] / 2, 2 * leg.rates(time)[0]),
+            rtol=0,
+            atol=3e-11,
+        )
 
 
-NUMBERS = {"ellipse": PAPER, "harmonics": OF_WAVES, "polygon": CORNERS, "functions": OF_FUNCTIONS | {"repeats": True}}
+NUMBERS = {
+    "ellipse": PAPER,
+    "harmonics": OF_WAVES,
+    "polygon": CORNERS,
+    "functions": OF_FUNCTIONS | {"repeats": True},
+}
 
 
 @pytest.mark.parametrize("kind", NUMBERS)
 def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(kind: str) -> None:
-    load = type(STATED[kind])(**NUMBERS[kind], bulk_stress_upper=50.0, line_of_action={"x": 0.2, "height": 3.0})
+    load = type(STATED[kind])(
+        **NUMBERS[kind], bulk_stress_upper=50.0, line_of_action={"x": 0.2, "height": 3.0}
+    )
     path: LoadPath = load.path()
     assert path.moment_given
     end = float(path.initial_loading[-1].loads(path.cycle_start)[0])
@@ -555,7 +758,9 @@ def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(
         p, q = leg.loads(time)
         stress = 50 * p / end if leg.end <= path.cycle_start else np.full(5, 50.0)
         np.testing.assert_allclose(leg.bulk.loads(time), (0 * p, stress), rtol=1e-12, atol=1e-12)
-        np.testing.assert_allclose(leg.turning.loads(time), (0 * p, 0.2 * p + 3 * q), rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(
+            leg.turning.loads(time), (0 * p, 0.2 * p + 3 * q), rtol=1e-12, atol=1e-12
+        )
 
 
 # Corners where P and Q stand still.
@@ -563,17 +768,23 @@ STILL: dict[str, Any] = {"initial_loading": [(2, 0), (2, 0)], "cycle": [(2, 1), 
 
 
 @pytest.mark.parametrize(
-    ("values", "counts"), [((0, 1, 1, 3, -1), True), ((0.5, 1, 1, 1, 1), False), ((1, 1, 1, 3, 1), False), (None, False)], ids=str
+    ("values", "counts"),
+    [((0, 1, 1, 3, -1), True), ((0.5, 1, 1, 1, 1), False), ((1, 1, 1, 3, 1), False), (None, False)],
+    ids=str,
 )
 @pytest.mark.parametrize("key", ["bulk_stress_lower", "bulk_stress_upper", "tilt", "moment"])
 def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
     key: str, values: tuple[float, ...] | None, counts: bool
 ) -> None:
-    """As rows of a record that state the same; a point that stands twice with nothing else is refused."""
+    """As rows of a record that state the same; a point that stands twice with nothing else is
+    refused.
+    """
     if not counts:
         place = "2.0, 0.0" if values is None or values[0] == values[1] else "2.0, 1.0"
         beside = "" if values is None else " with the same bulk stress and tilt"
-        with pytest.raises(ValueError, match=rf"the point \[{place}\] stands twice in a row{beside}: leave one out"):
+        with pytest.raises(
+            ValueError, match=rf"the point \[{place}\] stands twice in a row{beside}: leave one out"
+        ):
             PolygonLoad(**STILL, **{key: values})
         return
     found = PolygonLoad(**STILL, **{key: values}).path()
@@ -581,15 +792,28 @@ def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
     rows = [[k + 1, *point] for k, point in enumerate(points)]
     same = TimeSeriesLoad(rows=rows, **{key: values}).path()
     assert found.moment_given == same.moment_given
-    for one, other in zip((*found.initial_loading, *found.cycle), same.initial_loading, strict=False):
-        for part in (lambda leg: leg, lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk):
-            ends = [np.array(part(leg).loads(np.array([leg.start, leg.end]))) for leg in (one, other)]
+    for one, other in zip(
+        (*found.initial_loading, *found.cycle), same.initial_loading, strict=False
+    ):
+        for part in (
+            lambda leg: leg,
+            lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk,
+        ):
+            ends = [
+                np.array(part(leg).loads(np.array([leg.start, leg.end]))) for leg in (one, other)
+            ]
             assert np.array_equal(*ends)
 
 
 REFUSED = {
-    "two ways to turn": ({"tilt": 0.1, "moment": 2.0}, "tilt and moment say the same thing: state one of them"),
-    "a list too short": ({"bulk_stress_lower": (1.0, 2.0)}, "has 2 values, and 4 are needed, one for each point"),
+    "two ways to turn": (
+        {"tilt": 0.1, "moment": 2.0},
+        "tilt and moment say the same thing: state one of them",
+    ),
+    "a list too short": (
+        {"bulk_stress_lower": (1.0, 2.0)},
+        "has 2 values, and 4 are needed, one for each point",
+    ),
     "a word": ({"bulk_stress_lower": "much"}, "should be a valid number"),
     "not finite": ({"tilt": math.inf}, "should be a finite number"),
     "a wave beside a polygon": ({"tilt": {"amplitude": 1.0}}, "tilt"),
@@ -610,16 +834,22 @@ def test_columns_of_a_record_are_read_where_they_are_named(tmp_path: Path) -> No
     table = "time,P,Q,S [ksi],A [deg]\n0,2,0,1,0\n1,2,1,2,3\n3,2,0,1,0\n"
     (tmp_path / "rows.csv").write_text(table, encoding="utf-8")
     (tmp_path / "mine.toml").write_text(
-        'material = {young_modulus = 1000.0, poisson_ratio = 0.3}\nprofile = {kind = "hertz", radius = 10.0}\nfriction = 0.8\n'
-        '[load]\nkind = "time_series"\nfile = "rows.csv"\nrepeats = true\ncolumns = {bulk_stress_lower = "S", tilt = "A"}\n',
+        'material = {young_modulus = 1000.0, poisson_ratio = 0.3}\nprofile = {kind = "hertz",'
+        ' radius = 10.0}\nfriction = 0.8\n[load]\nkind = "time_series"\nfile = "rows.csv"\nrepeats'
+        ' = true\ncolumns = {bulk_stress_lower = "S", tilt = "A"}\n',
         encoding="utf-8",
     )
     load = load_scene(tmp_path / "mine.toml").load
     assert isinstance(load, TimeSeriesLoad)
-    np.testing.assert_allclose(load.bulk_stress_lower, [6.894757293, 13.789514586, 6.894757293], rtol=1e-9)
+    np.testing.assert_allclose(
+        load.bulk_stress_lower, [6.894757293, 13.789514586, 6.894757293], rtol=1e-9
+    )
     np.testing.assert_allclose(load.tilt, np.radians([0, 3, 0]))
     assert load.rows.values.shape == (3, 3)
-    assert dict(load.read_as or ())["bulk_stress_lower"] == "'S [ksi]', ksi (in its heading), times 6.89475729"
+    assert (
+        dict(load.read_as or ())["bulk_stress_lower"]
+        == "'S [ksi]', ksi (in its heading), times 6.89475729"
+    )
     load_scene(tmp_path / "mine.toml").save(tmp_path / "copy.toml")
     copy = load_scene(tmp_path / "copy.toml").load
     assert isinstance(copy, TimeSeriesLoad)
@@ -628,8 +858,12 @@ def test_columns_of_a_record_are_read_where_they_are_named(tmp_path: Path) -> No
     assert load.vary(rows=ROWS).bulk_stress_lower is None
     with pytest.raises(InputError, match="average and reduce go with records of P and Q alone"):
         load.vary(reduce="turning_points")
-    (tmp_path / "mine.toml").write_text((tmp_path / "mine.toml").read_text().replace('"rows.csv"', '"rows.csv"\ntilt = 0.1'))
-    with pytest.raises(InputError, match="tilt is a column of the file and stated beside it: leave one out"):
+    (tmp_path / "mine.toml").write_text(
+        (tmp_path / "mine.toml").read_text().replace('"rows.csv"', '"rows.csv"\ntilt = 0.1')
+    )
+    with pytest.raises(
+        InputError, match="tilt is a column of the file and stated beside it: leave one out"
+    ):
         load_scene(tmp_path / "mine.toml")
 
 
@@ -651,9 +885,11 @@ def test_a_table_keeps_its_two_sides() -> None:
         Tabulated(points=rows, symmetric=False)
 
 
-# ------------------------------------------------------------------------------------------------ a record that begins in noise
+# -------------------------------------------------------------------- a record that begins in noise
 def noisy_record(seed=0):
-    """Noise about P = 0 for ten rows, loading to P = 100, then Q to and fro at constant P; noise of 0.3 in both loads."""
+    """Noise about P = 0 for ten rows, loading to P = 100, then Q to and fro at constant P; noise of
+    0.3 in both loads.
+    """
     random = np.random.default_rng(seed)
     normal = np.concatenate([np.zeros(10), np.linspace(2.0, 100.0, 20), np.full(30, 100.0)])
     tangential = np.concatenate([np.zeros(30), 30 * np.sin(np.linspace(0.0, 6.0, 30))])
@@ -662,12 +898,16 @@ def noisy_record(seed=0):
 
 
 def record_scene(**keys):
-    return load_scene("hertz-paper").vary(load={"kind": "time_series", "rows": noisy_record()} | keys, friction=0.6, expected=())
+    return load_scene("hertz-paper").vary(
+        load={"kind": "time_series", "rows": noisy_record()} | keys, friction=0.6, expected=()
+    )
 
 
 def test_noise_below_a_stated_load_is_initial_loading_at_q_0_and_the_rest_is_as_it_stands():
     rows = noisy_record()
-    with pytest.raises(InputError, match=r"that is row \d+ of 60\. .* write load\.least_normal_load = \d") as refused:
+    with pytest.raises(
+        InputError, match=r"that is row \d+ of 60\. .* write load\.least_normal_load = \d"
+    ) as refused:
         require_admissible(record_scene(), "mine.toml")
     stated = float(str(refused.value).rpartition("= ")[2])
     scene = record_scene(least_normal_load=stated)
@@ -676,9 +916,12 @@ def test_noise_below_a_stated_load_is_initial_loading_at_q_0_and_the_rest_is_as_
     np.testing.assert_array_equal(path[0, 1:], [0.0, 0.0])
     np.testing.assert_array_equal(path[1], [rows[first - 1, 0], stated, 0.0])
     np.testing.assert_array_equal(path[2:], rows[first:])
-    # W is that of the rows from there on, which begin by a straight line to the first of them: the same but for noise.
+    # W is that of the rows from there on, which begin by a straight line to the first of them: the
+    # same but for noise.
     cut = record_scene(start={"row": first + 1})
-    one, other = (semi_analytic.solve(each, x=0.0, fields="dissipation").dissipation for each in (scene, cut))
+    one, other = (
+        semi_analytic.solve(each, x=0.0, fields="dissipation").dissipation for each in (scene, cut)
+    )
     assert one == pytest.approx(other, rel=1e-3)
 
 
@@ -693,7 +936,9 @@ def test_start_and_end_cut_a_record_by_time_and_by_row():
     bulk = {"bulk_stress_lower": np.arange(60.0).tolist(), "start": {"row": 31}}
     path = record_scene(**bulk).load.path()
     legs = (*path.initial_loading, *path.cycle)
-    np.testing.assert_allclose([float(leg.bulk.loads(leg.end)[0]) for leg in legs], np.arange(30.0, 60.0))
+    np.testing.assert_allclose(
+        [float(leg.bulk.loads(leg.end)[0]) for leg in legs], np.arange(30.0, 60.0)
+    )
     assert float(legs[0].bulk.loads(legs[0].start)[0]) == 0
     means = record_scene(start={"row": 31}, average=3)
     assert len(means.load.kept_rows()) == 10
@@ -708,7 +953,10 @@ def test_start_and_end_cut_a_record_by_time_and_by_row():
         ({"start": {"row": 60}}, "row 60: start and end leave 1 rows: two at least are needed"),
         ({"start": 99.0}, "start and end leave 0 rows"),
         ({"least_normal_load": 200.0}, "no row reaches least_normal_load = 200: P is 10"),
-        ({"least_normal_load": 2.0, "tilt": 1e-4}, "least_normal_load goes with records of P and Q alone"),
+        (
+            {"least_normal_load": 2.0, "tilt": 1e-4},
+            "least_normal_load goes with records of P and Q alone",
+        ),
         ({"start": {"row": 0}}, "row"),
     ],
 )
@@ -720,5 +968,8 @@ def test_a_cut_that_leaves_no_record_is_one_sentence(keys, sentence):
 def test_a_fault_in_the_middle_of_a_record_names_its_row():
     rows = noisy_record()
     rows[45, 2] = 90.0
-    with pytest.raises(InputError, match=r"that is row 46 of 60\. To leave rows out, write load\.start or load\.end"):
+    with pytest.raises(
+        InputError,
+        match=r"that is row 46 of 60\. To leave rows out, write load\.start or load\.end",
+    ):
         require_admissible(record_scene(rows=rows, least_normal_load=5.0), "mine.toml")

@@ -1,4 +1,6 @@
-"""Every number of a scene, from a file or from Python: finite, its square too, or refused in one sentence of one kind."""
+"""Every number of a scene, from a file or from Python: finite, its square too, or refused in one
+sentence of one kind.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,19 @@ from scenes.measured import Table
 SCENES = ("hertz-paper", "flat-rounded-paper", "nowell-hills", "flat-pad-on-block")
 # Not of physics: only these may be of any size.
 FREE = {"cycles", "expected", "tolerances", "tags"}
-IMPOSSIBLE = [1e160, -1e160, 1e308, -1e308, math.nan, math.inf, -math.inf, 10**400, 1j, np.complex128(1 + 0j), np.float64(1e160)]
+IMPOSSIBLE = [
+    1e160,
+    -1e160,
+    1e308,
+    -1e308,
+    math.nan,
+    math.inf,
+    -math.inf,
+    10**400,
+    1j,
+    np.complex128(1 + 0j),
+    np.float64(1e160),
+]
 
 
 def number_keys(table: Any, way: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
@@ -38,11 +52,18 @@ def changed(way: tuple[str, ...], value: Any) -> dict[str, Any]:
     return value
 
 
-CASES = [(scene, way) for scene in SCENES for way in number_keys(load_scene(scene)) if not FREE & set(way)]
+CASES = [
+    (scene, way)
+    for scene in SCENES
+    for way in number_keys(load_scene(scene))
+    if not FREE & set(way)
+]
 
 
 @pytest.mark.parametrize(("name", "way"), CASES, ids=str)
-def test_a_number_that_cannot_be_squared_is_refused_in_one_sentence(name: str, way: tuple[str, ...]) -> None:
+def test_a_number_that_cannot_be_squared_is_refused_in_one_sentence(
+    name: str, way: tuple[str, ...]
+) -> None:
     scene = load_scene(name)
     for value in IMPOSSIBLE:
         with pytest.raises(InputError) as caught:
@@ -58,7 +79,9 @@ def test_a_tiny_number_has_an_answer_or_is_refused(name: str, way: tuple[str, ..
     if not scene.bodies.half_planes:
         return  # half-plane theory answers none of them
     try:
-        solution = semi_analytic.solve(scene.vary(**changed(way, 1e-160)), x=[0.0], fields=("dissipation",))
+        solution = semi_analytic.solve(
+            scene.vary(**changed(way, 1e-160)), x=[0.0], fields=("dissipation",)
+        )
     except InputError as reason:
         assert len(str(reason).splitlines()) == 1  # noqa: PT017
     else:
@@ -67,7 +90,10 @@ def test_a_tiny_number_has_an_answer_or_is_refused(name: str, way: tuple[str, ..
 
 @pytest.mark.parametrize("value", [np.float64(2.0), np.float32(2.0), np.int64(2), np.array(2.0), 2])
 def test_numpy_numbers_are_numbers(value: Any) -> None:
-    assert load_scene("hertz-paper").vary(friction=2).friction.coefficient == Friction(coefficient=value).coefficient
+    assert (
+        load_scene("hertz-paper").vary(friction=2).friction.coefficient
+        == Friction(coefficient=value).coefficient
+    )
     assert Hertz(radius=value).radius == 2.0
 
 
@@ -96,7 +122,9 @@ def test_a_scene_whose_parts_do_not_fit_is_refused_from_python_as_from_a_file() 
     scene = load_scene("flat-pad-on-block")
     keys = {name: getattr(scene, name) for name in ("material", "profile", "friction", "load")}
     wide = scene.bodies.vary(lower={"width": 1e4}, upper=Pad(width=1e3, height=10.0))
-    with pytest.raises(InputError, match=r"^Scene: bodies\.upper\.width = 1000 goes past the end of the pad's arcs"):
+    with pytest.raises(
+        InputError, match=r"^Scene: bodies\.upper\.width = 1000 goes past the end of the pad's arcs"
+    ):
         Scene(**keys, bodies=wide)
 
 

@@ -1,4 +1,6 @@
-"""Profiles and faces: symmetric, rising from zero, arcs to the last digit; curves through noisy rows, and the W of these."""
+"""Profiles and faces: symmetric, rising from zero, arcs to the last digit; curves through noisy
+rows, and the W of these.
+"""
 
 from __future__ import annotations
 
@@ -68,10 +70,17 @@ def test_a_profile_is_symmetric_rises_from_zero_and_survives_json(profile):
 
 def test_heights_by_hand():
     assert Hertz(radius=2.0).height([0.0, 1.0, -2.0]).tolist() == [0.0, 0.25, 1.0]
-    assert FlatRounded(radius=2.0, flat_half_length=1.0).height([0.0, 1.0, -3.0]).tolist() == [0.0, 0.0, 1.0]
-    sides = Tabulated(points=[[-2, 4.001], [-1, 1.0], [0, 0.0], [1, 1.001], [2, 4.0]])  # of which the mean counts
+    assert FlatRounded(radius=2.0, flat_half_length=1.0).height([0.0, 1.0, -3.0]).tolist() == [
+        0.0,
+        0.0,
+        1.0,
+    ]
+    # of which the mean counts
+    sides = Tabulated(points=[[-2, 4.001], [-1, 1.0], [0, 0.0], [1, 1.001], [2, 4.0]])
     np.testing.assert_allclose(sides.height([1.0, 2.0]), [1.0005, 4.0005])
-    assert FlatRounded(radius=2.0, flat_half_length=1e-12).height(1.0) == pytest.approx(Hertz(radius=2.0).height(1.0))
+    assert FlatRounded(radius=2.0, flat_half_length=1e-12).height(1.0) == pytest.approx(
+        Hertz(radius=2.0).height(1.0)
+    )
 
 
 @pytest.mark.parametrize("count", [6, 25])
@@ -84,19 +93,25 @@ def test_the_spline_rises_where_the_rows_do(count):
     np.testing.assert_allclose(profile.height(x), rising, atol=1e-14 * rising[-1])
 
 
-# ----------------------------------------------------------------------------------------------------------------- faces
+# -------------------------------------------------------------------------------------------- faces
 @pytest.mark.parametrize("radius", [1e-3, 5.0, 1e6])
 def test_depth_of_an_arc_to_the_last_digit_and_beside_a_flat(radius):
-    """R - sqrt(R^2 - s^2) loses all digits at s = 1e-9 R; mpmath has them. Past the end by round-off is the end."""
+    """R - sqrt(R^2 - s^2) loses all digits at s = 1e-9 R; mpmath has them. Past the end by
+    round-off is the end.
+    """
     for share in (1e-9, 1e-4, 0.3, 0.99, 1 - 1e-9, 1.0):
         s = share * radius
         with mpmath.workdps(50):
-            exact = float(mpmath.mpf(radius) - mpmath.sqrt(mpmath.mpf(radius) ** 2 - mpmath.mpf(s) ** 2))
+            exact = float(
+                mpmath.mpf(radius) - mpmath.sqrt(mpmath.mpf(radius) ** 2 - mpmath.mpf(s) ** 2)
+            )
         assert float(arc_depth(np.array(s), radius)) == pytest.approx(exact, rel=1e-14)
-        assert arc_depth(radius * np.array([-0.3 - share, 0.2, 0.3 + share]), radius, 0.3 * radius) == pytest.approx(
-            [exact, 0, exact], rel=1e-6
-        )
-    assert float(arc_depth(np.array(radius * (1 + 4e-16)), radius)) == pytest.approx(radius, rel=1e-15)
+        assert arc_depth(
+            radius * np.array([-0.3 - share, 0.2, 0.3 + share]), radius, 0.3 * radius
+        ) == pytest.approx([exact, 0, exact], rel=1e-6)
+    assert float(arc_depth(np.array(radius * (1 + 4e-16)), radius)) == pytest.approx(
+        radius, rel=1e-15
+    )
 
 
 PAD = Pad(width=6.0, height=4.0)
@@ -115,7 +130,9 @@ FACES = [
 
 @pytest.mark.parametrize(("shape", "profile", "arc", "flat"), FACES)
 def test_faces(shape, profile, arc, flat):
-    """Mirror-symmetric, at the origin at x = 0, never falling outwards; the profile itself where there is no arc."""
+    """Mirror-symmetric, at the origin at x = 0, never falling outwards; the profile itself where
+    there is no arc.
+    """
     face, x = face_of(shape, profile), np.linspace(0, 2.5, 41)
     depth = face.depth(x)
     assert (face.arc, face.flat) == (arc, flat)
@@ -124,12 +141,14 @@ def test_faces(shape, profile, arc, flat):
     assert np.all(np.diff(depth) >= 0)
     if arc:
         start, radius = arc
-        np.testing.assert_allclose(np.hypot(np.maximum(x - start, 0), radius - depth), radius, rtol=1e-15)
+        np.testing.assert_allclose(
+            np.hypot(np.maximum(x - start, 0), radius - depth), radius, rtol=1e-15
+        )
     else:
         np.testing.assert_array_equal(depth, 0 * x if flat else profile.height(x))
 
 
-# --------------------------------------------------------------------------------------------- curves through noisy rows
+# ------------------------------------------------------------------------ curves through noisy rows
 KINDS = ("hertz", "flat_rounded", "even_polynomial", "smoothing_spline")
 TRUTHS = {
     "hertz": Hertz(radius=1000.0),
@@ -137,18 +156,27 @@ TRUTHS = {
     "even_polynomial": EvenPolynomial(length=1.0, rises=(5e-4, -5e-5, 5e-5, 2e-6)),
     "smoothing_spline": EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)),
 }
-LOAD = {"mean_normal_load": 70.0, "normal_amplitude": 20.0, "mean_tangential_load": 0.0, "tangential_amplitude": 25.0}
+LOAD = {
+    "mean_normal_load": 70.0,
+    "normal_amplitude": 20.0,
+    "mean_tangential_load": 0.0,
+    "tangential_amplitude": 25.0,
+}
 
 
 def rows_of(truth, count=101, noise=0.0, middle=0.1, seed=0):
     random = np.random.default_rng(seed)
     x = np.sort(random.uniform(-1.4, 1.6, count))
-    return np.column_stack([x, 0.3 + truth.height(x - middle) + noise * random.standard_normal(count)])
+    return np.column_stack(
+        [x, 0.3 + truth.height(x - middle) + noise * random.standard_normal(count)]
+    )
 
 
 def scene_of(rows, kind, noise=None, **fit):
     fit |= {"kind": kind} | ({"noise": noise} if noise else {})
-    return load_scene("hertz-paper").vary(load=LOAD, profile={"kind": "tabulated", "points": rows, "fit": fit})
+    return load_scene("hertz-paper").vary(
+        load=LOAD, profile={"kind": "tabulated", "points": rows, "fit": fit}
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -156,14 +184,23 @@ def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
     truth, s = TRUTHS[kind], np.linspace(0, 1.3, 201)
     found = fit_profile(rows_of(truth), kind, noise=1e-9)
     close = 3e-5 if kind == "smoothing_spline" else 1e-9  # knots 0.06 mm apart
-    np.testing.assert_allclose(found.height(s), truth.height(s), atol=close * float(truth.height(1.3)))
-    assert found.fitted.centre == pytest.approx(0.1, abs=1e-5 if kind == "smoothing_spline" else 1e-8)
+    np.testing.assert_allclose(
+        found.height(s), truth.height(s), atol=close * float(truth.height(1.3))
+    )
+    assert found.fitted.centre == pytest.approx(
+        0.1, abs=1e-5 if kind == "smoothing_spline" else 1e-8
+    )
     assert found.fitted.offset == pytest.approx(0.3, abs=1e-7)
     assert found.fitted.extent == pytest.approx(min(1.6 - 0.1, 1.4 + 0.1), abs=0.1)
     if kind == "flat_rounded":
-        assert (found.radius, found.flat_half_length) == (pytest.approx(300.0, rel=1e-6), pytest.approx(0.5, rel=1e-6))
+        assert (found.radius, found.flat_half_length) == (
+            pytest.approx(300.0, rel=1e-6),
+            pytest.approx(0.5, rel=1e-6),
+        )
     if kind == "even_polynomial":  # which bends down nowhere although a power of it is negative
-        np.testing.assert_allclose(np.array(found.rises) / found.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4)
+        np.testing.assert_allclose(
+            np.array(found.rises) / found.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4
+        )
 
 
 def test_a_parabola_is_that_of_least_squares():
@@ -188,12 +225,20 @@ def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbe
         return float(left @ left)
 
     best = misfit(found.fitted.centre, found.flat_half_length)
-    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-3)  # a penalty on the tilt keeps it from the very best
-    assert best <= min(misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)) * (1 + 1e-9)
+    # a penalty on the tilt keeps it from the very best
+    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-3)
+    assert best <= min(
+        misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)
+    ) * (1 + 1e-9)
 
 
 @settings(max_examples=15, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.sampled_from(KINDS), st.sampled_from(list(TRUTHS)), st.floats(1e-7, 3e-4))
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from(KINDS),
+    st.sampled_from(list(TRUTHS)),
+    st.floats(1e-7, 3e-4),
+)
 def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, noise):
     rows = rows_of(TRUTHS[truth], 12 + seed % 60, noise, seed=seed)
     try:
@@ -212,7 +257,10 @@ def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, n
 @pytest.mark.parametrize("kind", KINDS)
 def test_units_and_a_shift_change_nothing(kind):
     rows, unit = rows_of(TRUTHS["flat_rounded"], 61, 20e-6), np.array([25.4, 7.0])
-    one, other = fit_profile(rows, kind, noise=20e-6), fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
+    one, other = (
+        fit_profile(rows, kind, noise=20e-6),
+        fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6),
+    )
     s = np.linspace(0, 1.3, 50)
     np.testing.assert_allclose(other.height(25.4 * s), 7.0 * one.height(s), rtol=1e-4, atol=7e-9)
     assert other.fitted.centre == pytest.approx(25.4 * one.fitted.centre + 3.0, abs=1e-4)
@@ -220,7 +268,13 @@ def test_units_and_a_shift_change_nothing(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_saved_scene_gives_the_same_answer_without_the_file(kind, tmp_path):
-    np.savetxt(tmp_path / "trace.csv", rows_of(TRUTHS["flat_rounded"], 61, 20e-6), delimiter=",", header="x,h", comments="")
+    np.savetxt(
+        tmp_path / "trace.csv",
+        rows_of(TRUTHS["flat_rounded"], 61, 20e-6),
+        delimiter=",",
+        header="x,h",
+        comments="",
+    )
     keys = json.loads(load_scene("hertz-paper").vary(load=LOAD).model_dump_json(exclude_none=True))
     profile = {"kind": "tabulated", "file": "trace.csv", "fit": {"kind": kind}}
     (tmp_path / "scene.json").write_text(json.dumps(keys | {"profile": profile, "expected": []}))
@@ -257,7 +311,9 @@ def test_extent_and_centre_are_respected():
     assert (right.fitted.centre, right.fitted.centre_fitted) == (0.0, False)
     assert right.fitted.extent > 1.5
     for kind in KINDS:  # a trace that is counted from its first row has both sides
-        shifted = fit_profile(rows_of(TRUTHS["flat_rounded"], 61, 20e-6) + np.array([1.5, 0.0]), kind)
+        shifted = fit_profile(
+            rows_of(TRUTHS["flat_rounded"], 61, 20e-6) + np.array([1.5, 0.0]), kind
+        )
         assert shifted.fitted.centre_fitted
         assert shifted.fitted.centre == pytest.approx(1.6, abs=0.05)
     said = fit_in_words(scene_of(rows, "flat_rounded", 1e-6, extent=0.9), 1.2)
@@ -270,7 +326,10 @@ def test_extent_and_centre_are_respected():
     [
         (lambda rows: rows * [1, -1], "the rows do not bend up"),
         (lambda rows: rows * [1, 0], "the rows are flat from end to end"),
-        (lambda rows: rows[:7], "7 rows within the extent are too few for a fit: at least 8 are needed"),
+        (
+            lambda rows: rows[:7],
+            "7 rows within the extent are too few for a fit: at least 8 are needed",
+        ),
         (lambda rows: np.round(rows * [2, 1], 0) / [2, 1], "7 rows within the extent are too few"),
         (lambda rows: rows[::-1], "row 2: x = .* does not ascend"),
         (lambda rows: rows + np.array([5.0, 0.0]), "the middle, x = 0, is not among the rows"),
@@ -285,13 +344,19 @@ def test_rows_that_can_not_be_fitted_are_one_sentence(change, sentence):
 
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
-    """The weight of least expected error follows the noise, and the curve is nearer to the truth than one stiff or limp by far."""
+    """The weight of least expected error follows the noise, and the curve is nearer to the truth
+    than one stiff or limp by far.
+    """
     truth, s, weights = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)), np.linspace(0, 1.2, 50), []
     for noise in (1e-8, 2e-5):
         rows = rows_of(truth, 301, noise)
         given = {"kind": "smoothing_spline", "noise": noise if stated else None}
-        found = [fitted_keys(*rows.T, FitRequest(**given, weight=weight)) for weight in (None, 1e-9, 1e3)]
-        off = [np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found]
+        found = [
+            fitted_keys(*rows.T, FitRequest(**given, weight=weight)) for weight in (None, 1e-9, 1e3)
+        ]
+        off = [
+            np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found
+        ]
         assert off[0] <= 1.02 * min(off[1:])
         weights.append(found[0]["fitted"]["weight"])
     assert 100 * weights[0] <= weights[1]
@@ -300,15 +365,27 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
 @pytest.mark.parametrize("kind", KINDS)
 def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
     rows = rows_of(TRUTHS[kind], 301, 1e-6)
-    coarse = np.column_stack([np.round(rows[:, 0], 2), 0.3 + TRUTHS[kind].height(np.round(rows[:, 0], 2) - 0.1)])
+    coarse = np.column_stack(
+        [np.round(rows[:, 0], 2), 0.3 + TRUTHS[kind].height(np.round(rows[:, 0], 2) - 0.1)]
+    )
     assert np.any(np.diff(coarse[:, 0]) == 0)
     s = np.linspace(0, 1.3, 50)
-    np.testing.assert_allclose(fit_profile(coarse, kind, noise=1e-9).height(s), TRUTHS[kind].height(s), atol=3e-7)
+    np.testing.assert_allclose(
+        fit_profile(coarse, kind, noise=1e-9).height(s), TRUTHS[kind].height(s), atol=3e-7
+    )
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
     x, h = np.linspace(-1.5, 1.5, 61), np.linspace(-1.5, 1.5, 61) ** 2 / 2000
-    for rows in ((x, 1e95 * h), (x, 1e-95 * h), (1e45 * x, h), (1e-45 * x, h), (x + 1e6, h), (x, np.round(h, 4)), (x, np.abs(x))):
+    for rows in (
+        (x, 1e95 * h),
+        (x, 1e-95 * h),
+        (1e45 * x, h),
+        (1e-45 * x, h),
+        (x + 1e6, h),
+        (x, np.round(h, 4)),
+        (x, np.abs(x)),
+    ):
         for kind in KINDS:
             for noise in (None, 1e-12, 1e90):
                 assert fit_profile(np.column_stack(rows), kind, noise=noise).fitted.noise > 0
@@ -330,19 +407,27 @@ def test_noise_that_is_not_that_of_the_rows_is_said():
     assert "the noise is smaller than stated" in said[2][1]
 
 
-# A trace of a flat pad as it lies in the instrument: x counted from its left end, noise of 0, 60 and 300 nm.
+# A trace of a flat pad as it lies in the instrument: x counted from its left end, noise of 0, 60
+# and 300 nm.
 TRACED, TRACE = FlatRounded(radius=25.0, flat_half_length=1.2), np.linspace(-2.4, 2.4, 201)
 TILTS = [(tilt, noise) for tilt in (-5e-3, 0.0, 1e-3, 3e-3, 5e-3) for noise in (0.0, 6e-5, 3e-4)]
 
 
 def traced(tilt, noise, seed=0):
-    h = 0.01 + tilt * TRACE + TRACED.height(TRACE - 0.08) + noise * np.random.default_rng(seed).standard_normal(len(TRACE))
+    h = (
+        0.01
+        + tilt * TRACE
+        + TRACED.height(TRACE - 0.08)
+        + noise * np.random.default_rng(seed).standard_normal(len(TRACE))
+    )
     return np.column_stack([TRACE + 2.4, h])
 
 
 @pytest.mark.parametrize(("tilt", "noise"), TILTS)
 def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise):
-    """b, R, middle, offset and tilt are those of the trace, within four standard deviations by linear theory."""
+    """b, R, middle, offset and tilt are those of the trace, within four standard deviations by
+    linear theory.
+    """
     rows = traced(tilt, noise)
     found = fit_profile(rows, "flat_rounded")
     s = np.abs(TRACE - 0.08) - 1.2
@@ -350,7 +435,9 @@ def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise)
     bend = 1 / 25.0
     side = np.sign(TRACE - 0.08)
     # Changes of h with offset, tilt, middle, half-length and curvature.
-    slopes = np.column_stack([np.ones(len(s)), TRACE - 0.08, -bend * edge * side, -bend * edge, edge**2 / 2])
+    slopes = np.column_stack(
+        [np.ones(len(s)), TRACE - 0.08, -bend * edge * side, -bend * edge, edge**2 / 2]
+    )
     deviations = noise * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
     fitted = found.fitted
     errors = np.abs(
@@ -370,13 +457,24 @@ def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise)
 
 def test_w_of_a_tilted_trace_lies_within_what_is_stated():
     keys = {"kind": "tabulated", "points": traced(3e-3, 6e-5), "fit": {"kind": "flat_rounded"}}
-    load = {"kind": "polygon", "initial_loading": [[120.0, 0.0], [120.0, 35.0]], "cycle": [[120.0, -35.0]]}
+    load = {
+        "kind": "polygon",
+        "initial_loading": [[120.0, 0.0], [120.0, 35.0]],
+        "cycle": [[120.0, -35.0]],
+    }
     scene = load_scene("hertz-paper").vary(load=load, friction=0.5, profile=keys, expected=())
     truth = semi_analytic.solve(scene.vary(profile=TRACED), x=0.0, fields="dissipation").dissipation
     found = fit_uncertainty(scene, 10).dissipation
     assert abs(found.value - truth) <= found.uncertainty <= 0.02 * truth
-    # A tilt that is stated, and is not that of the trace, leaves residuals with a pattern: said, and covered.
-    level = scene.vary(profile={"kind": "tabulated", "points": traced(3e-3, 6e-5), "fit": {"kind": "flat_rounded", "tilt": 0.0}})
+    # A tilt that is stated, and is not that of the trace, leaves residuals with a pattern: said,
+    # and covered.
+    level = scene.vary(
+        profile={
+            "kind": "tabulated",
+            "points": traced(3e-3, 6e-5),
+            "fit": {"kind": "flat_rounded", "tilt": 0.0},
+        }
+    )
     wide = fit_uncertainty(level, 10).dissipation
     assert 0.15 * truth < abs(wide.value - truth) <= wide.uncertainty
     assert "no noise" in fit_warnings(level, 0.0)[0]
@@ -384,8 +482,17 @@ def test_w_of_a_tilted_trace_lies_within_what_is_stated():
 
 
 def test_a_tilt_that_the_rows_do_not_show_is_none():
-    """A parabola with tilt is a parabola with another middle: no fit makes much tilt of it, and the curve is that of the rows."""
-    rows = np.column_stack([TRACE, TRACE**2 / 180 + 3e-3 * TRACE + 6e-5 * np.random.default_rng(0).standard_normal(len(TRACE))])
+    """A parabola with tilt is a parabola with another middle: no fit makes much tilt of it, and the
+    curve is that of the rows.
+    """
+    rows = np.column_stack(
+        [
+            TRACE,
+            TRACE**2 / 180
+            + 3e-3 * TRACE
+            + 6e-5 * np.random.default_rng(0).standard_normal(len(TRACE)),
+        ]
+    )
     for kind in ("hertz", "flat_rounded", "even_polynomial"):
         found = fit_profile(rows, kind)
         assert found.fitted.centre == pytest.approx(-90 * 3e-3, abs=0.05)
@@ -401,12 +508,18 @@ def test_a_tilt_that_the_rows_do_not_show_is_none():
 def test_white_noise_is_called_a_pattern_by_chance_alone():
     """In one case of 1,000 by each of two rules; a wave of the size of the noise is seen."""
     random, calls = np.random.default_rng(1), 0
-    scene = load_scene("hertz-paper").vary(load=LOAD, profile=fit_profile(traced(0.0, 6e-5), "flat_rounded"))
+    scene = load_scene("hertz-paper").vary(
+        load=LOAD, profile=fit_profile(traced(0.0, 6e-5), "flat_rounded")
+    )
     fitted = scene.profile.fitted
-    curve = fitted.rows.values - np.column_stack([np.zeros(len(TRACE)), fitted.residuals(scene.profile.height)])
+    curve = fitted.rows.values - np.column_stack(
+        [np.zeros(len(TRACE)), fitted.residuals(scene.profile.height)]
+    )
     wave = np.column_stack([np.zeros(len(TRACE)), 6e-5 * np.sin(4 * TRACE)])
     for _ in range(100):
-        rows = curve + np.column_stack([np.zeros(len(TRACE)), 6e-5 * random.standard_normal(len(TRACE))])
+        rows = curve + np.column_stack(
+            [np.zeros(len(TRACE)), 6e-5 * random.standard_normal(len(TRACE))]
+        )
         for more, seen in ((0.0, False), (wave, True)):
             other = fitted.model_copy(update={"rows": Table.of(rows + more)})
             profile = scene.profile.model_copy(update={"fitted": other})
@@ -416,12 +529,17 @@ def test_white_noise_is_called_a_pattern_by_chance_alone():
 
 def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurements():
     truth = TRUTHS["flat_rounded"]
-    small, large = (fit_uncertainty(scene_of(rows_of(truth, 101, noise), "flat_rounded", noise), 30) for noise in (2e-6, 20e-6))
+    small, large = (
+        fit_uncertainty(scene_of(rows_of(truth, 101, noise), "flat_rounded", noise), 30)
+        for noise in (2e-6, 20e-6)
+    )
     for name in ("dissipation", "half_width", "peak_pressure"):
         one, other = (getattr(found, name).uncertainty for found in (small, large))
         assert other / one == pytest.approx(10.0, rel=0.35)
     # By real other measurements.
-    scenes = [scene_of(rows_of(truth, 101, 20e-6, seed=seed), "flat_rounded", 20e-6) for seed in range(60)]
+    scenes = [
+        scene_of(rows_of(truth, 101, 20e-6, seed=seed), "flat_rounded", 20e-6) for seed in range(60)
+    ]
     widths = [largest_contact(scene, "").half_width for scene in scenes]
     assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
     one, other = (fit_uncertainty(scenes[0], 4, seed) for seed in (1, 2))
@@ -430,12 +548,17 @@ def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurement
 
 
 def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
-    """Ten times less of it changes the half-width more than the mean of other measurements does: these have lost it already."""
+    """Ten times less of it changes the half-width more than the mean of other measurements does:
+    these have lost it already.
+    """
     scene = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 50e-6, seed=1), "smoothing_spline", 50e-6)
     found = fit_uncertainty(scene, 10).half_width
 
     def change(keys):
-        return largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width - found.value
+        return (
+            largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width
+            - found.value
+        )
 
     random = np.random.default_rng(0)
     others = [change(fitted_again(scene.profile, random.standard_normal(61))) for _ in range(10)]
@@ -454,5 +577,7 @@ def test_page_and_json_state_the_fit():
     assert content(load_scene("hertz-paper")) is None
     plate = fit_residuals(scene, 0.9)
     assert len(plate.table["x [mm]"]) == 301
-    assert np.std(plate.table["row - fit [mm]"]) == pytest.approx(scene.profile.fitted.residual, rel=1e-6)
+    assert np.std(plate.table["row - fit [mm]"]) == pytest.approx(
+        scene.profile.fitted.residual, rel=1e-6
+    )
     assert fit_residuals(load_scene("hertz-paper"), 1.0) is None

@@ -1,4 +1,6 @@
-"""Scene files and what lies beside them: what is read, and each fault refused in one sentence with file, key, value and rule."""
+"""Scene files and what lies beside them: what is read, and each fault refused in one sentence with
+file, key, value and rule.
+"""
 
 from __future__ import annotations
 
@@ -57,12 +59,20 @@ cycle = [[2.0, 0.5], [2.0, -0.5]]
 POLYGON = PLAIN[PLAIN.index('kind = "polygon"') :]
 PAPER = scene_text("hertz-paper").split("[[expected]]")[0]
 BLOCK = '{kind = "block", width = 20.0, height = 3.0}'
-PAD, WIDE = '{kind = "pad", width = 8.0, height = 5.0}', '{kind = "pad", width = 28.0, height = 5.0}'
+PAD, WIDE = (
+    '{kind = "pad", width = 8.0, height = 5.0}',
+    '{kind = "pad", width = 28.0, height = 5.0}',
+)
 
 
 def bodies(**shapes: str) -> tuple[str, str]:
     """Old and new text of a scene with these bodies."""
-    return "[friction]", "[bodies]\n" + "".join(f"{name} = {shape}\n" for name, shape in shapes.items()) + "[friction]"
+    return (
+        "[friction]",
+        "[bodies]\n"
+        + "".join(f"{name} = {shape}\n" for name, shape in shapes.items())
+        + "[friction]",
+    )
 
 
 def number(keys: str) -> tuple[str, str]:
@@ -71,7 +81,9 @@ def number(keys: str) -> tuple[str, str]:
 
 
 def with_flat(width: float) -> tuple[str, str]:
-    """Old and new text of a scene with a pad of this width, whose arcs of radius 10 begin at a flat from -2 to 2."""
+    """Old and new text of a scene with a pad of this width, whose arcs of radius 10 begin at a flat
+    from -2 to 2.
+    """
     pad = f'{{kind = "pad", width = {width}, height = 12.0}}'
     rounded = 'kind = "flat_rounded"\nradius = 10.0\nflat_half_length = 2.0'
     return f"{HERTZ}\n\n[friction]", f"{rounded}\n[bodies]\nupper = {pad}\n[friction]"
@@ -81,65 +93,200 @@ CYCLE = "[[2.0, 0.5], [2.0, -0.5]]"
 FIT = 'kind = "tabulated"\npoints = [[0, 0], [1, 1], [2, 4]]\nfit = {kind = '
 # old text, new text, what the sentence must name
 REFUSED = {
-    "friction below zero": ("coefficient = 0.5", "coefficient = -0.1", "friction.coefficient = -0.1|greater than or equal to 0"),
-    "friction as text": ("coefficient = 0.5", 'coefficient = "0.5"', "friction.coefficient = '0.5'|valid number"),
-    "friction as date": ("coefficient = 0.5", "coefficient = 2020-01-01", "friction.coefficient = '2020-01-01'|valid number"),
-    "friction not a number": ("coefficient = 0.5", "coefficient = nan", "friction.coefficient = nan|finite"),
+    "friction below zero": (
+        "coefficient = 0.5",
+        "coefficient = -0.1",
+        "friction.coefficient = -0.1|greater than or equal to 0",
+    ),
+    "friction as text": (
+        "coefficient = 0.5",
+        'coefficient = "0.5"',
+        "friction.coefficient = '0.5'|valid number",
+    ),
+    "friction as date": (
+        "coefficient = 0.5",
+        "coefficient = 2020-01-01",
+        "friction.coefficient = '2020-01-01'|valid number",
+    ),
+    "friction not a number": (
+        "coefficient = 0.5",
+        "coefficient = nan",
+        "friction.coefficient = nan|finite",
+    ),
     "a load without a square": (
         "mean_normal_load = 90.62286500739786",
         "mean_normal_load = 9e200",
         "load.mean_normal_load is refused: 9e+200 is above 1e+100",
     ),
-    "nu at its upper end": ("poisson_ratio = 0.3", "poisson_ratio = 0.5", "material.poisson_ratio = 0.5|less than 0.5"),
-    "nu at its lower end": ("poisson_ratio = 0.3", "poisson_ratio = -1", "material.poisson_ratio = -1|greater than -1"),
-    "E zero": ("young_modulus = 1", "young_modulus = 0", "material.young_modulus = 0|greater than 0"),
+    "nu at its upper end": (
+        "poisson_ratio = 0.3",
+        "poisson_ratio = 0.5",
+        "material.poisson_ratio = 0.5|less than 0.5",
+    ),
+    "nu at its lower end": (
+        "poisson_ratio = 0.3",
+        "poisson_ratio = -1",
+        "material.poisson_ratio = -1|greater than -1",
+    ),
+    "E zero": (
+        "young_modulus = 1",
+        "young_modulus = 0",
+        "material.young_modulus = 0|greater than 0",
+    ),
     "radius negative": ("radius = 2.0", "radius = -2.0", "profile.radius = -2.0|greater than 0"),
-    "unknown key": ("coefficient = 0.5", "coefficient = 0.5\ncolour = 3", "unknown key friction.colour = 3|halfplane schema"),
-    "unknown table": ("[friction]", "[paint]\ncolour = 3\n[friction]", "unknown key paint|halfplane schema"),
-    "misspelt key": ("coefficient", "coeficient", "friction.coeficient|did you mean coefficient?|(also at fault: "),
-    "missing key": ("coefficient = 0.5", "", "the key friction.coefficient is missing|halfplane schema"),
+    "unknown key": (
+        "coefficient = 0.5",
+        "coefficient = 0.5\ncolour = 3",
+        "unknown key friction.colour = 3|halfplane schema",
+    ),
+    "unknown table": (
+        "[friction]",
+        "[paint]\ncolour = 3\n[friction]",
+        "unknown key paint|halfplane schema",
+    ),
+    "misspelt key": (
+        "coefficient",
+        "coeficient",
+        "friction.coeficient|did you mean coefficient?|(also at fault: ",
+    ),
+    "missing key": (
+        "coefficient = 0.5",
+        "",
+        "the key friction.coefficient is missing|halfplane schema",
+    ),
     "missing kind": ('kind = "hertz"', "", "the key profile.kind is missing"),
-    "unknown kind": ('kind = "hertz"', 'kind = "hurtz"', "profile.kind = 'hurtz'|'hertz' or 'flat_rounded'"),
-    "no point": ("initial_loading = [[2.0, 0.0]]", "initial_loading = []", "load.initial_loading = []|at least 1 item"),
+    "unknown kind": (
+        'kind = "hertz"',
+        'kind = "hurtz"',
+        "profile.kind = 'hurtz'|'hertz' or 'flat_rounded'",
+    ),
+    "no point": (
+        "initial_loading = [[2.0, 0.0]]",
+        "initial_loading = []",
+        "load.initial_loading = []|at least 1 item",
+    ),
     "a point of words": ("[2.0, 0.5]", '[2.0, "x"]', "load.cycle.0.1 = 'x'|valid number"),
-    "a point twice": ("[2.0, 0.5]", "[2.0, 0.0]", "load is refused|[2.0, 0.0] stands twice in a row"),
-    "material a number": ("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", "material = 3", "material = 3|a table of keys"),
-    "two faults": (HERTZ + "\n\n[friction]\ncoefficient = 0.5", 'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
-                   "profile.radius = -1|(also at fault: friction.coefficient)"),
-    "a pad wider than its block": (*bodies(upper=WIDE, lower=BLOCK), "bodies is refused: the upper body, a pad of width 28, is "
-                                   "wider than the block that it faces, of width 20: make the pad narrower or the block wider"),
-    "a pad past its arcs": (*bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
-                            "bodies.upper.width = 4 goes past the end of the pad's arcs, at 4: make it less"),
-    "two pads": (*bodies(lower=PAD, upper=PAD), "bodies is refused: a pad on a pad: a pad faces a half_plane or a block"),
-    "a pad on a cylinder": (*bodies(lower='{kind = "cylinder", radius = 2.0}', upper='{kind = "pad", width = 1.0, height = 5.0}'),
-                            "a pad on a cylinder: a pad faces a half_plane or a block"),
-    "cylinders of another radius": (*bodies(lower='{kind = "cylinder", radius = 25.0}', upper='{kind = "cylinder", radius = 75.0}'),
-                                    "profile is not that of the cylinders: it is kind = 'hertz' with radius = 18.75 (1/R is"),
-    "a cylinder of another radius": (*bodies(upper='{kind = "cylinder", radius = 50.0}'), "not that of the cylinders|radius = 50"),
-    "no width": (*bodies(upper='{kind = "pad", width = 0.0, height = 5.0}'), "bodies.upper.width = 0.0 is refused: should be"),
-    "base": (*bodies(lower=BLOCK.replace("}", ', base = "glued"}')), "base = 'glued' is refused: should be 'fixed' or 'rollers'"),
-    "no kind of body": (*bodies(lower="{width = 8.0, height = 5.0}"), "the key bodies.lower.kind is missing"),
+    "a point twice": (
+        "[2.0, 0.5]",
+        "[2.0, 0.0]",
+        "load is refused|[2.0, 0.0] stands twice in a row",
+    ),
+    "material a number": (
+        "[material]\nyoung_modulus = 1\npoisson_ratio = 0.3",
+        "material = 3",
+        "material = 3|a table of keys",
+    ),
+    "two faults": (
+        HERTZ + "\n\n[friction]\ncoefficient = 0.5",
+        'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
+        "profile.radius = -1|(also at fault: friction.coefficient)",
+    ),
+    "a pad wider than its block": (
+        *bodies(upper=WIDE, lower=BLOCK),
+        (
+            "bodies is refused: the upper body, a pad of width 28, is wider than the block that it"
+            " faces, of width 20: make the pad narrower or the block wider"
+        ),
+    ),
+    "a pad past its arcs": (
+        *bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
+        "bodies.upper.width = 4 goes past the end of the pad's arcs, at 4: make it less",
+    ),
+    "two pads": (
+        *bodies(lower=PAD, upper=PAD),
+        "bodies is refused: a pad on a pad: a pad faces a half_plane or a block",
+    ),
+    "a pad on a cylinder": (
+        *bodies(
+            lower='{kind = "cylinder", radius = 2.0}',
+            upper='{kind = "pad", width = 1.0, height = 5.0}',
+        ),
+        "a pad on a cylinder: a pad faces a half_plane or a block",
+    ),
+    "cylinders of another radius": (
+        *bodies(
+            lower='{kind = "cylinder", radius = 25.0}', upper='{kind = "cylinder", radius = 75.0}'
+        ),
+        "profile is not that of the cylinders: it is kind = 'hertz' with radius = 18.75 (1/R is",
+    ),
+    "a cylinder of another radius": (
+        *bodies(upper='{kind = "cylinder", radius = 50.0}'),
+        "not that of the cylinders|radius = 50",
+    ),
+    "no width": (
+        *bodies(upper='{kind = "pad", width = 0.0, height = 5.0}'),
+        "bodies.upper.width = 0.0 is refused: should be",
+    ),
+    "base": (
+        *bodies(lower=BLOCK.replace("}", ', base = "glued"}')),
+        "base = 'glued' is refused: should be 'fixed' or 'rollers'",
+    ),
+    "no kind of body": (
+        *bodies(lower="{width = 8.0, height = 5.0}"),
+        "the key bodies.lower.kind is missing",
+    ),
     "unknown place": (*bodies(middle=BLOCK), "unknown key bodies.middle"),
-    "power law": (HERTZ, 'kind = "power_law"\nexponent = 0.9\nlength = 1.0\nrise = 1.0', "profile.exponent = 0.9|or equal to 1"),
+    "power law": (
+        HERTZ,
+        'kind = "power_law"\nexponent = 0.9\nlength = 1.0\nrise = 1.0',
+        "profile.exponent = 0.9|or equal to 1",
+    ),
     "wedge": (HERTZ, 'kind = "wedge"\ntip_radius = 1.0', "profile.tip_half_length is missing"),
-    "polynomial that falls": (HERTZ, 'kind = "polynomial"\nlength = 1.0\nrises = [0.5, -1.0]', "falls at x = "),
-    "function in a file": (HERTZ, 'kind = "callable"\nextent = 1.0\nheight_function = "x*x"', "only be built in Python"),
+    "polynomial that falls": (
+        HERTZ,
+        'kind = "polynomial"\nlength = 1.0\nrises = [0.5, -1.0]',
+        "falls at x = ",
+    ),
+    "function in a file": (
+        HERTZ,
+        'kind = "callable"\nextent = 1.0\nheight_function = "x*x"',
+        "only be built in Python",
+    ),
     "unknown tag": ("[material]", 'tags = ["papier"]\n[material]', "tags.0 = 'papier'"),
-    "unknown quantity": (*number('quantity = "work", tolerance = 0.1, source = "x"'), "expected.0.quantity = 'work'"),
-    "number without source": (*number('quantity = "dissipation", tolerance = 0.1'), "expected.0.source is missing"),
-    "number of no engine": (*number('quantity = "dissipation", tolerance = 1, source = "x", engine = "x"'), "0.engine = 'x'"),
+    "unknown quantity": (
+        *number('quantity = "work", tolerance = 0.1, source = "x"'),
+        "expected.0.quantity = 'work'",
+    ),
+    "number without source": (
+        *number('quantity = "dissipation", tolerance = 0.1'),
+        "expected.0.source is missing",
+    ),
+    "number of no engine": (
+        *number('quantity = "dissipation", tolerance = 1, source = "x", engine = "x"'),
+        "0.engine = 'x'",
+    ),
     "phase": ("phase_degrees", "phase", "did you mean phase_degrees?"),  # it was "base"
     "unit in a key": ("radius = 1000", "radius_mm = 1000", "did you mean radius?"),
     "units that do not fit": ("title", 'units = "N, mm, GPa"\ntitle', "N/mm^2 is MPa, not GPa"),
-    "units in another order": ("title", 'units = "mm, N, MPa"\ntitle', "force, length and stress in this order"),
+    "units in another order": (
+        "title",
+        'units = "mm, N, MPa"\ntitle',
+        "force, length and stress in this order",
+    ),
     "units without commas": ("title", 'units = "N mm MPa"\ntitle', "with commas between"),
-    "three numbers for two": (CYCLE, "[[9, 2, 3]]", "load.cycle.0 = [9, 2, 3] is refused: should have at most 2 entries"),
-    "a pad past its arcs beside a flat": (*with_flat(24.0), "past the end of the pad's arcs, at 24"),
-    "friction that is no table": ("[friction]\ncoefficient = 0.5", "[[friction]]", "friction is refused"),
+    "three numbers for two": (
+        CYCLE,
+        "[[9, 2, 3]]",
+        "load.cycle.0 = [9, 2, 3] is refused: should have at most 2 entries",
+    ),
+    "a pad past its arcs beside a flat": (
+        *with_flat(24.0),
+        "past the end of the pad's arcs, at 24",
+    ),
+    "friction that is no table": (
+        "[friction]\ncoefficient = 0.5",
+        "[[friction]]",
+        "friction is refused",
+    ),
     "a kind of curve": (HERTZ, f'{FIT}"herz"}}', "profile.fit.kind = 'herz' is refused"),
-    "noise below zero": (HERTZ, f'{FIT}"hertz", noise = -1.0}}', "profile.fit.noise = -1.0 is refused: should be greater than 0"),
-}  # fmt: skip
-# What no scene can state is answered by the limit; it was "did you mean" something unrelated, as title for tilt.
+    "noise below zero": (
+        HERTZ,
+        f'{FIT}"hertz", noise = -1.0}}',
+        "profile.fit.noise = -1.0 is refused: should be greater than 0",
+    ),
+}
+# What no scene can state is answered by the limit; it was "did you mean" something unrelated, as
+# title for tilt.
 NEGLECTED = {
     "wear": "wear is not modelled",
     "wear_coefficient": "wear is not modelled",
@@ -153,15 +300,26 @@ NEGLECTED = {
 TO_THE_LOAD = ("bulk", "bulk_stress", "remote_stress", "moments", "tilt_degrees", "eccentricity")
 SAID = {key: f"|{said}|docs/theory.md, 'What is neglected'" for key, said in NEGLECTED.items()}
 REFUSED |= {
-    f"{key} in {place}": (f"[{place}]", f"[{place}]\n{key} = 0.5", f"unknown key {place}.{key} = 0.5; {said}")
+    f"{key} in {place}": (
+        f"[{place}]",
+        f"[{place}]\n{key} = 0.5",
+        f"unknown key {place}.{key} = 0.5; {said}",
+    )
     for place in ("load", "friction", "profile")
     for key, said in (SAID | dict.fromkeys(TO_THE_LOAD, "bulk_stress_lower,")).items()
 }
-REFUSED |= {key: ("[material]", f"{key} = 0.5\n[material]", f"unknown key {key} = 0.5; {said}") for key, said in SAID.items()}
+REFUSED |= {
+    key: ("[material]", f"{key} = 0.5\n[material]", f"unknown key {key} = 0.5; {said}")
+    for key, said in SAID.items()
+}
 NO_JSON = {"friction as date"}
 # Text that is no TOML.
 BROKEN = {
-    "decimal comma": ("coefficient = 1.0", "coefficient = 1,0", "in 'coefficient = 1,0'; write a decimal point, not a comma"),
+    "decimal comma": (
+        "coefficient = 1.0",
+        "coefficient = 1,0",
+        "in 'coefficient = 1,0'; write a decimal point, not a comma",
+    ),
     "open quotes": ('kind = "ellipse"', 'kind = "ellipse', "in 'kind = \"ellipse"),
 }
 
@@ -180,13 +338,17 @@ def edited(old: str, new: str) -> str:
 
 
 @pytest.mark.parametrize("fault", [*REFUSED, *BROKEN])
-def test_every_fault_is_one_sentence_naming_file_key_value_and_rule(fault: str, tmp_path: Path) -> None:
+def test_every_fault_is_one_sentence_naming_file_key_value_and_rule(
+    fault: str, tmp_path: Path
+) -> None:
     """And the same in JSON."""
     old, new, named = (REFUSED | BROKEN)[fault]
     (tmp_path / "mine.toml").write_text(edited(old, new), encoding="utf-8")
     said = {"mine.toml": refusal(tmp_path / "mine.toml")}
     if fault not in NO_JSON | BROKEN.keys():
-        (tmp_path / "mine.json").write_text(json.dumps(tomllib.loads(edited(old, new))), encoding="utf-8")
+        (tmp_path / "mine.json").write_text(
+            json.dumps(tomllib.loads(edited(old, new))), encoding="utf-8"
+        )
         said["mine.json"] = refusal(tmp_path / "mine.json")
     for name, sentence in said.items():
         assert sentence.startswith(f"{tmp_path / name}: ")
@@ -218,7 +380,9 @@ def test_files_that_hold_no_scene(name: str, tmp_path: Path) -> None:
     assert rule in sentence
 
 
-def test_files_that_can_not_be_read_and_names_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_that_can_not_be_read_and_names_that_are_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file = tmp_path / "mine.toml"
     file.write_bytes(b"\xff\xfe\x00\x01")
     (tmp_path / "folder.toml").mkdir()
@@ -248,8 +412,14 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
         expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
-# -------------------------------------------------------------------------------------------------- tables beside a scene
-SERIES, TRACE = (POLYGON, 'kind = "time_series"\nfile = "table.csv"'), (HERTZ, 'kind = "tabulated"\nfile = "table.csv"')
+# ---------------------------------------------------------------------------- tables beside a scene
+SERIES, TRACE = (
+    (POLYGON, 'kind = "time_series"\nfile = "table.csv"'),
+    (
+        HERTZ,
+        'kind = "tabulated"\nfile = "table.csv"',
+    ),
+)
 
 
 def named(columns: str) -> tuple[str, str]:
@@ -261,37 +431,78 @@ DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks betwe
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
     (SERIES, "\ufefftime,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
-    (SERIES, "time,P,Q\n0,1,0\n2,2,0\n# late\n1,3,0\n", ", line 5: time = 1 comes after a later one"),
+    (
+        SERIES,
+        "time,P,Q\n0,1,0\n2,2,0\n# late\n1,3,0\n",
+        ", line 5: time = 1 comes after a later one",
+    ),
     (SERIES, "time,P,Q\n0,1\n", ", line 2: 3 numbers (time, P, Q) are needed"),
     (
         SERIES,
         "t,N,Q\n0,1,2\n",
-        ", line 1: the columns are time, P, Q, not 't,N,Q': none is known as P; say which by columns = {P = ...}",
+        (
+            ", line 1: the columns are time, P, Q, not 't,N,Q': none is known as P; say which by"
+            " columns = {P = ...}"
+        ),
     ),
     (
         SERIES,
         "0,1,2,3\n1,2,3,4\n",
-        ", line 1: 3 numbers (time, P, Q) are needed, not '0,1,2,3'; or say which by columns = {time = 1,",
+        (
+            ", line 1: 3 numbers (time, P, Q) are needed, not '0,1,2,3'; or say which by columns ="
+            " {time = 1,"
+        ),
     ),
-    (SERIES, "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n", ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}"),
-    (SERIES, "Rig 7\na,b,c\n0,1,2\n1,2,3\n", ", line 2: the columns are time, P, Q, not 'a,b,c': none is known as time or P or Q"),
-    (named("time = 1, P = 4, Q = 5"), "0,1,2,3\n1,2,3,4\n", ", line 1: there is no column 5: the line has 4"),
-    (named("P = 0"), "time,P,Q\n0,1,0\n1,2,0\n", ": columns = {P = 0} is refused: columns are numbered from 1 on"),
-    (named("P = 2, Q = 2"), "time,P,Q\n0,1,0\n1,2,0\n", ", line 1: columns: time, P, Q must be of different columns of 'time,P,Q'"),
+    (
+        SERIES,
+        "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n",
+        ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}",
+    ),
+    (
+        SERIES,
+        "Rig 7\na,b,c\n0,1,2\n1,2,3\n",
+        ", line 2: the columns are time, P, Q, not 'a,b,c': none is known as time or P or Q",
+    ),
+    (
+        named("time = 1, P = 4, Q = 5"),
+        "0,1,2,3\n1,2,3,4\n",
+        ", line 1: there is no column 5: the line has 4",
+    ),
+    (
+        named("P = 0"),
+        "time,P,Q\n0,1,0\n1,2,0\n",
+        ": columns = {P = 0} is refused: columns are numbered from 1 on",
+    ),
+    (
+        named("P = 2, Q = 2"),
+        "time,P,Q\n0,1,0\n1,2,0\n",
+        ", line 1: columns: time, P, Q must be of different columns of 'time,P,Q'",
+    ),
     (
         named('time = "Zeit", P = "FN", Q = "Quer"'),
         "Zeit [s];Kraft [N];Quer [N]\n0,0;1,5;0,5\n1,0;2,5;0,5\n",
         "'Zeit [s];Kraft [N];Quer [N]': no heading is 'FN'; say which by columns = {P = ...}",
     ),
-    (SERIES, "time;P;Q\n0,0;5.000,5;2\n", f", line 2: P = '5.000,5' is not a finite number of at most 1e+100; {DECIMAL} comma"),
+    (
+        SERIES,
+        "time;P;Q\n0,0;5.000,5;2\n",
+        f", line 2: P = '5.000,5' is not a finite number of at most 1e+100; {DECIMAL} comma",
+    ),
     (SERIES, "time,P,Q\n0,1,0\n", ", line 2: one row is no history"),
     (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", "commas between the columns leave points for the numbers"),
-    (SERIES, "time;P;Q\n0;1,5;2\n1;1.234;2\n", f", line 3: P = '1.234' is not a finite number of at most 1e+100; {DECIMAL} comma"),
+    (
+        SERIES,
+        "time;P;Q\n0;1,5;2\n1;1.234;2\n",
+        f", line 3: P = '1.234' is not a finite number of at most 1e+100; {DECIMAL} comma",
+    ),
     (SERIES, "time;P;Q\n0;1;2\n1;1_000;2\n", ", line 3: P = '1_000' is not a finite number"),
     (
         SERIES,
         "time,P [kN],Q\n0,1,0\n1,2,0\n",
-        ": P is in kN (in its heading), a force, and loads are per unit thickness: state the key thickness",
+        (
+            ": P is in kN (in its heading), a force, and loads are per unit thickness: state the"
+            " key thickness"
+        ),
     ),
     (TRACE, "", ": the file is empty"),
     (TRACE, None, ": the file can't be read: No such file"),
@@ -304,7 +515,11 @@ TABLES = [
     (TRACE, "x,h\n1,0\n2,1\n3,2\n", "a row with x = 0"),
     (TRACE, "x,h\n-2,4\n-1,1\n0,0\n1,1.5\n2,4\n", ", line 5: the profile is not symmetric"),
     (TRACE, "x,h\n-1,1\n0,0\n1,1\n2,4\n", ", line 5: x = 2 has no partner on the other side"),
-    ((HERTZ, f'{TRACE[1]}\nfit = {{kind = "hertz"}}'), "x,h\n-1,1\n0,0\n1,1\n0.5,4\n", "table.csv, line 5: x = "),
+    (
+        (HERTZ, f'{TRACE[1]}\nfit = {{kind = "hertz"}}'),
+        "x,h\n-1,1\n0,0\n1,1\n0.5,4\n",
+        "table.csv, line 5: x = ",
+    ),
     (
         (SERIES[0], f"{SERIES[1]}\nthickness = 2.0"),
         "time,P [kN/m],Q\n0,1,0\n1,2,0\n",
@@ -314,7 +529,9 @@ TABLES = [
 
 
 @pytest.mark.parametrize(("edit", "text", "said"), TABLES)
-def test_faults_in_tables_name_file_line_and_rule(edit: tuple[str, str], text: str | None, said: str, tmp_path: Path) -> None:
+def test_faults_in_tables_name_file_line_and_rule(
+    edit: tuple[str, str], text: str | None, said: str, tmp_path: Path
+) -> None:
     if text is not None:
         (tmp_path / "table.csv").write_text(text, encoding="utf-8")
     (tmp_path / "mine.toml").write_text(PLAIN.replace(*edit), encoding="utf-8")
@@ -326,42 +543,94 @@ def test_faults_in_tables_name_file_line_and_rule(edit: tuple[str, str], text: s
 # Text, keys of the table, rows that are found, words of the record.
 SCENE_UNITS = {"units stated": "kN, mm, GPa", "words in other columns": "SI"}
 FORMS = {
-    "spreadsheet": ("\ufeffTime [s];Normal force [kN];FT [N]\r\n0;1,5;5\r\n1;1,6;6,5\r\n", "thickness = 10",
-                    [[0, 150, 0.5], [1, 160, 0.65]], ("semicolon", "comma", "times 1000", "over the thickness 10")),
-    "data logger": ("Rig 7\nDate\t1.2.2026\nt / ms\tFN (N/mm)\tFT (N/mm)\tnote\n0\t1\t2\tok\n500\t2\t3\tok, fine\n", "",
-                    [[0, 1, 2], [0.5, 2, 3]], ("tab", "2 skipped", "times 0.001")),
-    "units below": ("time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n", "thickness = 2",
-                    [[0, 500, 0.25], [1, 1000, 0.3]], ("kN", "over the thickness 2")),
+    "spreadsheet": (
+        "\ufeffTime [s];Normal force [kN];FT [N]\r\n0;1,5;5\r\n1;1,6;6,5\r\n",
+        "thickness = 10",
+        [[0, 150, 0.5], [1, 160, 0.65]],
+        ("semicolon", "comma", "times 1000", "over the thickness 10"),
+    ),
+    "data logger": (
+        (
+            "Rig 7\nDate\t1.2.2026\nt / ms\tFN (N/mm)\tFT (N/mm)\tnote\n0\t1\t2\tok\n500\t2\t3\tok,"
+            " fine\n"
+        ),
+        "",
+        [[0, 1, 2], [0.5, 2, 3]],
+        ("tab", "2 skipped", "times 0.001"),
+    ),
+    "units below": (
+        "time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n",
+        "thickness = 2",
+        [[0, 500, 0.25], [1, 1000, 0.3]],
+        ("kN", "over the thickness 2"),
+    ),
     "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
-    "decimal commas and blanks": ("Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n", "",
-                                  [[0, 1.5, 2], [0.5, 2.5, 3]], ("comma",)),
-    "words in other columns": ("state,time,P,Q\nn/a,0,1,2\n,1,2,3\n", "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "decimal commas and blanks": (
+        "Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n",
+        "",
+        [[0, 1.5, 2], [0.5, 2.5, 3]],
+        ("comma",),
+    ),
+    "words in other columns": (
+        "state,time,P,Q\nn/a,0,1,2\n,1,2,3\n",
+        "",
+        [[0, 1, 2], [1, 2, 3]],
+        ("'P'",),
+    ),
     "quotes": ('"time","P","Q"\n"0","1","2"\n"1","2","3"\n', "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
     "comma at each end": ("time,P,Q,\n0,1,2,\n1,2,3,\n", "", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
-    "columns by heading": ("a;b;c\n0;1;2\n1;2;3\n",
-                           'columns = {time = "a", P = "c", Q = "b"}\nzero = {P = 1}\nscale = {P = 3}\nsign = {Q = -1}',
-                           [[0, 3, -1], [1, 6, -2]], ("zero at 1 of the file, times 3 (scale)", "sign turned")),
-    "columns by number": ("junk\n0;1;2;9\n1;2;3;9\n", "columns = {time = 1, P = 3, Q = 2}",
-                          [[0, 2, 1], [1, 3, 2]], ("column 3",)),
-    "units stated": ("0,1,2\n1,2,3\n", 'units = {P = "N/mm", time = "min"}',
-                     [[0, 0.001, 2], [60, 0.002, 3]], ("N/mm (stated), times 0.001",)),
-    "volts": ("time,P [V],Q\n0,1,2\n1,2,3\n", "scale = {P = 20}",
-              [[0, 20, 2], [1, 40, 3]], ("no unit that is known: taken as it stands",)),
-}  # fmt: skip
+    "columns by heading": (
+        "a;b;c\n0;1;2\n1;2;3\n",
+        (
+            'columns = {time = "a", P = "c", Q = "b"}\nzero = {P = 1}\nscale = {P = 3}\nsign = {Q'
+            " = -1}"
+        ),
+        [[0, 3, -1], [1, 6, -2]],
+        ("zero at 1 of the file, times 3 (scale)", "sign turned"),
+    ),
+    "columns by number": (
+        "junk\n0;1;2;9\n1;2;3;9\n",
+        "columns = {time = 1, P = 3, Q = 2}",
+        [[0, 2, 1], [1, 3, 2]],
+        ("column 3",),
+    ),
+    "units stated": (
+        "0,1,2\n1,2,3\n",
+        'units = {P = "N/mm", time = "min"}',
+        [[0, 0.001, 2], [60, 0.002, 3]],
+        ("N/mm (stated), times 0.001",),
+    ),
+    "volts": (
+        "time,P [V],Q\n0,1,2\n1,2,3\n",
+        "scale = {P = 20}",
+        [[0, 20, 2], [1, 40, 3]],
+        ("no unit that is known: taken as it stands",),
+    ),
+}
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(form: str, tmp_path: Path) -> None:
-    """And stays so when the scene is changed, saved, or sent as JSON; the keys that say how a file is read go with the file."""
+def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(
+    form: str, tmp_path: Path
+) -> None:
+    """And stays so when the scene is changed, saved, or sent as JSON; the keys that say how a file
+    is read go with the file.
+    """
     text, keys, rows, words = FORMS[form]
     units = SCENE_UNITS.get(form, "N, mm, MPa")
     (tmp_path / "table.csv").write_bytes(text.encode())
-    (tmp_path / "mine.toml").write_text(f'units = "{units}"\n' + PLAIN.replace(SERIES[0], f"{SERIES[1]}\n{keys}"), encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(
+        f'units = "{units}"\n' + PLAIN.replace(SERIES[0], f"{SERIES[1]}\n{keys}"), encoding="utf-8"
+    )
     scene = load_scene(tmp_path / "mine.toml")
     np.testing.assert_allclose(scene.load.rows.values, rows, rtol=1e-15)
     said = "; ".join(": ".join(pair) for pair in scene.load.read_as)
     assert all(word in said for word in words), said
-    assert Scene.model_validate_json(scene.model_dump_json()) == scene.vary(friction=scene.friction.coefficient) == scene
+    assert (
+        Scene.model_validate_json(scene.model_dump_json())
+        == scene.vary(friction=scene.friction.coefficient)
+        == scene
+    )
     scene.save(tmp_path / "saved.toml")
     again = load_scene(tmp_path / "saved.toml").load
     assert (again.rows, again.read_as) == (scene.load.rows, scene.load.read_as)
@@ -370,16 +639,25 @@ def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(form: str, tm
     assert (other.file, other.read_as, other.thickness, other.units) == (None, None, None, None)
 
 
-def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(
-        ValueError, match="thickness says how a file is read, and `rows` stand in the units of the scene: leave it out"
+        ValueError,
+        match=(
+            "thickness says how a file is read, and `rows` stand in the units of the scene: leave"
+            " it out"
+        ),
     ):
         TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0]], thickness=2.0)
     (tmp_path / "table.csv").write_text("time,P [kN/m],Q\n0,1,0\n1,2,0\n", encoding="utf-8")
     (tmp_path / "mine.toml").write_text(PLAIN.replace(*SERIES), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     scene = load_scene("mine.toml")
-    with pytest.raises(InputError, match=r"columns of load\.file were turned into 'N, mm, MPa': give file and units together"):
+    with pytest.raises(
+        InputError,
+        match=r"columns of load\.file were turned into 'N, mm, MPa': give file and units together",
+    ):
         scene.vary(units="kN, mm, GPa")
     both = scene.vary(units="kN, mm, GPa", load={"file": "table.csv"})
     np.testing.assert_allclose(both.load.rows.values[:, 1], [1e-3, 2e-3])
@@ -389,12 +667,21 @@ def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(tmp_p
 
 
 def test_a_profile_has_the_same_keys(tmp_path: Path) -> None:
-    (tmp_path / "table.csv").write_text("x [µm];z [nm]\n1000;20000,0\n1250;20500,0\n1500;22000,5\n", encoding="utf-8")
+    (tmp_path / "table.csv").write_text(
+        "x [µm];z [nm]\n1000;20000,0\n1250;20500,0\n1500;22000,5\n", encoding="utf-8"
+    )
     keys = "zero = {x = 1000, h = 20000}"
-    (tmp_path / "mine.toml").write_text(PLAIN.replace(TRACE[0], f"{TRACE[1]}\n{keys}"), encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(
+        PLAIN.replace(TRACE[0], f"{TRACE[1]}\n{keys}"), encoding="utf-8"
+    )
     profile = load_scene(tmp_path / "mine.toml").profile
-    np.testing.assert_allclose(profile.points.values, [[0, 0], [0.25, 5e-4], [0.5, 2.0005e-3]], rtol=1e-12)
-    assert dict(profile.read_as)["h"] == "'z [nm]', nm (in its heading), times 1e-06, zero at 20000 of the file"
+    np.testing.assert_allclose(
+        profile.points.values, [[0, 0], [0.25, 5e-4], [0.5, 2.0005e-3]], rtol=1e-12
+    )
+    assert (
+        dict(profile.read_as)["h"]
+        == "'z [nm]', nm (in its heading), times 1e-06, zero at 20000 of the file"
+    )
 
 
 SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
@@ -402,7 +689,10 @@ SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
 
 @settings(max_examples=150)
 @given(
-    text=SPOILT, head=st.sampled_from(["time,P,Q\n", "Time [s];FN [N/mm];FT [N/mm]\n", "time\tP\tQ\n", "", "\ufeff# time P Q\n"])
+    text=SPOILT,
+    head=st.sampled_from(
+        ["time,P,Q\n", "Time [s];FN [N/mm];FT [N/mm]\n", "time\tP\tQ\n", "", "\ufeff# time P Q\n"]
+    ),
 )
 def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
     text: str, head: str, tmp_path_factory: pytest.TempPathFactory
@@ -417,16 +707,23 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
         lines = (head + text).split("\n")
         assert np.all(np.abs(found.values) <= 1e100)
         assert found.values.shape == (len(found.lines), 3)
-        for row, line in zip(found.values.tolist(), found.lines.tolist(), strict=True):  # each number stands on its line
+        # each number stands on its line
+        for row, line in zip(found.values.tolist(), found.lines.tolist(), strict=True):
             cells = re.split(
-                r"[;\t, ]+" if found.decimal == "point" else r"[;\t ]+", lines[line - 1].split("#")[0].replace('"', " ")
+                r"[;\t, ]+" if found.decimal == "point" else r"[;\t ]+",
+                lines[line - 1].split("#")[0].replace('"', " "),
             )
             numbers = [float(cell.replace(",", ".")) for cell in cells if cell]
             assert set(row) <= set(numbers)
 
 
-@pytest.mark.parametrize(("encoding", "said"), [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")])
-def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(encoding: str, said: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("encoding", "said"),
+    [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")],
+)
+def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
+    encoding: str, said: str, tmp_path: Path
+) -> None:
     text = "# Kraft über Zeit\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
     (tmp_path / "table.csv").write_bytes(text.encode(encoding))
     scene = PLAIN.replace(*SERIES).replace('"table.csv"', '"table.csv"\ncolumns = {time = "Zeit"}')
@@ -436,14 +733,18 @@ def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(e
     found = dict(load.read_as or ()).get("characters", "")  # type: ignore[union-attr]
     assert found.startswith(said)
     assert bool(found) == bool(said)
-    (tmp_path / "table.csv").write_bytes(b"\xff\xfe\x00\xd8\x41\x00" if said == "UTF-16" else b"time,P,Q\n\xff\x00,1\n")
+    (tmp_path / "table.csv").write_bytes(
+        b"\xff\xfe\x00\xd8\x41\x00" if said == "UTF-16" else b"time,P,Q\n\xff\x00,1\n"
+    )
     assert "the file can't be read: it is not UTF-" in refusal(tmp_path / "mine.toml")
 
 
 def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
     """A tenth of them here: what is held beside the numbers is that of some ten thousand rows."""
     path, count = tmp_path / "long.csv", 200_000
-    path.write_text("time;P;Q\n" + "".join(f"{k};1,5;0,{k}\n" for k in range(count)), encoding="utf-8")
+    path.write_text(
+        "time;P;Q\n" + "".join(f"{k};1,5;0,{k}\n" for k in range(count)), encoding="utf-8"
+    )
     tracemalloc.start()
     found = text_table(path, ("time", "P", "Q"))
     most = tracemalloc.get_traced_memory()[1]
@@ -452,10 +753,16 @@ def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
     assert most < 2.2 * found.values.nbytes + 2 * found.lines.nbytes + 16e6
 
 
-def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With marks of byte order, remarks and empty lines, as spreadsheets and profilometers save them."""
+def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With marks of byte order, remarks and empty lines, as spreadsheets and profilometers save
+    them.
+    """
     (tmp_path / "deep").mkdir()
-    (tmp_path / "deep" / "table.csv").write_text("# profilometer\nx, h\n0, 0\n1, 0.5\n\n2, 2.0\n", encoding="utf-8-sig")
+    (tmp_path / "deep" / "table.csv").write_text(
+        "# profilometer\nx, h\n0, 0\n1, 0.5\n\n2, 2.0\n", encoding="utf-8-sig"
+    )
     text = PLAIN.replace(*TRACE).replace("table.csv", "deep/table.csv")
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8-sig")
     monkeypatch.chdir("/")
@@ -467,34 +774,100 @@ def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(tmp_p
     assert (load.file, len(load.rows)) == ("time-series.csv", 40)  # packaged beside its scene
 
 
-# ------------------------------------------------------------------------------------------------------------ what is read
-TWO = "[material.upper]\nyoung_modulus = 3.0\npoisson_ratio = 0.1\n[material.lower]\nyoung_modulus = 1.0\npoisson_ratio = -0.2"
+# ------------------------------------------------------------------------------------- what is read
+TWO = (
+    "[material.upper]\nyoung_modulus = 3.0\npoisson_ratio = 0.1\n[material.lower]\nyoung_modulus ="
+    " 1.0\npoisson_ratio = -0.2"
+)
 ALL = '\nname = "other"\ncycles = 2\ntolerances = {shear = 0.5}\n[material]'
 WIDER, NARROW = ("radius = 2.0", "radius = 50.0"), BLOCK.replace("20.0", "8.0")
-UNITS = ("N, mm, MPa", "N, m, Pa", "kN, mm, GPa", "lbf, in, psi", "kip, in, ksi", "SI", "N, furlong, Pa")
+UNITS = (
+    "N, mm, MPa",
+    "N, m, Pa",
+    "kN, mm, GPa",
+    "lbf, in, psi",
+    "kip, in, ksi",
+    "SI",
+    "N, furlong, Pa",
+)
 CYLINDERS = [
-    {name: f'{{kind = "cylinder", radius = {r}}}' for name, r in zip(("lower", "upper"), radii, strict=True)}
+    {
+        name: f'{{kind = "cylinder", radius = {r}}}'
+        for name, r in zip(("lower", "upper"), radii, strict=True)
+    }
     for radii in ((30.0, 60.0), (60.0, 30.0))
 ]
 # Edits of the scene, what is asked of it, and the answer.
 READ: dict[str, tuple[Sequence[tuple[str, str]], Callable[[Any], Any], Any]] = {
-    "plain": ((), lambda s: (s.name, s.friction.coefficient, s.material.alike, s.load.cycle, s.material.lower.young_modulus),
-              ("mine", 0.5, True, ((2.0, 0.5), (2.0, -0.5)), 1.0)),
-    "all options": ((("\n[material]", ALL),), lambda s: (s.name, s.cycles, s.tolerances.shear), ("other", 2, 0.5)),
-    "two materials": ((("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", TWO),),
-                      lambda s: (s.material.alike, s.material.upper.young_modulus, s.material.lower.poisson_ratio),
-                      (False, 3, -0.2)),
-    "half-planes where left out": ((), lambda s: s.bodies, Bodies(lower=HalfPlane(), upper=HalfPlane())),
+    "plain": (
+        (),
+        lambda s: (
+            s.name,
+            s.friction.coefficient,
+            s.material.alike,
+            s.load.cycle,
+            s.material.lower.young_modulus,
+        ),
+        ("mine", 0.5, True, ((2.0, 0.5), (2.0, -0.5)), 1.0),
+    ),
+    "all options": (
+        (("\n[material]", ALL),),
+        lambda s: (s.name, s.cycles, s.tolerances.shear),
+        ("other", 2, 0.5),
+    ),
+    "two materials": (
+        (("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", TWO),),
+        lambda s: (
+            s.material.alike,
+            s.material.upper.young_modulus,
+            s.material.lower.poisson_ratio,
+        ),
+        (False, 3, -0.2),
+    ),
+    "half-planes where left out": (
+        (),
+        lambda s: s.bodies,
+        Bodies(lower=HalfPlane(), upper=HalfPlane()),
+    ),
     "a block on rollers and a pad": (
-        (bodies(lower=BLOCK.replace("}", ', base = "rollers", sides = "guided"}'), upper=PAD), WIDER),
-        lambda s: (s.bodies, s.bodies.half_planes, s.bodies.faces_are_true, s.bodies.upper.base, s.bodies.upper.sides),
-        (Bodies(lower=Block(width=20, height=3, base="rollers", sides="guided"), upper=Pad(width=8, height=5)),
-         False, True, "fixed", "free")),
-    "a gap between flat faces": ((bodies(lower=BLOCK, upper=BLOCK),), lambda s: s.bodies.faces_are_true, False),
+        (
+            bodies(lower=BLOCK.replace("}", ', base = "rollers", sides = "guided"}'), upper=PAD),
+            WIDER,
+        ),
+        lambda s: (
+            s.bodies,
+            s.bodies.half_planes,
+            s.bodies.faces_are_true,
+            s.bodies.upper.base,
+            s.bodies.upper.sides,
+        ),
+        (
+            Bodies(
+                lower=Block(width=20, height=3, base="rollers", sides="guided"),
+                upper=Pad(width=8, height=5),
+            ),
+            False,
+            True,
+            "fixed",
+            "free",
+        ),
+    ),
+    "a gap between flat faces": (
+        (bodies(lower=BLOCK, upper=BLOCK),),
+        lambda s: s.bodies.faces_are_true,
+        False,
+    ),
     "arcs that end farther out": ((with_flat(23.9),), lambda s: s.bodies.upper.width, 23.9),
-    "a pad as wide as its block": ((bodies(lower=NARROW, upper=PAD), WIDER), lambda s: s.bodies.lower.width, 8),
-}  # fmt: skip
-READ |= {units: ((("\n[material]", f'\nunits = "{units}"\n[material]'),), lambda s: s.units, units) for units in UNITS}
+    "a pad as wide as its block": (
+        (bodies(lower=NARROW, upper=PAD), WIDER),
+        lambda s: s.bodies.lower.width,
+        8,
+    ),
+}
+READ |= {
+    units: ((("\n[material]", f'\nunits = "{units}"\n[material]'),), lambda s: s.units, units)
+    for units in UNITS
+}
 READ |= {
     f"cylinders {number}": (
         (bodies(**both), ("radius = 2.0", "radius = 20.0")),
@@ -512,7 +885,11 @@ def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) 
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8-sig")
     (tmp_path / "mine.json").write_text(json.dumps(tomllib.loads(text)), encoding="utf-8")
     scene = load_scene(tmp_path / "mine.toml")
-    assert scene == load_scene(str(tmp_path / "mine.json")) == Scene.model_validate_json(scene.model_dump_json())
+    assert (
+        scene
+        == load_scene(str(tmp_path / "mine.json"))
+        == Scene.model_validate_json(scene.model_dump_json())
+    )
     assert asked(scene) == answer
     with pytest.raises(Exception, match="frozen"):
         scene.cycles = 3
@@ -521,7 +898,12 @@ def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) 
 def test_what_a_body_is_to_the_contact() -> None:
     assert Bodies(upper=Cylinder(radius=7.0)).relative_radius() == pytest.approx(7.0, rel=1e-15)
     assert Bodies(upper=Pad(width=1.0, height=1.0)).relative_radius() is None
-    shapes = (HalfPlane(), Pad(width=8.0, height=5.0), Block(width=8.0, height=2.0), Cylinder(radius=3.0))
+    shapes = (
+        HalfPlane(),
+        Pad(width=8.0, height=5.0),
+        Block(width=8.0, height=2.0),
+        Cylinder(radius=3.0),
+    )
     assert [shape.face_half_width for shape in shapes] == [math.inf, 4.0, 4.0, 3.0]
 
 
@@ -533,19 +915,43 @@ def test_schema_has_the_rules_and_every_scene_of_the_library_is_valid_by_it() ->
     assert schema["$defs"]["Friction"]["properties"]["coefficient"]["minimum"] == 0
     ratio = schema["$defs"]["Elastic"]["properties"]["poisson_ratio"]
     assert (ratio["exclusiveMinimum"], ratio["exclusiveMaximum"]) == (-1, 0.5)
-    kinds = ("hertz", "flat_rounded", "power_law", "compound", "wedge", "polynomial", "tabulated", "callable", "ellipse", "polygon")
+    kinds = (
+        "hertz",
+        "flat_rounded",
+        "power_law",
+        "compound",
+        "wedge",
+        "polynomial",
+        "tabulated",
+        "callable",
+        "ellipse",
+        "polygon",
+    )
     assert not [kind for kind in kinds if f'"{kind}"' not in json.dumps(schema)]
     check = jsonschema.Draft202012Validator(schema)
     for name in scene_names():
         assert not list(check.iter_errors(tomllib.loads(scene_text(name)))), name
     keys = tomllib.loads(scene_text("hertz-paper"))
-    for value, right in ((0.6, True), ({"coefficient": 0.6}, True), (-0.6, False), ("0.6", False), ({"coeff": 1}, False)):
+    for value, right in (
+        (0.6, True),
+        ({"coefficient": 0.6}, True),
+        (-0.6, False),
+        ("0.6", False),
+        ({"coeff": 1}, False),
+    ):
         assert check.is_valid(keys | {"friction": value}) is right, value
 
 
 SIMPLE = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5)
-TREES = st.recursive(SIMPLE, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3))
-KEYS = st.sampled_from(["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"])
+TREES = st.recursive(
+    SIMPLE,
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
+)
+KEYS = st.sampled_from(
+    ["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"]
+)
 
 
 @settings(max_examples=50)
@@ -567,7 +973,7 @@ def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
     assert isinstance(answer, Scene) or str(answer).startswith(f"{file}: ")
 
 
-# ------------------------------------------------------------------------------------------------- units of measured tables
+# ------------------------------------------------------------------------- units of measured tables
 def trace_scene(folder, head, factor, **keys):
     """A parabola of radius 90 mm as a trace whose numbers are `factor` times mm."""
     x = np.linspace(-2.4, 2.4, 61)
@@ -575,7 +981,10 @@ def trace_scene(folder, head, factor, **keys):
     np.savetxt(folder / "trace.csv", rows, delimiter=",", header=head, comments="", fmt="%.9g")
     scene = {"material": {"young_modulus": 115e3, "poisson_ratio": 0.32}, "friction": 0.5}
     profile = {"kind": "tabulated", "file": "trace.csv", "fit": {"kind": "hertz"}} | keys
-    scene |= {"profile": profile, "load": {"kind": "polygon", "initial_loading": [[120.0, 0.0], [120.0, 35.0]]}}
+    scene |= {
+        "profile": profile,
+        "load": {"kind": "polygon", "initial_loading": [[120.0, 0.0], [120.0, 35.0]]},
+    }
     (folder / "pad.json").write_text(json.dumps(scene))
     return load_scene(folder / "pad.json")
 
@@ -605,17 +1014,27 @@ def test_a_unit_is_read_in_any_form_of_a_heading(tmp_path, head, factor):
 
 
 def test_a_unit_that_is_not_known_is_asked_for_in_one_sentence(tmp_path):
-    with pytest.raises(InputError, match=r"trace.csv: the heading 'X \(furlongs\)' of x has 'furlongs' .* units = \{x = 'mm'\}"):
+    with pytest.raises(
+        InputError,
+        match=(
+            r"trace.csv: the heading 'X \(furlongs\)' of x has 'furlongs' .* units = \{x = 'mm'\}"
+        ),
+    ):
         trace_scene(tmp_path, "X (furlongs),h [mm]", 1.0, columns={"x": 1, "h": 2})
     stated = {"columns": {"x": 1, "h": 2}, "units": {"x": "mm"}}
-    assert trace_scene(tmp_path, "X (furlongs),h [mm]", 1.0, **stated).profile.radius == pytest.approx(90.0, rel=1e-6)
+    assert trace_scene(
+        tmp_path, "X (furlongs),h [mm]", 1.0, **stated
+    ).profile.radius == pytest.approx(90.0, rel=1e-6)
 
 
 def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path):
     (tmp_path / "loads.csv").write_text("Time s;Normal force kN;Shear force N\n0;1;0\n1;1;200\n")
     found = text_table(tmp_path / "loads.csv", ("time", "P", "Q"))
-    assert found.units == ("", "kN", "")  # one letter is a unit where the kind of the column says so
+    # one letter is a unit where the kind of the column says so
+    assert found.units == ("", "kN", "")
     keys = json.loads(load_scene("hertz-paper").model_dump_json(exclude_none=True))
     load = {"kind": "time_series", "file": "loads.csv", "thickness": 10.0}
     (tmp_path / "scene.json").write_text(json.dumps(keys | {"load": load, "expected": []}))
-    np.testing.assert_allclose(load_scene(tmp_path / "scene.json").load.rows.values, [[0, 100, 0], [1, 100, 20]])
+    np.testing.assert_allclose(
+        load_scene(tmp_path / "scene.json").load.rows.values, [[0, 100, 0], [1, 100, 20]]
+    )

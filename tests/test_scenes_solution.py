@@ -13,7 +13,18 @@ from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 
 STEPS, POINTS = 7, 5
 ARRAYS = (
-    *("time", "normal_load", "tangential_load", "x", "pressure", "shear", "slip", "state", "contact_edges", "stick_edges"),
+    *(
+        "time",
+        "normal_load",
+        "tangential_load",
+        "x",
+        "pressure",
+        "shear",
+        "slip",
+        "state",
+        "contact_edges",
+        "stick_edges",
+    ),
     *("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
     *("dissipation_density", "cycle_dissipation"),
 )
@@ -23,7 +34,11 @@ def small_solution(scene_name="hertz-paper", time=None):
     """An answer with something in every field, NaN and None included."""
     scene = load_scene(scene_name)
     path = scene.load.path()
-    time = np.linspace(path.start, path.cycle_start + 2 * (path.period or 0.0), STEPS) if time is None else time
+    time = (
+        np.linspace(path.start, path.cycle_start + 2 * (path.period or 0.0), STEPS)
+        if time is None
+        else time
+    )
     answer = semi_analytic.solve(scene, x=np.linspace(-1, 1, POINTS), time=time)
     series = freeze(np.linspace(0, 1 / 3, len(time)))
     stick_edges = np.array(answer.stick_edges)
@@ -60,7 +75,9 @@ def parts(value):
     return (value, value.dtype) if isinstance(value, np.ndarray) else value
 
 
-@pytest.mark.parametrize(("scene_name", "steady_from"), [("hertz-paper", None), ("hertz-paper", 3), ("hertz-normal", 0)])
+@pytest.mark.parametrize(
+    ("scene_name", "steady_from"), [("hertz-paper", None), ("hertz-paper", 3), ("hertz-normal", 0)]
+)
 def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
     solution = replace(small_solution(scene_name), steady_from=steady_from)
     data = solution.to_dataset()
@@ -73,23 +90,35 @@ def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
     assert data["pressure"].dims == ("time", "x")
     assert data["stick_edges"].dims == ("time", "side")
     assert list(data["side"].values) == ["left", "right"]
-    assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("time",)
+    assert (
+        data["certificate_cone"].dims
+        == data["energy_external"].dims
+        == data["time"].dims
+        == ("time",)
+    )
 
 
 def test_a_file_of_another_format_is_refused_before_its_variables_are_looked_for(tmp_path):
-    """Variables of another format may have other names, so a missing one must not be what is reported."""
+    """Variables of another format may have other names, so a missing one must not be what is
+    reported.
+    """
     data = small_solution().to_dataset().drop_vars("slip")
     later = data.assign_attrs(format="halfplane solution 3")
     first = data.copy()
     del first.attrs["format"]
-    for name, stored, rule in (("later.nc", later, "of a later version"), ("first.nc", first, "was written by version 0.1")):
+    for name, stored, rule in (
+        ("later.nc", later, "of a later version"),
+        ("first.nc", first, "was written by version 0.1"),
+    ):
         stored.to_netcdf(tmp_path / name, engine="h5netcdf")
         with pytest.raises(InputError, match=rf"{name}: .*{rule}"):
             ContactSolution.load(tmp_path / name)
 
 
 def test_dataset_has_units_long_names_and_coordinates(tmp_path):
-    """Of every variable, in the scene's own units; they and the selection by place survive a file."""
+    """Of every variable, in the scene's own units; they and the selection by place survive a
+    file.
+    """
     solution = replace(small_solution(), scene=load_scene("hertz-paper").vary(units="kN, mm, GPa"))
     solution.save(tmp_path / "answer.nc")
     for data in (solution.to_dataset(), xr.load_dataset(tmp_path / "answer.nc", engine="h5netcdf")):
@@ -97,18 +126,26 @@ def test_dataset_has_units_long_names_and_coordinates(tmp_path):
         assert set(named) == set(ARRAYS)
         assert all(data[name].attrs["long_name"] and data[name].attrs["units"] for name in named)
         assert data["pressure"].attrs == {"long_name": "contact pressure p", "units": "GPa"}
-        found = [data[name].attrs["units"] for name in ("x", "normal_load", "cycle_dissipation", "state")]
+        found = [
+            data[name].attrs["units"] for name in ("x", "normal_load", "cycle_dissipation", "state")
+        ]
         assert found == ["mm", "kN/mm", "kN·mm/mm", "1"]
         assert float(data["pressure"].sel(x=0.5)[3]) == solution.pressure[3, 3]
-        assert data["pressure"].isel(x=0).sel(time=solution.time[2]).item() == solution.pressure[2, 0]
-    assert load_scene("hertz-paper").vary(units="whatever").unit_words == ("force", "length", "stress")
+        assert (
+            data["pressure"].isel(x=0).sel(time=solution.time[2]).item() == solution.pressure[2, 0]
+        )
+    assert load_scene("hertz-paper").vary(units="whatever").unit_words == (
+        "force",
+        "length",
+        "stress",
+    )
 
 
 def test_figures_of_a_solution():
     solution = semi_analytic.solve("hertz-paper")
     figure = solution.plot()
     tractions, states = figure.axes
-    (pressure, shear, *_) = tractions.get_lines()
+    pressure, shear, *_ = tractions.get_lines()
     steps = solution.last_cycle
     step = steps[np.argmax(np.abs(solution.tangential_load[steps]))]
     np.testing.assert_array_equal(pressure.get_ydata(), solution.pressure[step])
@@ -116,10 +153,13 @@ def test_figures_of_a_solution():
     assert (tractions.get_ylabel(), states.get_xlabel()) == ("p, q [MPa]", "x [mm]")
     assert states.collections[0].get_array().size == len(steps) * len(solution.x)
     np.testing.assert_array_equal(
-        solution.plot(time=4.0).axes[0].get_lines()[0].get_ydata(), solution.pressure[np.abs(solution.time - 4).argmin()]
+        solution.plot(time=4.0).axes[0].get_lines()[0].get_ydata(),
+        solution.pressure[np.abs(solution.time - 4).argmin()],
     )
     loop = solution.plot_loop()
-    np.testing.assert_array_equal(loop.axes[0].get_lines()[0].get_xydata()[:, 1], solution.tangential_load[steps])
+    np.testing.assert_array_equal(
+        loop.axes[0].get_lines()[0].get_xydata()[:, 1], solution.tangential_load[steps]
+    )
     assert "W = 0.002058 N·mm/mm per cycle" in loop.axes[0].get_title(loc="left")
     for kept in (figure, loop):
         kept.canvas.draw()
@@ -128,12 +168,17 @@ def test_figures_of_a_solution():
     with pytest.raises(InputError, match="time = 99 lies outside"):
         solution.plot(time=99)
     alone = semi_analytic.solve("hertz-paper", x=0.0, fields="dissipation")
-    for draw, words in ((alone.plot, "holds no pressure"), (alone.plot_loop, "no relative tangential displacement")):
+    for draw, words in (
+        (alone.plot, "holds no pressure"),
+        (alone.plot_loop, "no relative tangential displacement"),
+    ):
         with pytest.raises(InputError, match=words):
             draw()
 
 
-@pytest.mark.parametrize("scene_name", ["hertz-paper", "hertz-normal", "dovetail-out-of-phase", "unload-reload"])
+@pytest.mark.parametrize(
+    "scene_name", ["hertz-paper", "hertz-normal", "dovetail-out-of-phase", "unload-reload"]
+)
 def test_a_printed_solution_has_five_lines(scene_name):
     """With the numbers that a reader asks for first, and none of the arrays."""
     solution = semi_analytic.solve(scene_name)
@@ -156,7 +201,12 @@ def test_a_solution_is_frozen():
     mine[0] = 5.0
     assert frozen.tolist() == [1.0, 1.0, 1.0]
     assert freeze([1, 2], np.int8).dtype == np.int8
-    assert {state.name: int(state) for state in SurfaceState} == {"OPEN": 0, "STICK": 1, "SLIP_FORWARD": 2, "SLIP_REVERSE": 3}
+    assert {state.name: int(state) for state in SurfaceState} == {
+        "OPEN": 0,
+        "STICK": 1,
+        "SLIP_FORWARD": 2,
+        "SLIP_REVERSE": 3,
+    }
 
 
 def test_last_cycle_is_the_last_whole_revolution_with_both_ends_or_the_whole_of_a_path_that_ends():
@@ -164,7 +214,8 @@ def test_last_cycle_is_the_last_whole_revolution_with_both_ends_or_the_whole_of_
     begin, period = path.cycle_start, path.period
     way = np.linspace(path.start, begin, 4)
     whole = np.concatenate([way, begin + period * np.array([0.25, 0.5, 1.0, 1.5, 1.75, 2.0])])
-    rounded = np.append(whole[:-1], whole[-1] * (1 - 1e-15))  # round-off of the last instant must not cost a cycle
+    # round-off of the last instant must not cost a cycle
+    rounded = np.append(whole[:-1], whole[-1] * (1 - 1e-15))
     for time in (whole, rounded):
         assert small_solution(time=time).last_cycle.tolist() == [6, 7, 8, 9]
     unfinished = np.concatenate([way[[0, -1]], begin + period * np.array([0.5, 1.0, 1.25, 1.5])])

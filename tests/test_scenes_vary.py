@@ -1,4 +1,6 @@
-"""A scene changed or made from Python is checked as a file is, also by each engine; saved scenes come back."""
+"""A scene changed or made from Python is checked as a file is, also by each engine; saved scenes
+come back.
+"""
 
 from __future__ import annotations
 
@@ -45,19 +47,35 @@ STUDY = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissip
 SOFT = Elastic(young_modulus=115e3, poisson_ratio=0.32)
 # What is changed, and what then stands where.
 CHANGED = [
-    *(({"friction": given}, "friction.coefficient", 0.6)
-      for given in (0.6, np.float64(0.6), {"coefficient": 0.6}, Friction(coefficient=0.6))),
-    *(({"load": given | {"phase_degrees": 60}}, "load.phase_degrees", 60.0) for given in ({}, {"kind": "ellipse"})),
-    *(({"load": given}, "load.initial_loading", ((1.0, 0.0),))
-      for given in (PolygonLoad(initial_loading=[(1, 0)]), {"kind": "polygon", "initial_loading": [[1, 0]]})),
-    ({"profile": {"kind": "flat_rounded", "radius": 3, "flat_half_length": 1}}, "profile.flat_half_length", 1.0),
-    *(({"bodies": given}, "bodies.lower.height", 20.0)
-      for given in (WIDE, {"lower": {"kind": "block", "width": 40, "height": 20}})),
+    *(
+        ({"friction": given}, "friction.coefficient", 0.6)
+        for given in (0.6, np.float64(0.6), {"coefficient": 0.6}, Friction(coefficient=0.6))
+    ),
+    *(
+        ({"load": given | {"phase_degrees": 60}}, "load.phase_degrees", 60.0)
+        for given in ({}, {"kind": "ellipse"})
+    ),
+    *(
+        ({"load": given}, "load.initial_loading", ((1.0, 0.0),))
+        for given in (
+            PolygonLoad(initial_loading=[(1, 0)]),
+            {"kind": "polygon", "initial_loading": [[1, 0]]},
+        )
+    ),
+    (
+        {"profile": {"kind": "flat_rounded", "radius": 3, "flat_half_length": 1}},
+        "profile.flat_half_length",
+        1.0,
+    ),
+    *(
+        ({"bodies": given}, "bodies.lower.height", 20.0)
+        for given in (WIDE, {"lower": {"kind": "block", "width": 40, "height": 20}})
+    ),
     ({"material": {"upper": {"young_modulus": 7e4}}}, "material.upper.young_modulus", 7e4),
     ({"material": {"poisson_ratio": 0.2}}, "material.upper.poisson_ratio", 0.2),
     *(({"material": SOFT}, f"material.{body}.young_modulus", 115e3) for body in ("upper", "lower")),
     ({"cycles": 2}, "cycles", 2),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("changes", "key", "value"), CHANGED)
@@ -73,14 +91,22 @@ def test_the_key_is_changed_and_nothing_else(changes: dict[str, Any], key: str, 
 
 def test_a_mapping_keeps_the_keys_that_it_does_not_name_at_every_depth() -> None:
     scene = load_scene("blocks")
-    changed = scene.vary(bodies={"lower": {"height": 7}}, material={"upper": {"poisson_ratio": 0.2}})
-    assert (changed.bodies.lower, changed.bodies.upper) == (scene.bodies.lower.vary(height=7), scene.bodies.upper)
-    assert changed.material == Materials(lower=scene.material.lower, upper=scene.material.upper.vary(poisson_ratio=0.2))
+    changed = scene.vary(
+        bodies={"lower": {"height": 7}}, material={"upper": {"poisson_ratio": 0.2}}
+    )
+    assert (changed.bodies.lower, changed.bodies.upper) == (
+        scene.bodies.lower.vary(height=7),
+        scene.bodies.upper,
+    )
+    assert changed.material == Materials(
+        lower=scene.material.lower, upper=scene.material.upper.vary(poisson_ratio=0.2)
+    )
     both = scene.vary(material={"young_modulus": 7e4}).material
     assert both.upper == both.lower == scene.material.lower.vary(young_modulus=7e4)
 
 
-# Of rules that a file breaks too, one of each way that a change is given: a key, a part of a table, an unchecked object.
+# Of rules that a file breaks too, one of each way that a change is given: a key, a part of a table,
+# an unchecked object.
 SAID = [
     ({"frictoin": 0.6}, ["unknown key frictoin = 0.6", "did you mean friction?"]),
     ({"load": {"phase": 60}}, ["unknown key load.phase = 60", "did you mean phase_degrees?"]),
@@ -90,16 +116,26 @@ SAID = [
     ({"friction": -1}, ["friction = -1 is refused", "greater than or equal to 0"]),
     ({"friction": True}, ["friction is refused", "neither a number nor a table"]),
     ({"friction": float("nan")}, ["friction = nan", "finite"]),
-    ({"load": {"kind": "polygon"}}, ["load.initial_loading is missing"]),  # the ellipse's is not taken over
+    # the ellipse's is not taken over
+    ({"load": {"kind": "polygon"}}, ["load.initial_loading is missing"]),
     ({"load": 3}, ["load = 3", "table of keys"]),
     ({"profile": Hertz.model_construct(radius=-1.0)}, ["profile.radius = -1.0", "greater than 0"]),
     ({"profile": Hertz.model_construct()}, ["profile.radius is missing"]),
-    ({"bodies": Bodies.model_construct(lower=Block.model_construct(kind="block", width=-1.0, height=1.0))}, ["bodies.lower.width"]),
+    (
+        {
+            "bodies": Bodies.model_construct(
+                lower=Block.model_construct(kind="block", width=-1.0, height=1.0)
+            )
+        },
+        ["bodies.lower.width"],
+    ),
 ]
 
 
 @pytest.mark.parametrize(("changes", "said"), SAID)
-def test_what_a_file_may_not_say_is_refused_in_one_sentence(changes: dict[str, Any], said: list[str]) -> None:
+def test_what_a_file_may_not_say_is_refused_in_one_sentence(
+    changes: dict[str, Any], said: list[str]
+) -> None:
     for change in (lambda: PAPER.vary(**changes), lambda: PAPER.model_copy(update=changes)):
         with pytest.raises(InputError) as refusal:
             change()
@@ -110,7 +146,16 @@ def test_what_a_file_may_not_say_is_refused_in_one_sentence(changes: dict[str, A
 
 @pytest.mark.parametrize(
     "part",
-    [PAPER.profile, PAPER.load, PAPER.material, PAPER.material.lower, PAPER.friction, PAPER.tolerances, WIDE, WIDE.lower],
+    [
+        PAPER.profile,
+        PAPER.load,
+        PAPER.material,
+        PAPER.material.lower,
+        PAPER.friction,
+        PAPER.tolerances,
+        WIDE,
+        WIDE.lower,
+    ],
     ids=lambda part: type(part).__name__,
 )
 def test_parts_of_a_scene_are_as_careful(part: Any) -> None:
@@ -122,7 +167,7 @@ def test_parts_of_a_scene_are_as_careful(part: Any) -> None:
     assert part.model_copy() == part == part.vary()
 
 
-# ----------------------------------------------------------------------------------------------- past the checks, at each door
+# -------------------------------------------------------------------- past the checks, at each door
 def beside(**changes: Any) -> Scene:
     """The paper's scene with parts that nothing checked; None leaves one out."""
     keys = {name: value for name, value in (dict(PAPER) | changes).items() if value is not None}
@@ -146,54 +191,102 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "export": build_deck,
     "maps": correction,
 }
-LOADS = {"friction_coefficient": 0.5, "mean_normal_load": 3.0, "normal_amplitude": 1.0, "tangential_amplitude": 1.0}
+LOADS = {
+    "friction_coefficient": 0.5,
+    "mean_normal_load": 3.0,
+    "normal_amplitude": 1.0,
+    "tangential_amplitude": 1.0,
+}
 BATCHES = (semi_analytic.dissipation, semi_analytic.peak_dissipation)
 
 
 UNLIKE = Materials.model_construct(upper=RIGID, lower=RIGID)
-STUDY_OF = study_of(STUDY | {"axes": [{"name": "f", "key": "friction", "values": [0.8, 0.9]}]}, "here")
-OF_NO_SCENE = {7: "a Scene is needed, not 7; load_scene reads one", "hertz-papr": "no such scene or file; did you mean hertz-paper"}
-# A call with a folder, and what the refusal says: of scenes at each door, of tables, batches and sweeps.
+STUDY_OF = study_of(
+    STUDY | {"axes": [{"name": "f", "key": "friction", "values": [0.8, 0.9]}]}, "here"
+)
+OF_NO_SCENE = {
+    7: "a Scene is needed, not 7; load_scene reads one",
+    "hertz-papr": "no such scene or file; did you mean hertz-paper",
+}
+# A call with a folder, and what the refusal says: of scenes at each door, of tables, batches and
+# sweeps.
 CALLS: list[tuple[Callable[[Path], object], str]] = [
-    *((lambda _, enter=enter, scene=scene: enter(scene), f"^Scene 'hertz-paper': .*{said}")
-      for enter in DOORS.values() for said, scene in UNCHECKED.items()),
+    *(
+        (lambda _, enter=enter, scene=scene: enter(scene), f"^Scene 'hertz-paper': .*{said}")
+        for enter in DOORS.values()
+        for said, scene in UNCHECKED.items()
+    ),
     (lambda _: semi_analytic.solve(beside(load=NAN)), "is not all finite numbers"),
-    *((lambda _, call=call: call(profile=PAPER.profile, material=UNLIKE, **LOADS), r"upper\.poisson_ratio = 0\.7")
-      for call in BATCHES),
-    *((lambda _, call=call: call(profile=Hertz.model_construct(radius=-1.0), material=PAPER.material, **LOADS), r"radius = -1\.0")
-      for call in BATCHES),
-    (lambda out: run(STUDY_OF.model_construct(**dict(STUDY_OF) | {"scene": beside(load=LOAD)}), out, workers=1),
-     r"scene\.load\.tangential_amplitude = -1\.0"),
-    *((lambda _, enter=enter, scene=scene: enter(scene), said)
-      for enter in (semi_analytic.solve, halfplane_fe.solve) for scene, said in OF_NO_SCENE.items()),
-    (lambda _: semi_analytic.events("hertz-paper"), "a Scene is needed, not 'hertz-paper'; load_scene reads one"),
-]  # fmt: skip
+    *(
+        (
+            lambda _, call=call: call(profile=PAPER.profile, material=UNLIKE, **LOADS),
+            r"upper\.poisson_ratio = 0\.7",
+        )
+        for call in BATCHES
+    ),
+    *(
+        (
+            lambda _, call=call: call(
+                profile=Hertz.model_construct(radius=-1.0), material=PAPER.material, **LOADS
+            ),
+            r"radius = -1\.0",
+        )
+        for call in BATCHES
+    ),
+    (
+        lambda out: run(
+            STUDY_OF.model_construct(**dict(STUDY_OF) | {"scene": beside(load=LOAD)}),
+            out,
+            workers=1,
+        ),
+        r"scene\.load\.tangential_amplitude = -1\.0",
+    ),
+    *(
+        (lambda _, enter=enter, scene=scene: enter(scene), said)
+        for enter in (semi_analytic.solve, halfplane_fe.solve)
+        for scene, said in OF_NO_SCENE.items()
+    ),
+    (
+        lambda _: semi_analytic.events("hertz-paper"),
+        "a Scene is needed, not 'hertz-paper'; load_scene reads one",
+    ),
+]
 
 
 @pytest.mark.parametrize(("call", "said"), CALLS)
-def test_no_door_takes_what_went_past_the_checks(call: Callable[[Path], object], said: str, tmp_path: Path) -> None:
+def test_no_door_takes_what_went_past_the_checks(
+    call: Callable[[Path], object], said: str, tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match=said):
         call(tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-# ----------------------------------------------------------------------------------------------------------- short forms
+# -------------------------------------------------------------------------------------- short forms
 def test_a_name_a_path_and_a_scene_have_one_answer(tmp_path: Path) -> None:
     PAPER.save(tmp_path / "mine.toml")
     same = semi_analytic.solve(PAPER, x=[0.5], time=[9.0], fields=["shear"])
     for given in (str(tmp_path / "mine.toml"), tmp_path / "mine.toml", "hertz-paper"):
-        assert semi_analytic.solve(given, x=0.5, time=9.0, fields="shear").shear.item() == same.shear.item() != 0.0
+        assert (
+            semi_analytic.solve(given, x=0.5, time=9.0, fields="shear").shear.item()
+            == same.shear.item()
+            != 0.0
+        )
 
 
 def test_friction_as_a_number_stands_for_its_table(tmp_path: Path) -> None:
     """In a file, and in the constructor."""
     head, _, rest = scene_text("hertz-paper").partition("[friction]\n")
-    (tmp_path / "mine.toml").write_text(f"friction = 0.6\n{head}{rest.partition(chr(10) * 2)[2]}", "utf-8")
-    assert load_scene(tmp_path / "mine.toml").vary(name=PAPER.name) == PAPER.vary(friction={"coefficient": 0.6})
+    (tmp_path / "mine.toml").write_text(
+        f"friction = 0.6\n{head}{rest.partition(chr(10) * 2)[2]}", "utf-8"
+    )
+    assert load_scene(tmp_path / "mine.toml").vary(name=PAPER.name) == PAPER.vary(
+        friction={"coefficient": 0.6}
+    )
     assert Scene(**dict(PAPER) | {"friction": 1}) == PAPER
 
 
-# ----------------------------------------------------------------------------------------------------------------- saved
+# -------------------------------------------------------------------------------------------- saved
 @pytest.mark.parametrize("name", scene_names())
 def test_a_saved_scene_is_read_back_as_it_was(name: str, tmp_path: Path) -> None:
     scene = load_scene(name)
@@ -208,20 +301,31 @@ def test_a_saved_scene_is_read_back_as_it_was(name: str, tmp_path: Path) -> None
 def test_any_words_survive_and_what_can_not_be_saved_leaves_what_was_there(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     words = "".join(map(chr, [*range(1, 0x250), 0x2028, 0x1F600])) + "'''\"\"\"\\ # = [a.b]"
-    scene = PAPER.vary(title=words, purpose="\n".join(words), profile=Tabulated(points=[[0, 0], [1, 0.1], [2, 1e-1 / 3 * 9]]))
+    scene = PAPER.vary(
+        title=words,
+        purpose="\n".join(words),
+        profile=Tabulated(points=[[0, 0], [1, 0.1], [2, 1e-1 / 3 * 9]]),
+    )
     scene.save(path)
     assert load_scene(path) == scene
     before = path.read_bytes()
-    rows = np.column_stack([np.arange(40_000.0), np.full(40_000, 90.0), np.sin(np.arange(40_000.0))])
+    rows = np.column_stack(
+        [np.arange(40_000.0), np.full(40_000, 90.0), np.sin(np.arange(40_000.0))]
+    )
     long = PAPER.vary(load=TimeSeriesLoad(rows=rows))
     with pytest.raises(InputError, match=r"at most 1\.05 MB would be read; save it as \.json"):
         long.save(path)
     with pytest.raises(InputError, match="Python function"):
-        PAPER.vary(profile=CallableProfile(height_function=lambda x: x**2 / 2000, extent=3.0)).save(path)
+        PAPER.vary(profile=CallableProfile(height_function=lambda x: x**2 / 2000, extent=3.0)).save(
+            path
+        )
     assert path.read_bytes() == before
     long.save(tmp_path / "mine.json")
     assert load_scene(tmp_path / "mine.json") == long
-    for bad, said in ((tmp_path / "mine.yaml", "ends in .toml or .json"), (tmp_path / "no" / "a.toml", "can't be written")):
+    for bad, said in (
+        (tmp_path / "mine.yaml", "ends in .toml or .json"),
+        (tmp_path / "no" / "a.toml", "can't be written"),
+    ):
         with pytest.raises(InputError, match=said):
             PAPER.save(bad)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.json", "mine.toml"]
@@ -229,11 +333,17 @@ def test_any_words_survive_and_what_can_not_be_saved_leaves_what_was_there(tmp_p
 
 def test_a_scene_of_functions_is_checked_again_and_stays_itself() -> None:
     profile = CallableProfile(slope_function=lambda x: x / 1000, extent=3.0)
-    load = CallableLoad(normal_load=lambda t: 90 + 30 * np.cos(t), tangential_load=lambda t: 20 * np.sin(t), duration=2 * np.pi)
+    load = CallableLoad(
+        normal_load=lambda t: 90 + 30 * np.cos(t),
+        tangential_load=lambda t: 20 * np.sin(t),
+        duration=2 * np.pi,
+    )
     scene = PAPER.vary(profile=profile, load=load, friction=0.9)
     assert (scene.profile, scene.load) == (profile, load)
     assert hash(scene.profile) == hash(profile)
     assert scene == PAPER.vary(friction=0.9).vary(profile=profile).vary(load=load)
     assert scene.vary(profile=FlatRounded(radius=1.0, flat_half_length=1.0)) != scene
-    with pytest.raises(InputError, match="can't be written, hashed or sent elsewhere: it holds a Python function"):
+    with pytest.raises(
+        InputError, match="can't be written, hashed or sent elsewhere: it holds a Python function"
+    ):
         scene.model_dump_json()

@@ -1,4 +1,6 @@
-"""Batches of ellipses: thirty-digit references, the engine that marches, peaks, bad members; friction from a measured W."""
+"""Batches of ellipses: thirty-digit references, the engine that marches, peaks, bad members;
+friction from a measured W.
+"""
 
 import math
 
@@ -21,14 +23,27 @@ from scenes import (
     Wedge,
     load_scene,
 )
-from semi_analytic import NoFriction, Reason, dissipation, friction_from, peak_dissipation, solve, steady_ellipse
+from semi_analytic import (
+    NoFriction,
+    Reason,
+    dissipation,
+    friction_from,
+    peak_dissipation,
+    solve,
+    steady_ellipse,
+)
 from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
 from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
-PAPER = {"mean_normal_load": 3.0, "normal_amplitude": 1.0, "mean_tangential_load": 1.1, "tangential_amplitude": 1.0}
+PAPER = {
+    "mean_normal_load": 3.0,
+    "normal_amplitude": 1.0,
+    "mean_tangential_load": 1.1,
+    "tangential_amplitude": 1.0,
+}
 
 
 # P0, P1, Q0, Q1, phase in degrees; E* = 1, R = 1: a runs through 0.9 to 1.6
@@ -42,11 +57,17 @@ LOADS = [
 HERTZ, FLAT = Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.7)
 PROFILES = {
     "power law": PowerLaw(exponent=3.3, length=1.0, rise=0.5),
-    "compound, outside blunter": Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.2),
-    "compound, outside sharper": Compound(inner_radius=3.0, outer_radius=0.5, inner_half_length=1.7),
+    "compound, outside blunter": Compound(
+        inner_radius=1.0, outer_radius=3.0, inner_half_length=1.2
+    ),
+    "compound, outside sharper": Compound(
+        inner_radius=3.0, outer_radius=0.5, inner_half_length=1.7
+    ),
     "wedge": Wedge(tip_radius=1.0, tip_half_length=0.9),
     "polynomial": EvenPolynomial(length=1.0, rises=(0.5, -0.05, 0.01)),
-    "table of five rows": Tabulated(points=[[float(x), float(x * x / 2)] for x in (0.0, 1.0, 2.0, 3.0, 4.0)]),
+    "table of five rows": Tabulated(
+        points=[[float(x), float(x * x / 2)] for x in (0.0, 1.0, 2.0, 3.0, 4.0)]
+    ),
     "function": CallableProfile(slope_function=np.sinh, extent=4.0),
 }
 
@@ -54,7 +75,10 @@ PROFILES = {
 def question(loads, friction=1.0, **changes):
     columns = np.array(loads, dtype=float).T
     keys = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
-    arguments = dict(zip(keys, columns, strict=False)) | {"phase": np.radians(columns[4]), "friction_coefficient": friction}
+    arguments = dict(zip(keys, columns, strict=False)) | {
+        "phase": np.radians(columns[4]),
+        "friction_coefficient": friction,
+    }
     return {"material": MATERIAL} | arguments | changes
 
 
@@ -65,33 +89,64 @@ def solved(profile, row, friction=1.0, **asked):
 
 def batch(load, call=dissipation, profile=HERTZ, friction=1.0):
     """The batch of one load or of arrays: P0, P1, Q0, Q1, phase in radians."""
-    keys = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
-    return call(profile=profile, material=MATERIAL, friction_coefficient=friction, **dict(zip(keys, load, strict=True)))
+    keys = (
+        "mean_normal_load",
+        "normal_amplitude",
+        "mean_tangential_load",
+        "tangential_amplitude",
+        "phase",
+    )
+    return call(
+        profile=profile,
+        material=MATERIAL,
+        friction_coefficient=friction,
+        **dict(zip(keys, load, strict=True)),
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------ more digits
+# -------------------------------------------------------------------------------------- more digits
 @pytest.mark.parametrize("flat", [0.0, 0.7])
 def test_batch_is_that_of_thirty_digits(flat):
-    """Worst measured 3e-13 relative; slip of 1e-9, sliding at 1 - 1e-12, full unloading at 1 - 1e-9: 1.3e-11."""
+    """Worst measured 3e-13 relative; slip of 1e-9, sliding at 1 - 1e-12, full unloading at 1 -
+    1e-9: 1.3e-11.
+    """
     for table, limit in ((REFERENCE, 1e-12), (EXTREMES, 1e-10)):
         rows = [row for row in table if row["flat"] == flat]
-        columns = [np.array([float(row[key]) for row in rows]) for key in ("mean", "amplitude", "tangential", "phase", "friction")]
+        columns = [
+            np.array([float(row[key]) for row in rows])
+            for key in ("mean", "amplitude", "tangential", "phase", "friction")
+        ]
         mean, amplitude, force, phase, friction = columns
         phase = phase if rows[0].get("radians") else np.radians(phase)
-        found = batch((mean, amplitude, 0.0, force, phase), profile=FLAT if flat else HERTZ, friction=friction)
-        np.testing.assert_allclose(found.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0)
+        found = batch(
+            (mean, amplitude, 0.0, force, phase), profile=FLAT if flat else HERTZ, friction=friction
+        )
+        np.testing.assert_allclose(
+            found.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0
+        )
         assert np.all(found.reason == Reason.NONE)
         np.testing.assert_allclose(found.forward + found.reverse, found.value, rtol=1e-15)
 
 
 HARDLY_GROWING = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
-# Forward and reverse work for P0 = f = E* = 1 and (P1, Q1, phase), by int w' Lam dt in 25 digits, cut at the corners.
+# Forward and reverse work for P0 = f = E* = 1 and (P1, Q1, phase), by int w' Lam dt in 25 digits,
+# cut at the corners.
 IN_DIGITS = {
-    # By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a word.
+    # By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a
+    # word.
     ("hardly growing", 0.6, 0.3, 1.2): ("0.024993744493561726468", "0.00040938678395082994304"),
-    ("compound, outside blunter", 0.4, 0.35, 1.0): ("0.041398701088727516913", "0.00033343828903031071335"),
-    ("compound, outside blunter", 0.75, 0.3, 2.2): ("0.037838382192384116972", "0.000061655928659698238722"),
-    ("compound, outside sharper", 0.4, 0.35, 1.0): ("0.029191134879658040231", "0.00033343828810855715002"),
+    ("compound, outside blunter", 0.4, 0.35, 1.0): (
+        "0.041398701088727516913",
+        "0.00033343828903031071335",
+    ),
+    ("compound, outside blunter", 0.75, 0.3, 2.2): (
+        "0.037838382192384116972",
+        "0.000061655928659698238722",
+    ),
+    ("compound, outside sharper", 0.4, 0.35, 1.0): (
+        "0.029191134879658040231",
+        "0.00033343828810855715002",
+    ),
     ("wedge", 0.4, 0.35, 1.0): ("0.057673357622352524098", "0.00033393588535772295947"),
     ("wedge", 0.75, 0.3, 2.2): ("0.04919078848683133439", "0.000061655928659698238722"),
     ("polynomial", 0.4, 0.35, 1.0): ("0.044330880266846783043", "0.00036178788163388404561"),
@@ -107,11 +162,16 @@ def test_work_is_that_of_twenty_five_digits(case):
     name, ratio, force, phase = case
     exact = [float(value) for value in IN_DIGITS[case]]
     for count in (1, 20):  # by the kernel of the profile, and by series
-        found = batch((1.0, np.full(count, ratio), 0.0, force, phase), profile=PROFILES.get(name, HARDLY_GROWING))
-        np.testing.assert_allclose([found.forward[-1], found.reverse[-1]], exact, rtol=1e-12, atol=1e-14)
+        found = batch(
+            (1.0, np.full(count, ratio), 0.0, force, phase),
+            profile=PROFILES.get(name, HARDLY_GROWING),
+        )
+        np.testing.assert_allclose(
+            [found.forward[-1], found.reverse[-1]], exact, rtol=1e-12, atol=1e-14
+        )
 
 
-# ------------------------------------------------------------------------------------------------------- independent routes
+# ------------------------------------------------------------------------------- independent routes
 
 
 @settings(max_examples=20)
@@ -123,11 +183,15 @@ def test_work_is_that_of_twenty_five_digits(case):
     st.sampled_from([0.0, 0.7]),
     st.floats(0, 1),
 )
-@example(ratio=1e-300, use=0.5, phase=0.0, friction=1.0, flat=0.0, part=0.5)  # P is as good as constant
-@example(ratio=0.25, use=0.5, phase=-0.0, friction=1.0, flat=0.0, part=0.0)  # no loop, so none that goes round the other way
+# P is as good as constant
+@example(ratio=1e-300, use=0.5, phase=0.0, friction=1.0, flat=0.0, part=0.5)
+# no loop, so none that goes round the other way
+@example(ratio=0.25, use=0.5, phase=-0.0, friction=1.0, flat=0.0, part=0.0)
 @example(ratio=3e-313, use=0.3, phase=2.0, friction=0.7, flat=0.7, part=1.0)
 def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
-    """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
+    """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history,
+    one in closed-form angles.
+    """
     from semi_analytic.friction_work import global_dissipation, pointwise_dissipation
     from semi_analytic.history import history_of
 
@@ -146,7 +210,9 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     x = np.array([inner + part * (outer - inner)])
     here = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
     assert float(here[0]) == pytest.approx(
-        float(pointwise_dissipation(contact, 1.0, spans, x).total[0]), rel=1e-8, abs=1e-13 * friction**2
+        float(pointwise_dissipation(contact, 1.0, spans, x).total[0]),
+        rel=1e-8,
+        abs=1e-13 * friction**2,
     )
 
 
@@ -155,25 +221,35 @@ def random_loops(count, seed, largest=1.0):
     rng = np.random.default_rng(seed)
     ratio, phase = rng.uniform(0.01, 0.95, count), rng.uniform(0, math.pi, count)
     cosine = np.abs(np.cos(phase))
-    force = rng.uniform(0, largest, count) * (-ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2)))
+    force = rng.uniform(0, largest, count) * (
+        -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
+    )
     return ellipses_of(np.ones(count), ratio, force, phase, np.ones(count))
 
 
 @pytest.mark.parametrize("profile", [*PROFILES.values(), HERTZ, FLAT])
 def test_work_by_series_and_few_nodes_is_that_of_the_graded_rule(profile):
-    """Forward and reverse, down to slips of 1e-7; worst measured 5e-12 of A f^2 P0^2 in 1,500 loops."""
+    """Forward and reverse, down to slips of 1e-7; worst measured 5e-12 of A f^2 P0^2 in 1,500
+    loops.
+    """
     loops, contact = random_loops(60, 3), contact_of(profile, MATERIAL)
     tiny = random_loops(60, 4, 1e-3)
     for some in (loops, tiny, tiny.take(slice(0, 3))):
-        for one, other in zip(dissipation_of(some, contact), works_over_time(some, contact), strict=True):
+        for one, other in zip(
+            dissipation_of(some, contact), works_over_time(some, contact), strict=True
+        ):
             np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-11)
 
 
-# ---------------------------------------------------------------------------------------------------------------- broadcast
+# ---------------------------------------------------------------------------------------- broadcast
 VARIED = {
     "flat_rounded": {"radius": [1.0, 2.0, 1.0], "flat_half_length": [0.4, 0.7, 1.0]},
     "power_law": {"exponent": [1.0, 2.5, 4.0], "length": 1.5, "rise": [0.4, 0.5, 0.6]},
-    "compound": {"inner_radius": [1.0, 2.0, 1.5], "outer_radius": [3.0, 0.5, 1.5], "inner_half_length": [1.2, 1.4, 1.0]},
+    "compound": {
+        "inner_radius": [1.0, 2.0, 1.5],
+        "outer_radius": [3.0, 0.5, 1.5],
+        "inner_half_length": [1.2, 1.4, 1.0],
+    },
     "wedge": {"tip_radius": [1.0, 0.7, 2.0], "tip_half_length": [0.9, 0.5, 5.0]},
     "polynomial": {"length": [1.0, 1.0, 2.0], "rises": (0.5, [0.01, 0.02, 0.03])},
 }
@@ -181,14 +257,25 @@ VARIED = {
 
 @pytest.mark.parametrize("kind", VARIED)
 def test_parameters_of_every_kind_broadcast(kind):
-    """Each member is that of its own profile; and loads in E* H, W in E* H^2, h = H h1(x/l): no units over forty decades."""
+    """Each member is that of its own profile; and loads in E* H, W in E* H^2, h = H h1(x/l): no
+    units over forty decades.
+    """
     row, keys = LOADS[1], VARIED[kind]
-    work, peak = (call(profile={"kind": kind} | keys, **question([row])) for call in (dissipation, peak_dissipation))
+    work, peak = (
+        call(profile={"kind": kind} | keys, **question([row]))
+        for call in (dissipation, peak_dissipation)
+    )
     for k in range(3):
         member = lambda value: float(np.broadcast_to(value, 3)[k])  # noqa: E731, B023
-        numbers = {name: [*map(member, value)] if name == "rises" else member(value) for name, value in keys.items()}
-        own = load_scene("hertz-paper").vary(profile={"kind": kind} | numbers).profile  # whose contact is in the scene's own units
-        alone, alone_peak = (call(profile=own, **question([row])) for call in (dissipation, peak_dissipation))
+        numbers = {
+            name: [*map(member, value)] if name == "rises" else member(value)
+            for name, value in keys.items()
+        }
+        # whose contact is in the scene's own units
+        own = load_scene("hertz-paper").vary(profile={"kind": kind} | numbers).profile
+        alone, alone_peak = (
+            call(profile=own, **question([row])) for call in (dissipation, peak_dissipation)
+        )
         assert work.value[k] == pytest.approx(alone.value[0], rel=1e-12, abs=0)
         assert peak.value[k] == pytest.approx(alone_peak.value[0], rel=1e-9, abs=0)
         assert peak.place[k] == pytest.approx(alone_peak.place[0], rel=1e-6)
@@ -196,22 +283,31 @@ def test_parameters_of_every_kind_broadcast(kind):
 
 def test_power_laws_dissipate_as_two_over_n():
     """Lam = [P ln(P/P_c) - P + P_c]/n: neither the rise nor the length plays a part."""
-    keys = {"kind": "power_law", "exponent": np.array([1.0, 2.0, 5.0]), "length": 3.0, "rise": [0.1, 1.0, 7.0]}
+    keys = {
+        "kind": "power_law",
+        "exponent": np.array([1.0, 2.0, 5.0]),
+        "length": 3.0,
+        "rise": [0.1, 1.0, 7.0],
+    }
     batch = dissipation(profile=keys, **question([LOADS[0]]))
     hertz = dissipation(profile=Hertz(radius=1.0), **question([LOADS[0]]))
     np.testing.assert_allclose(batch.value * keys["exponent"] / 2, hertz.value[0], rtol=1e-14)
 
 
-# ------------------------------------------------------------------------------------------------------ the limit of sliding
+# ----------------------------------------------------------------------------- the limit of sliding
 
 
 def test_reasons_are_those_of_the_sampled_loops():
     """|Q| <= f P at 2,000 instants of 4,000 random loops, both senses, any Q0."""
     rng, count = np.random.default_rng(7), 4000
-    ratio, mean, force, phase = (rng.uniform(*ends, count) for ends in ((0, 1), (-0.3, 0.3), (0, 0.5), (-7, 7)))
+    ratio, mean, force, phase = (
+        rng.uniform(*ends, count) for ends in ((0, 1), (-0.3, 0.3), (0, 0.5), (-7, 7))
+    )
     friction = rng.choice([0.3, 0.8], count)
     t = np.linspace(0, 2 * math.pi, 2001)[:, None]
-    over = np.max(np.abs(mean + force * np.cos(t - phase)) - friction * (1 + ratio * np.cos(t)), axis=0)
+    over = np.max(
+        np.abs(mean + force * np.cos(t - phase)) - friction * (1 + ratio * np.cos(t)), axis=0
+    )
     batch = dissipation(
         profile=HERTZ,
         material=MATERIAL,
@@ -223,11 +319,15 @@ def test_reasons_are_those_of_the_sampled_loops():
         phase=phase,
     )
     clear = np.abs(over) > 1e-5
-    np.testing.assert_array_equal(batch.reason[clear], np.where(over > 0, Reason.SLIDING, Reason.NONE)[clear])
+    np.testing.assert_array_equal(
+        batch.reason[clear], np.where(over > 0, Reason.SLIDING, Reason.NONE)[clear]
+    )
 
 
 def limit(ratio, phase, friction, both):
-    """Largest Q1, and Q0, for P0 = 1: 0, or such that both senses of slip are at their limit at once (P_T = 0)."""
+    """Largest Q1, and Q0, for P0 = 1: 0, or such that both senses of slip are at their limit at
+    once (P_T = 0).
+    """
     cosine = abs(math.cos(phase))
     if not both:
         return friction * (-ratio * cosine + math.sqrt(1 - ratio**2 * (1 - cosine**2))), 0.0
@@ -243,10 +343,19 @@ def limit(ratio, phase, friction, both):
     ids=lambda profile: profile.kind,
 )
 def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both):
-    """|Q| = f P reached in one sense or both; from 1 - 1e-9 of it the work differs by less than 1e-7."""
-    rows = [(ratio, phase) for ratio in (0.0, 0.3) for phase in (0.0, 1.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)]
+    """|Q| = f P reached in one sense or both; from 1 - 1e-9 of it the work differs by less than
+    1e-7.
+    """
+    rows = [
+        (ratio, phase)
+        for ratio in (0.0, 0.3)
+        for phase in (0.0, 1.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)
+    ]
     ratio, phase = (np.array(column)[:, None] for column in zip(*rows, strict=True))
-    force, mean = (np.array(column)[:, None] for column in zip(*(limit(*row, 0.5, both) for row in rows), strict=True))
+    force, mean = (
+        np.array(column)[:, None]
+        for column in zip(*(limit(*row, 0.5, both) for row in rows), strict=True)
+    )
     batch = dissipation(
         profile=profile,
         material=MATERIAL,
@@ -264,54 +373,102 @@ def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, 
         assert np.all(batch.permanent_stick_load[:, 0] <= 1e-15)
 
 
-LINES = [(0.3, 0.0, 0.1, 0.0), (0.2, 0.0, 0.1, 0.0), (0.3, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0), (0.2, 0.0, 0.1, math.pi)]
-LINES += [(1.0, sense * share, share, math.pi / 2 * (1 - sense)) for sense in (1, -1) for share in (0.0, 0.2, 0.5)]
+LINES = [
+    (0.3, 0.0, 0.1, 0.0),
+    (0.2, 0.0, 0.1, 0.0),
+    (0.3, 0.0, 0.0, 1.0),
+    (0.0, 0.0, 0.0, 0.0),
+    (0.2, 0.0, 0.1, math.pi),
+]
+LINES += [
+    (1.0, sense * share, share, math.pi / 2 * (1 - sense))
+    for sense in (1, -1)
+    for share in (0.0, 0.2, 0.5)
+]
 
 
-@pytest.mark.parametrize("profile", [HERTZ, FLAT, PROFILES["wedge"]], ids=lambda profile: profile.kind)
+@pytest.mark.parametrize(
+    "profile", [HERTZ, FLAT, PROFILES["wedge"]], ids=lambda profile: profile.kind
+)
 def test_lines_within_the_cone_dissipate_nothing(profile):
-    """Phase 0 or pi with Q1 <= f P1, tangency and full unloading through the origin included; the phase is pi to 1e-16 only."""
-    found = batch((1.0, *(np.array(column) for column in zip(*LINES, strict=True))), profile=profile, friction=0.5)
+    """Phase 0 or pi with Q1 <= f P1, tangency and full unloading through the origin included; the
+    phase is pi to 1e-16 only.
+    """
+    found = batch(
+        (1.0, *(np.array(column) for column in zip(*LINES, strict=True))),
+        profile=profile,
+        friction=0.5,
+    )
     assert np.all(found.reason == Reason.NONE)
     assert np.all(np.abs(found.value) <= 1e-15)
     limiting = batch((1.0, 0.0, 0.0, 0.5, math.pi / 2), friction=0.5)
     assert float(limiting.value) == pytest.approx(4 * 0.25 / math.pi / 2, rel=1e-13, abs=0)
 
 
-# -------------------------------------------------------------------------------------------------------------------- peaks
+# -------------------------------------------------------------------------------------------- peaks
 ON_FLAT = FlatRounded(radius=1.0, flat_half_length=0.505)
 SCALED = float(contact_of(ON_FLAT, MATERIAL).load(1.0))
 PEAKS = {
     "hertz": (HERTZ, LOADS[1], 1.0),
-    **{name: (PROFILES[name], LOADS[1], 1.0) for name in ("power law", "compound, outside sharper", "wedge")},
-    # Figure 10b: the shoulder just inside a(P_min) and the outer maximum, of which the smaller one was returned; a(P0) = 1.
-    **{f"P0 = {p0} P1 on a flat": (ON_FLAT.vary(radius=SCALED / p0), (p0, 1.0, 0.0, 1.0, 90.0), 0.4) for p0 in (5.0, 5.5, 6.0)},
+    **{
+        name: (PROFILES[name], LOADS[1], 1.0)
+        for name in ("power law", "compound, outside sharper", "wedge")
+    },
+    # Figure 10b: the shoulder just inside a(P_min) and the outer maximum, of which the smaller one
+    # was returned; a(P0) = 1.
+    **{
+        f"P0 = {p0} P1 on a flat": (
+            ON_FLAT.vary(radius=SCALED / p0),
+            (p0, 1.0, 0.0, 1.0, 90.0),
+            0.4,
+        )
+        for p0 in (5.0, 5.5, 6.0)
+    },
 }
 
 
 @pytest.mark.parametrize("name", PEAKS)
 def test_peak_is_the_largest_value_of_the_density(name):
-    """Of 401 points of the whole contact and 201 next to it; a shoulder is no larger, and as large as its own surroundings."""
+    """Of 401 points of the whole contact and 201 next to it; a shoulder is no larger, and as large
+    as its own surroundings.
+    """
     profile, row, friction = PEAKS[name]
     peak = peak_dissipation(profile=profile, **question([row], friction))
     value, error = peak.value[0], peak.value_error[0]
     places = [peak.place[0], *peak.second_place[np.isfinite(peak.second_place)]]
-    x = np.concatenate([np.linspace(0.001, 1.2, 401) * max(places), *np.outer(places, np.linspace(0.998, 1.002, 201))])
-    density = solved(profile, row, friction, x=x, fields=("dissipation_density",)).dissipation_density
+    x = np.concatenate(
+        [
+            np.linspace(0.001, 1.2, 401) * max(places),
+            *np.outer(places, np.linspace(0.998, 1.002, 201)),
+        ]
+    )
+    density = solved(
+        profile, row, friction, x=x, fields=("dissipation_density",)
+    ).dissipation_density
     assert 0 < error < 1e-8 * value
     assert np.max(density) <= value * (1 + 1e-10) + error
-    for found, there in zip((value, *peak.second_value), np.split(density[401:], len(places)), strict=False):
+    for found, there in zip(
+        (value, *peak.second_value), np.split(density[401:], len(places)), strict=False
+    ):
         assert found == pytest.approx(np.max(there), rel=1e-6, abs=0)
     assert not peak.second_value[0] > value
     if "5.0" in name:  # in units of the paper, A P1^2/a(P0) with A = 2
-        np.testing.assert_allclose([value / 2, peak.second_value[0] / 2], [0.168558, 0.167181], atol=1e-6)
+        np.testing.assert_allclose(
+            [value / 2, peak.second_value[0] / 2], [0.168558, 0.167181], atol=1e-6
+        )
         assert peak.fraction[0] == pytest.approx(0.4826, abs=1e-4)
-        assert peak.place[0] < float(contact_of(profile, MATERIAL).half_width(4.0)) < peak.second_place[0]
+        assert (
+            peak.place[0]
+            < float(contact_of(profile, MATERIAL).half_width(4.0))
+            < peak.second_place[0]
+        )
 
 
 @pytest.mark.parametrize("swing", [0.5, 1e-3, 1e-6, 1e-9])
 def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
-    """Hertz, P constant, Q between +- swing f P: W(x) = (8 f^2 P/(pi E*)) p int arccosh(x/(a sqrt(1 - z))) dz up to z = swing."""
+    """Hertz, P constant, Q between +- swing f P: W(x) = (8 f^2 P/(pi E*)) p int arccosh(x/(a sqrt(1
+    - z))) dz up to z = swing.
+    """
     peak = peak_dissipation(
         profile=HERTZ,
         material=MATERIAL,
@@ -327,7 +484,9 @@ def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
             reach = mp.quad(lambda z: mp.acosh(mp.sqrt((1 - edge) / (1 - z))), [edge, swing])
             return 8 * mp.mpf("0.3") ** 2 / mp.pi * mp.sqrt(mp.pi) / mp.pi * mp.sqrt(edge) * reach
 
-        part = mp.findroot(lambda part: mp.diff(density, part), (mp.mpf("0.24"), mp.mpf("0.26")), tol=1e-15)
+        part = mp.findroot(
+            lambda part: mp.diff(density, part), (mp.mpf("0.24"), mp.mpf("0.26")), tol=1e-15
+        )
         exact = density(part)
         error = float(abs(mp.mpf(float(peak.value)) - exact))
     assert np.isnan(peak.second_value)
@@ -336,7 +495,7 @@ def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
     assert float(peak.value_error) <= max(1e-9, 1e-14 / swing) * float(exact)
 
 
-# -------------------------------------------------------------------------------------------------------------- bad members
+# -------------------------------------------------------------------------------------- bad members
 
 
 def test_bad_members_get_a_reason_and_the_rest_their_values():
@@ -349,7 +508,15 @@ def test_bad_members_get_a_reason_and_the_rest_their_values():
         mean_tangential_load=[1.1, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0],
         tangential_amplitude=[1.0, 1.0, 0.0, 0.1, 0.1, 0.0, 0.1],
     )
-    expected = [Reason.NONE, Reason.SLIDING, Reason.SEPARATION, Reason.INVALID, Reason.INVALID, Reason.NONE, Reason.SLIDING]
+    expected = [
+        Reason.NONE,
+        Reason.SLIDING,
+        Reason.SEPARATION,
+        Reason.INVALID,
+        Reason.INVALID,
+        Reason.NONE,
+        Reason.SLIDING,
+    ]
     np.testing.assert_array_equal(batch.reason, expected)
     np.testing.assert_array_equal(np.isnan(batch.value), batch.reason != Reason.NONE)
     assert batch.value[5] == 0
@@ -375,7 +542,12 @@ def test_every_member_has_a_value_or_a_reason(call):
         np.testing.assert_array_equal(np.isfinite(batch.value), batch.reason == Reason.NONE)
         assert np.all(batch.reason[:3] == Reason.INVALID)
         assert (
-            batch.reason[7] == (Reason.SLIDING if name in ("tangential_amplitude", "mean_tangential_load") else Reason.NONE)
+            batch.reason[7]
+            == (
+                Reason.SLIDING
+                if name in ("tangential_amplitude", "mean_tangential_load")
+                else Reason.NONE
+            )
             or name == "normal_amplitude"
         )
 
@@ -383,13 +555,21 @@ def test_every_member_has_a_value_or_a_reason(call):
 def test_bad_parameters_are_the_members_own():
     none, bad = Reason.NONE, Reason.INVALID
     for keys, reasons in (
-        ({"kind": "flat_rounded", "radius": [1.0, -1.0, np.nan], "flat_half_length": 0.7}, [none, bad, bad]),
+        (
+            {"kind": "flat_rounded", "radius": [1.0, -1.0, np.nan], "flat_half_length": 0.7},
+            [none, bad, bad],
+        ),
         ({"kind": "power_law", "exponent": [0.5, 2.0], "length": 1.0, "rise": 1.0}, [bad, none]),
-        ({"kind": "polynomial", "length": 1.0, "rises": (0.5, [-0.5, 0.1, np.nan])}, [bad, none, bad]),
+        (
+            {"kind": "polynomial", "length": 1.0, "rises": (0.5, [-0.5, 0.1, np.nan])},
+            [bad, none, bad],
+        ),
     ):
         assert dissipation(profile=keys, **question([LOADS[0]])).reason.tolist() == reasons
     for name in ("table of five rows", "function"):
-        found = dissipation(profile=PROFILES[name], **question([LOADS[0], (1000.0, 0.5, 0.0, 0.5, 60.0)]))
+        found = dissipation(
+            profile=PROFILES[name], **question([LOADS[0], (1000.0, 0.5, 0.0, 0.5, 60.0)])
+        )
         assert found.reason.tolist() == [none, Reason.EXTENT]
         assert np.isfinite(found.value[0])
     assert batch((3.0, 1.0, 1.1, 1.0, 1.0), friction=np.empty(0)).value.shape == (0,)
@@ -409,12 +589,18 @@ def test_neglected_coupling_of_unlike_materials_is_noted_as_solve_does(batch):
     unlike = Materials(upper=soft, lower=UNIT)  # beta = 0.5
     scene = make_scene(ellipse(3.0, 1.0, 1.1, 1.0), 1.0)
     noted = solve(scene.vary(material=unlike), x=[0.0], fields=()).record.notes
-    assert batch(profile=scene.profile, material=unlike, friction_coefficient=1.0, **PAPER).notes == noted
+    assert (
+        batch(profile=scene.profile, material=unlike, friction_coefficient=1.0, **PAPER).notes
+        == noted
+    )
     assert noted[0].startswith("Dundurs' beta = 0.5: ")
-    assert batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes == ()
+    assert (
+        batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes
+        == ()
+    )
 
 
-# ---------------------------------------------------------------------------------- friction from a measured dissipation
+# ------------------------------------------------------------- friction from a measured dissipation
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
 INVERTED = {
     "hertz": Hertz(radius=1.0),
@@ -443,16 +629,23 @@ def random_loads(seed, count=60):
 def test_every_root_is_found_as_brute_force_counts_them(name):
     question = {"profile": INVERTED[name]} | random_loads(sorted(INVERTED).index(name))
     span = friction_from(1.0, **question)
-    target = span.least + (span.most - span.least) * np.random.default_rng(1).uniform(0.02, 0.98, 60)
+    target = span.least + (span.most - span.least) * np.random.default_rng(1).uniform(
+        0.02, 0.98, 60
+    )
     found = friction_from(target, **question)
     assert not found.reason.any()
     with np.errstate(divide="ignore"):
         no_slip = question["tangential_amplitude"] / question["normal_amplitude"]
     top = np.maximum(found.least_friction, np.where(np.isfinite(no_slip), no_slip, 0.0)) * 1e6
-    every = found.least_friction * (1 + 1e-12) * (top / found.least_friction) ** np.linspace(0, 1, 1801)[:, None]
+    every = (
+        found.least_friction
+        * (1 + 1e-12)
+        * (top / found.least_friction) ** np.linspace(0, 1, 1801)[:, None]
+    )
     works = dissipation(friction_coefficient=every, **question).value
     crossings = np.count_nonzero(np.diff(np.sign(works - target), axis=0), axis=0)
-    near = np.min(np.abs(works - target), axis=0) < 1e-5 * target  # two roots between two samples of the brute force
+    # two roots between two samples of the brute force
+    near = np.min(np.abs(works - target), axis=0) < 1e-5 * target
     assert np.all((crossings == found.count) | near)
     assert np.count_nonzero(crossings != found.count) <= 2
     again = dissipation(friction_coefficient=np.moveaxis(found.roots, -1, 0), **question).value
@@ -466,7 +659,8 @@ def test_two_and_three_roots_where_the_normal_load_varies():
     two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase": math.pi / 2}
     least = friction_from(1.0, **question, **two).least
     found = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
-    assert found.count.tolist() == [2, 2, 2]  # the last two next to the turning point, between two samples of the search
+    # the last two next to the turning point, between two samples of the search
+    assert found.count.tolist() == [2, 2, 2]
     assert np.all(np.diff(np.diff(found.roots, axis=1), axis=0) < 0)
     dense = dissipation(friction_coefficient=np.linspace(0.6, 2.0, 20001), **question, **two).value
     assert least == pytest.approx(np.nanmin(dense), rel=1e-9)
@@ -483,9 +677,15 @@ def test_the_sliding_limit_is_the_largest_quotient_of_the_loads():
     loads = random_loads(3)
     time = np.linspace(0, 2 * math.pi, 20001)[:, None]
     normal = 1 + loads["normal_amplitude"] * np.cos(time)
-    tangential = loads["mean_tangential_load"] + loads["tangential_amplitude"] * np.cos(time - loads["phase"])
+    tangential = loads["mean_tangential_load"] + loads["tangential_amplitude"] * np.cos(
+        time - loads["phase"]
+    )
     found = sliding_limit(
-        1.0, *(loads[key] for key in ("normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase"))
+        1.0,
+        *(
+            loads[key]
+            for key in ("normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+        ),
     )
     assert np.allclose(found, np.max(np.abs(tangential) / normal, axis=0), rtol=1e-5)
 
@@ -502,19 +702,31 @@ def test_a_scene_with_another_load_is_inverted_by_the_engine_that_marches():
 def test_a_member_without_a_root_gets_one_reason():
     scene = load_scene("hertz-paper")
     found = friction_from([1e-9, 1.0, -1.0, np.nan], scene=scene)
-    assert found.reason.tolist() == [NoFriction.TOO_LITTLE, NoFriction.TOO_MUCH, NoFriction.INVALID, NoFriction.INVALID]
+    assert found.reason.tolist() == [
+        NoFriction.TOO_LITTLE,
+        NoFriction.TOO_MUCH,
+        NoFriction.INVALID,
+        NoFriction.INVALID,
+    ]
     assert np.isnan(found.roots).all()
     assert len(found.sentences) == 4
     assert "the least is 0.002057" in found.sentences[0]
     assert "the most is 0.00230181, and they slide grossly below f = 0.79185" in found.sentences[1]
-    question = {"profile": Hertz(radius=1.0), "material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
+    question = {
+        "profile": Hertz(radius=1.0),
+        "material": UNIT,
+        "mean_normal_load": 1.0,
+        "tangential_amplitude": 0.1,
+    }
     apart = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
     assert apart.reason[0] == NoFriction.LOADS
 
 
-# --------------------------------------------------------------------------------- a member is what it is alone
+# --------------------------------------------------------------------- a member is what it is alone
 def over_decades(count, seed, decades):
-    """Admissible loops whose P0 runs through so many decades about 1: P0, P1, Q0, Q1, phase; slips from 1e-6 to sliding."""
+    """Admissible loops whose P0 runs through so many decades about 1: P0, P1, Q0, Q1, phase; slips
+    from 1e-6 to sliding.
+    """
     rng = np.random.default_rng(seed)
     mean = 10 ** rng.uniform(-decades / 2, decades / 2, count)
     ratio = rng.uniform(0.0, 0.95, count)
@@ -529,7 +741,10 @@ def some_members(profile, members):
     """A profile's keys for some members of its arrays; a profile itself as it is."""
     if not isinstance(profile, dict):
         return profile
-    return {key: value[members] if isinstance(value, np.ndarray) else value for key, value in profile.items()}
+    return {
+        key: value[members] if isinstance(value, np.ndarray) else value
+        for key, value in profile.items()
+    }
 
 
 LENGTHS = 10 ** np.random.default_rng(11).uniform(-6, 6, 36)
@@ -542,13 +757,20 @@ OVER_DECADES = {
     "polynomial": PROFILES["polynomial"],
     "flats": {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": LENGTHS},
     "wedges": {"kind": "wedge", "tip_radius": 1.0, "tip_half_length": LENGTHS},
-    "powers": {"kind": "power_law", "exponent": np.resize([1.0, 2.5], 36), "length": 1.0, "rise": LENGTHS},
+    "powers": {
+        "kind": "power_law",
+        "exponent": np.resize([1.0, 2.5], 36),
+        "length": 1.0,
+        "rise": LENGTHS,
+    },
 }
 
 
 @pytest.mark.parametrize("name", OVER_DECADES)
 def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
-    """Whole, permuted, split: where the largest load of a block set the table, small ones were 30 % to 1e10 times wrong."""
+    """Whole, permuted, split: where the largest load of a block set the table, small ones were 30 %
+    to 1e10 times wrong.
+    """
     profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
     found = batch(loads, profile=profile)
     assert np.all(found.reason == Reason.NONE)
@@ -558,7 +780,10 @@ def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
     np.testing.assert_allclose(permuted.value, found.value[order], rtol=1e-10, atol=0)
     half = slice(0, 18)
     np.testing.assert_allclose(
-        batch([column[half] for column in loads], profile=some_members(profile, half)).value, found.value[half], rtol=1e-10, atol=0
+        batch([column[half] for column in loads], profile=some_members(profile, half)).value,
+        found.value[half],
+        rtol=1e-10,
+        atol=0,
     )
     for k in range(0, 36, 3):
         member = slice(k, k + 1)
@@ -569,7 +794,9 @@ def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
 
 @pytest.mark.parametrize("name", ["compound", "polynomial"])
 def test_a_batch_by_series_is_its_members_by_the_kernel(name):
-    """Members enough for tables of ln a, over ten decades; each within the sum of both stated errors and 1e-10 of A f^2 P0^2."""
+    """Members enough for tables of ln a, over ten decades; each within the sum of both stated
+    errors and 1e-10 of A f^2 P0^2.
+    """
     profile, loads = OVER_DECADES[name], over_decades(300, 8, 10)
     found = batch(loads, profile=profile)
     for k in range(0, 300, 30):
@@ -581,26 +808,41 @@ def test_a_batch_by_series_is_its_members_by_the_kernel(name):
 
 @pytest.mark.parametrize("name", ["flats", "wedges", "powers"])
 def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
-    """Primitives looked up by the sum of a point's number and an advance took the panel of another advance."""
+    """Primitives looked up by the sum of a point's number and an advance took the panel of another
+    advance.
+    """
     profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
     few = np.arange(0, 36, 4)
     few_loads, few_profiles = [column[few] for column in loads], some_members(profile, few)
     found = batch(few_loads, peak_dissipation, few_profiles)
     for k in range(0, len(few), 2):
         member = slice(k, k + 1)
-        alone = batch([column[member] for column in few_loads], peak_dissipation, some_members(few_profiles, member))
-        assert found.value[k] == pytest.approx(alone.value[0], rel=1e-9, abs=2 * alone.value_error[0])
+        alone = batch(
+            [column[member] for column in few_loads],
+            peak_dissipation,
+            some_members(few_profiles, member),
+        )
+        assert found.value[k] == pytest.approx(
+            alone.value[0], rel=1e-9, abs=2 * alone.value_error[0]
+        )
 
 
 def test_two_flats_fourteen_decades_apart_have_their_own_values():
     """-0.44 stood for the second, with reason 0."""
     profile = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": [1e-6, 10.0]}
-    found = dissipation(profile=profile, material=MATERIAL, friction_coefficient=1.0, **PAPER | {"mean_tangential_load": 0.0})
+    found = dissipation(
+        profile=profile,
+        material=MATERIAL,
+        friction_coefficient=1.0,
+        **PAPER | {"mean_tangential_load": 0.0},
+    )
     np.testing.assert_allclose(found.value, [0.2601684133471604, 0.027755517515796843], rtol=1e-12)
 
 
 def test_a_load_outside_a_table_is_never_read():
-    table = steady_ellipse.LamTable(contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL), 0, 7)
+    table = steady_ellipse.LamTable(
+        contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL), 0, 7
+    )
     for load in (0.5, 256.0):
         with pytest.raises(AssertionError, match="outside the table"):
             table._place(np.array([2.0, load]))
@@ -609,14 +851,25 @@ def test_a_load_outside_a_table_is_never_read():
 @pytest.mark.parametrize("call", [dissipation, peak_dissipation])
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("flat_half_length", 1e-160), ("flat_half_length", 1e160), ("radius", 1e-160), ("loads", 3e200), ("loads", 1e-200)],
+    [
+        ("flat_half_length", 1e-160),
+        ("flat_half_length", 1e160),
+        ("radius", 1e-160),
+        ("loads", 3e200),
+        ("loads", 1e-200),
+    ],
 )
 def test_numbers_that_cannot_be_squared_have_a_reason(call, key, value):
-    """An IndexError, inf and NaN with the reason of a quadrature that does not converge stood there; no warning either."""
+    """An IndexError, inf and NaN with the reason of a quadrature that does not converge stood
+    there; no warning either.
+    """
     keys = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": 1.0}
     size = value if key == "loads" else 1.0
     loads = (3.0 * size, size, 0.0, size, math.pi / 2)
-    for profile in (keys | ({key: value} if key != "loads" else {}), *([HERTZ] if key == "loads" else [])):
+    for profile in (
+        keys | ({key: value} if key != "loads" else {}),
+        *([HERTZ] if key == "loads" else []),
+    ):
         found = batch(loads, call, profile)
         assert int(found.reason) == Reason.INVALID
         assert np.isnan(found.value)
@@ -634,7 +887,10 @@ def test_what_is_masked_has_a_reason_and_no_value(call):
         assert found.value[0] > 0
 
 
-@pytest.mark.parametrize("value", [np.array([3 + 1j]), [True], ["3.0"], np.array(["2020"], dtype="datetime64[Y]"), [[1.0], 2.0]])
+@pytest.mark.parametrize(
+    "value",
+    [np.array([3 + 1j]), [True], ["3.0"], np.array(["2020"], dtype="datetime64[Y]"), [[1.0], 2.0]],
+)
 def test_what_is_no_real_number_is_refused_by_name(value):
     for call in (dissipation, peak_dissipation):
         with pytest.raises(InputError, match="mean_normal_load = "):
@@ -647,7 +903,7 @@ def test_what_is_no_real_number_is_refused_by_name(value):
         solve(load_scene("hertz-paper"), x=value)
 
 
-# ------------------------------------------------------------------------------------------------- error of the work
+# -------------------------------------------------------------------------------- error of the work
 def exact_hertz_work(mean, amplitude, tangential, phase):
     """W pi E*/2 for f = 1 by int w' Lam dt in forty digits, of a given double phase."""
     with mp.workdps(40):
@@ -663,16 +919,26 @@ def exact_hertz_work(mean, amplitude, tangential, phase):
             return (load * mp.log(load / front) - slipped) / 2
 
         def reverse(s):
-            return v * mp.sin(turn - s) * lam(stick + v * mp.sin((turn - s) / 2) ** 2, u * mp.sin(s / 2) ** 2)
+            return (
+                v
+                * mp.sin(turn - s)
+                * lam(stick + v * mp.sin((turn - s) / 2) ** 2, u * mp.sin(s / 2) ** 2)
+            )
 
         def early(s):
             slipped = 2 * p1 * mp.sin(start) * mp.sin(s)
             return u * mp.sin(s) * lam(p0 - p1 * mp.cos(start + s) - slipped, slipped)
 
         def later(s):
-            return u * mp.sin(s) * lam(stick + u * mp.sin(s / 2) ** 2, v * mp.sin((turn + s) / 2) ** 2)
+            return (
+                u * mp.sin(s) * lam(stick + u * mp.sin(s / 2) ** 2, v * mp.sin((turn + s) / 2) ** 2)
+            )
 
-        return mp.quad(reverse, [0, turn]) + mp.quad(early, [0, mp.pi - turn]) + mp.quad(later, [0, turn])
+        return (
+            mp.quad(reverse, [0, turn])
+            + mp.quad(early, [0, mp.pi - turn])
+            + mp.quad(later, [0, turn])
+        )
 
 
 def test_stated_error_of_the_work_covers_forty_digits():
@@ -689,13 +955,17 @@ def test_stated_error_of_the_work_covers_forty_digits():
 
 @pytest.mark.parametrize("name", [*PROFILES, "flat"])
 def test_stated_error_of_the_work_covers_the_graded_rule(name):
-    """Slips down to 1e-7; W below 1e-10 of A f^2 P0^2 had errors of 1.5e-8 of itself, and none was stated."""
+    """Slips down to 1e-7; W below 1e-10 of A f^2 P0^2 had errors of 1.5e-8 of itself, and none was
+    stated.
+    """
     profile = PROFILES.get(name, FLAT)
     contact = contact_of(profile, MATERIAL)
     rng = np.random.default_rng(31)
     ratio, phase = rng.uniform(0.0, 0.95, 60), rng.uniform(0.01, math.pi - 0.01, 60)
     cosine = np.abs(np.cos(phase))
-    force = 10 ** rng.uniform(-7, -0.01, 60) * (-ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2)))
+    force = 10 ** rng.uniform(-7, -0.01, 60) * (
+        -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
+    )
     loops = ellipses_of(np.ones(60), ratio, force, phase, np.ones(60))
     found = batch((1.0, ratio, 0.0, force, phase), profile=profile)
     exact = 2 / math.pi * sum(works_over_time(loops, contact))

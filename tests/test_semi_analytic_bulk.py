@@ -1,4 +1,6 @@
-"""Bulk stress and tilt in the half-plane engine: closed values, a dense grid, the energy balance; grids, row by row."""
+"""Bulk stress and tilt in the half-plane engine: closed values, a dense grid, the energy balance;
+grids, row by row.
+"""
 
 from __future__ import annotations
 
@@ -49,10 +51,11 @@ def parabola(x):
     return x**2 / 2
 
 
-LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
+# ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
+LARGE = (-0.7063363748151722, 1.4493185287005215)
 ONE_WAY = 1.2360774464742066  # half-width of stick at Q = 1.8
-# From P = 3 alone: (Q, eps) in proportion, the ends of stick, and the senses of slip beyond them. Cattaneo-Mindlin; Nowell and
-# Hills 1987; opposite slip at the ends without and with Q.
+# From P = 3 alone: (Q, eps) in proportion, the ends of stick, and the senses of slip beyond them.
+# Cattaneo-Mindlin; Nowell and Hills 1987; opposite slip at the ends without and with Q.
 STICK = {
     "cattaneo-mindlin": (1.8, 0.0, (-ONE_WAY, ONE_WAY), (1, 1)),
     "moderate bulk": (1.8, 0.2, (0.2 - ONE_WAY, 0.2 + ONE_WAY), (1, 1)),
@@ -68,7 +71,14 @@ STICK = {
 @pytest.mark.parametrize(("force", "strain", "edges", "senses"), STICK.values(), ids=STICK)
 def test_stick_zones_at_constant_load_by_grid_and_by_solve(force, strain, edges, senses):
     """To a cell and to 1e-10; and slip on either side in its own sense."""
-    grid = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, *(np.linspace(0, value, 9) for value in (force, strain)))
+    grid = dense_grid.solve(
+        parabola,
+        (-2.3, 2.3),
+        230,
+        1.0,
+        3.0,
+        *(np.linspace(0, value, 9) for value in (force, strain)),
+    )
     assert grid.edges(-1) == pytest.approx((-A0, A0), abs=grid.step)
     assert grid.edges(-1, stick=True) == pytest.approx(edges, abs=grid.step)
     x = [edges[0] - 0.1, sum(edges) / 2, edges[1] + 0.1]
@@ -88,14 +98,26 @@ def test_bulk_alone_has_complete_elliptic_integrals(share):
     assert force[0] == pytest.approx(0, abs=1e-14)
 
 
-# ------------------------------------------------------------------------------- one memory curve: alpha, eps affine in P, Q
+# ------------------------------------------------------ one memory curve: alpha, eps affine in P, Q
 # scene, W, permanent stick
 EXACT = {
-    "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
-    "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
+    "constant P, no bulk": (
+        fretting(0.0),
+        0.6128781396315213,
+        (-1.2360774464742066, 1.2360774464742066),
+    ),
+    "constant P, bulk in phase": (
+        fretting(0.3),
+        0.9368781396315213,
+        (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066),
+    ),
     "large bulk": (fretting(1.0, q=0.9), 2.03050286028, LARGE),
     "bulk alone": (fretting(1.1763560617531, q=0.0), 2.049501745223, (-0.5 * A0, 0.5 * A0)),
-    "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
+    "P, Q, bulk and tilt": (
+        leaning(0.1),
+        0.32380811606118304,
+        (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461),
+    ),
 }
 
 
@@ -107,7 +129,9 @@ def test_exact_work_and_stick(name):
     assert found.dissipation == pytest.approx(work, rel=1e-10)
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-10)
     assert found.permanent_stick_edges == pytest.approx(stick, abs=2e-9)
-    assert np.diff(found.permanent_stick_edges)[0] / 2 == pytest.approx(found.permanent_stick_half_width, rel=1e-12)
+    assert np.diff(found.permanent_stick_edges)[0] / 2 == pytest.approx(
+        found.permanent_stick_half_width, rel=1e-12
+    )
     edges = found.contact_edges
     ends = float(np.min(edges)), float(np.max(edges))
     nodes, weights = np.polynomial.legendre.leggauss(400)
@@ -123,10 +147,14 @@ def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
     columns = []
     for leg, time in zip(legs, times, strict=True):
         nothing = np.zeros((2, len(time)))
-        stresses, turns = (part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning))
+        stresses, turns = (
+            part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning)
+        )
         columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
     p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
-    grid = dense_grid.solve(scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt)
+    grid = dense_grid.solve(
+        scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt
+    )
     return grid, solve(scene, x=grid.x, time=np.concatenate(times))
 
 
@@ -135,16 +163,29 @@ def root_mean_square(difference):
 
 
 def with_profile(scene, profile):
-    return Scene(**{name: getattr(scene, name) for name in ("name", "material", "friction", "load", "cycles")}, profile=profile)
+    return Scene(
+        **{
+            name: getattr(scene, name)
+            for name in ("name", "material", "friction", "load", "cycles")
+        },
+        profile=profile,
+    )
 
 
 FLAT = FlatRounded(radius=1.0, flat_half_length=0.5)
 COMPOUND = Compound(inner_radius=1.0, outer_radius=0.4, inner_half_length=0.6)
 WEDGE = Wedge(tip_radius=1.0, tip_half_length=1.0)
-ROWS = [(float(x), float(x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10)) for x in np.linspace(-3, 3, 25)]
+ROWS = [
+    (float(x), float(x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10)) for x in np.linspace(-3, 3, 25)
+]
 UNEQUAL = Tabulated(points=ROWS, symmetric=False)
 HERTZ = Hertz(radius=1.0)
-SWINGING = {"mean_normal_load": 1.0, "normal_amplitude": 0.9, "mean_tangential_load": 0.0, "tangential_amplitude": 0.35}
+SWINGING = {
+    "mean_normal_load": 1.0,
+    "normal_amplitude": 0.9,
+    "mean_tangential_load": 0.0,
+    "tangential_amplitude": 0.35,
+}
 # Scene, half-width of the grid.
 ON_GRID = {
     "bulk": (fretting(0.3), 2.8),
@@ -162,9 +203,18 @@ ON_GRID = {
     "two curvatures": (with_profile(leaning(0.08, -0.1), COMPOUND), 3.2),
     "a wedge": (with_profile(leaning(0.05, 0.1), WEDGE), 7.0),
     "unequal sides": (with_profile(make_scene(EllipseLoad(**PAPER)), UNEQUAL), 3.0),
-    "a fourth power": (with_profile(leaning(0.0, 0.3), PowerLaw(exponent=4.0, length=1.0, rise=0.1)), 2.8),
-    "a blunt tip, bulk and tilt": (with_profile(leaning(0.05, 0.1), PowerLaw(exponent=1.3, length=1.0, rise=1.0)), 4.5),
-    "a polynomial": (with_profile(leaning(0.06, -0.1), EvenPolynomial(length=1.0, rises=(0.3, 0.05))), 2.8),
+    "a fourth power": (
+        with_profile(leaning(0.0, 0.3), PowerLaw(exponent=4.0, length=1.0, rise=0.1)),
+        2.8,
+    ),
+    "a blunt tip, bulk and tilt": (
+        with_profile(leaning(0.05, 0.1), PowerLaw(exponent=1.3, length=1.0, rise=1.0)),
+        4.5,
+    ),
+    "a polynomial": (
+        with_profile(leaning(0.06, -0.1), EvenPolynomial(length=1.0, rises=(0.3, 0.05))),
+        2.8,
+    ),
 }
 SLOW = (
     "a flat face, bulk and tilt",
@@ -179,20 +229,31 @@ SLOW = (
 )
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in ON_GRID])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in ON_GRID],
+)
 def test_fields_are_those_of_the_grid(name):
-    """Sizes are about 1; the grid errs by a cell (0.025) at edges, and by the step in first order."""
+    """Sizes are about 1; the grid errs by a cell (0.025) at edges, and by the step in first
+    order.
+    """
     scene, reach = ON_GRID[name]
     path = scene.load.path()
     legs = [*path.initial_loading, *path.cycle]
     grid, found = on_grid(scene, legs, 40 if len(path.cycle) > 1 else 100, 240, (-reach, reach))
     datum = 2 / math.pi * math.log(scene.profile.datum_length)  # of the grid: 1
-    assert found.contact_edges == pytest.approx(np.array([grid.edges(k) for k in range(len(found.time))]), abs=0.03 * reach / 2.8)
+    assert found.contact_edges == pytest.approx(
+        np.array([grid.edges(k) for k in range(len(found.time))]), abs=0.03 * reach / 2.8
+    )
     assert root_mean_square(found.pressure - grid.pressure) < 5e-3
     assert root_mean_square(found.shear - grid.shear) < 1e-2
     assert np.max(np.abs(found.slip - grid.slip)) < 1.5e-2
-    assert found.tangential_displacement - datum * found.tangential_load == pytest.approx(grid.displacement, abs=4e-3)
-    assert found.normal_approach - datum * found.normal_load == pytest.approx(grid.approach, abs=1e-3)
+    assert found.tangential_displacement - datum * found.tangential_load == pytest.approx(
+        grid.displacement, abs=4e-3
+    )
+    assert found.normal_approach - datum * found.normal_load == pytest.approx(
+        grid.approach, abs=1e-3
+    )
     assert found.moment == pytest.approx(grid.moment, abs=1e-3)
     assert found.shear_moment == pytest.approx(grid.shear_moment, abs=6e-3)
     assert np.mean(found.state != grid.state) < 0.02
@@ -210,32 +271,78 @@ def test_a_tilted_flat_pad():
     assert found.moment[0] == pytest.approx(-0.3444188480137, abs=1e-12)
 
 
-@pytest.mark.parametrize("profile", [Hertz(radius=1.0), FLAT, COMPOUND, WEDGE, Tabulated(points=ROWS[12:])], ids=lambda p: p.kind)
+@pytest.mark.parametrize(
+    "profile",
+    [Hertz(radius=1.0), FLAT, COMPOUND, WEDGE, Tabulated(points=ROWS[12:])],
+    ids=lambda p: p.kind,
+)
 def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
-    """Two derivations: sums over knots of an unsymmetric contact, and Abel integrals of a symmetric one."""
+    """Two derivations: sums over knots of an unsymmetric contact, and Abel integrals of a symmetric
+    one.
+    """
     material = make_scene(EllipseLoad(**PAPER)).material
     plain = contact_of(profile, material)
-    tilted = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 4.0), profile.datum_length)
-    x, load, loads = np.linspace(-2.2, 2.1, 87), np.linspace(0.05, 4, 49)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
+    tilted = TiltedProfile(
+        NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 4.0), profile.datum_length
+    )
+    x, load, loads = (
+        np.linspace(-2.2, 2.1, 87),
+        np.linspace(0.05, 4, 49)[:, None],
+        np.array([0.5, 1.0, 3.3, 3.9]),
+    )
     for name in ("pressure", "slip_integral"):
-        np.testing.assert_allclose(getattr(tilted, name)(x, load), getattr(plain, name)(x, load), rtol=0, atol=1e-11, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(tilted, name)(x, load),
+            getattr(plain, name)(x, load),
+            rtol=0,
+            atol=1e-11,
+            err_msg=name,
+        )
     for name in ("log_ratio", "log_distance", "log_moment", "half_width"):
-        np.testing.assert_allclose(getattr(tilted, name)(loads), getattr(plain, name)(loads), rtol=0, atol=1e-11, err_msg=name)
-    np.testing.assert_allclose(tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10)
-    np.testing.assert_allclose(tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12)
+        np.testing.assert_allclose(
+            getattr(tilted, name)(loads),
+            getattr(plain, name)(loads),
+            rtol=0,
+            atol=1e-11,
+            err_msg=name,
+        )
+    np.testing.assert_allclose(
+        tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10
+    )
+    np.testing.assert_allclose(
+        tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12
+    )
     np.testing.assert_allclose(tilted.centre(loads), 0, atol=1e-13)
 
 
 @pytest.mark.parametrize(
-    "name", ["unequal sides", pytest.param("a flat face, fixed tilt", marks=pytest.mark.slow), "bulk and tilt"]
+    "name",
+    [
+        "unequal sides",
+        pytest.param("a flat face, fixed tilt", marks=pytest.mark.slow),
+        "bulk and tilt",
+    ],
 )
 def test_tractions_scatter_by_less_than_their_stated_error(name):
-    """Loads and moduli a millionth more leave q over them what it is: arcs in full stick, to 0.8 of gross sliding."""
-    profile, kappa, tilt = {"unequal sides": (UNEQUAL, 0, 0), "a flat face, fixed tilt": (FLAT, 0, 0.1)}.get(name, (HERTZ, 0.1, 0))
+    """Loads and moduli a millionth more leave q over them what it is: arcs in full stick, to 0.8 of
+    gross sliding.
+    """
+    profile, kappa, tilt = {
+        "unequal sides": (UNEQUAL, 0, 0),
+        "a flat face, fixed tilt": (FLAT, 0, 0.1),
+    }.get(name, (HERTZ, 0.1, 0))
     draw, found, stated = np.random.default_rng(7), [], 1e-12
     for share in 1 + 1e-6 * draw.uniform(-1, 1, 50):
-        turned = {"mean": tilt + kappa, "amplitude": 0.9 * kappa, "initial_loading": [tilt + 0.1 * kappa]}
-        bulk = {"amplitude": 2 * 0.35 * kappa * share, "phase_degrees": 90.0, "initial_loading": [0]}
+        turned = {
+            "mean": tilt + kappa,
+            "amplitude": 0.9 * kappa,
+            "initial_loading": [tilt + 0.1 * kappa],
+        }
+        bulk = {
+            "amplitude": 2 * 0.35 * kappa * share,
+            "phase_degrees": 90.0,
+            "initial_loading": [0],
+        }
         load = EllipseLoad(
             **{key: share * value for key, value in SWINGING.items()},
             phase_degrees=90.0,
@@ -255,18 +362,22 @@ def test_tractions_scatter_by_less_than_their_stated_error(name):
 
 @pytest.mark.parametrize("kind", [kind for kind in PROFILES if kind not in ("|x|^1.01", "|x|^3.5")])
 def test_arcs_of_an_untilted_contact_leave_the_shear_of_the_symmetric_one(kind):
-    """By series of the ends of contact and by P(a), along arcs in full stick: q to 1e-12 of the largest f p."""
+    """By series of the ends of contact and by P(a), along arcs in full stick: q to 1e-12 of the
+    largest f p.
+    """
     scene, profile = extreme(kind, "ellipse"), PROFILES[kind]
     plain = contact_of(profile, scene.material)
     tilted = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 1.9), 1.0)
     history = history_of(scene.load.path(), 0.5, 3)
-    snapshot = history.snapshot(np.linspace(history.spans[0].begin.time, history.spans[-1].end.time, 14)[1:])
+    snapshot = history.snapshot(
+        np.linspace(history.spans[0].begin.time, history.spans[-1].end.time, 14)[1:]
+    )
     x = np.linspace(0.05, 0.99, 12) * float(plain.half_width(1.9))
     own, known = (Integrals(contact, x, "shear").over(snapshot) for contact in (tilted, plain))
     assert np.max(np.abs(own - known)) < 1e-12 * 0.5 * np.max(plain.pressure(x, 1.9))
 
 
-# ---------------------------------------------------------------------------------------- profiles that are no parabolas
+# ------------------------------------------------------------------- profiles that are no parabolas
 SINH = CallableProfile(slope_function=lambda x: x**3 + np.sinh(x) / 5, extent=6.0)
 CURVED = {
     "fourth power": PowerLaw(exponent=4.0, length=1.0, rise=0.3),
@@ -282,27 +393,52 @@ def slope_of(profile):
     if isinstance(profile, PowerLaw):
         n = profile.exponent
         return lambda x: profile.rise * n * math.copysign(abs(x) ** (n - 1), x)
-    return (lambda x: 0.4 * x + 0.3 * x**5) if profile.kind == "polynomial" else (lambda x: x**3 + math.sinh(x) / 5)
+    return (
+        (lambda x: 0.4 * x + 0.3 * x**5)
+        if profile.kind == "polynomial"
+        else (lambda x: x**3 + math.sinh(x) / 5)
+    )
 
 
 AT = ((3.0, 0.0), (3.0, 0.3), (0.2, -0.4), (0.01, 0.9))  # P and tilt, the last one beside x = 0
-AT_ONCE = [("fourth power", *AT[2]), ("power 2.5", *AT[1]), ("power 1.3", *AT[3]), ("polynomial", *AT[1]), ("function", *AT[2])]
-LATER = [pytest.param(name, *at, marks=pytest.mark.slow) for name in CURVED for at in AT if (name, *at) not in AT_ONCE]
+AT_ONCE = [
+    ("fourth power", *AT[2]),
+    ("power 2.5", *AT[1]),
+    ("power 1.3", *AT[3]),
+    ("polynomial", *AT[1]),
+    ("function", *AT[2]),
+]
+LATER = [
+    pytest.param(name, *at, marks=pytest.mark.slow)
+    for name in CURVED
+    for at in AT
+    if (name, *at) not in AT_ONCE
+]
 
 
 @pytest.mark.parametrize(("name", "load", "tilt"), [*AT_ONCE, *LATER])
 def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
-    """QUADPACK's rules for end singularities and principal values; moment, approach and gap from the pressure alone."""
+    """QUADPACK's rules for end singularities and principal values; moment, approach and gap from
+    the pressure alone.
+    """
     profile, length = CURVED[name], 1.7
-    contact, slope = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, tilt, 0.0, 4.0), length), slope_of(profile)
+    contact, slope = (
+        TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, tilt, 0.0, 4.0), length),
+        slope_of(profile),
+    )
     m, c = (float(each) for each in contact.at(load))
     knot = math.acos(min(max(-m / c, -1.0), 1.0))
 
     def over_theta(function, **rule):
-        return sum(integrate.quad(function, *ends, epsabs=1e-13, limit=400, **rule)[0] for ends in ((0, knot), (knot, math.pi)))
+        return sum(
+            integrate.quad(function, *ends, epsabs=1e-13, limit=400, **rule)[0]
+            for ends in ((0, knot), (knot, math.pi))
+        )
 
     assert over_theta(lambda a: slope(m + c * math.cos(a)) + tilt) == pytest.approx(0.0, abs=1e-10)
-    assert over_theta(lambda a: c * math.cos(a) * slope(m + c * math.cos(a))) == pytest.approx(2 * load, rel=1e-10)
+    assert over_theta(lambda a: c * math.cos(a) * slope(m + c * math.cos(a))) == pytest.approx(
+        2 * load, rel=1e-10
+    )
     for share in (0.03, 0.2, 0.45, 0.8, 0.99):
         place = math.pi * share
 
@@ -314,16 +450,29 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
         whole = 0.0
         for low, high in pairwise(cuts):
             if low < place < high:
-                whole += integrate.quad(regular, low, high, weight="cauchy", wvar=place, epsabs=1e-12, limit=800)[0]
+                whole += integrate.quad(
+                    regular, low, high, weight="cauchy", wvar=place, epsabs=1e-12, limit=800
+                )[0]
             else:
-                whole += integrate.quad(lambda a, f=regular, at=place: f(a) / (a - at), low, high, epsabs=1e-12, limit=800)[0]
+                whole += integrate.quad(
+                    lambda a, f=regular, at=place: f(a) / (a - at),
+                    low,
+                    high,
+                    epsabs=1e-12,
+                    limit=800,
+                )[0]
         p = float(contact.pressure(m + c * math.cos(place), load))
         assert p == pytest.approx(math.sin(place) * whole / (2 * math.pi), abs=1e-9)
     nodes, weights = np.polynomial.legendre.leggauss(100)
     share, weights = ((1 + nodes) / 2) ** 5, 2.5 * weights * ((1 + nodes) / 2) ** 4  # to the knot
     angles = np.concatenate([knot - knot * share, knot + (math.pi - knot) * share])
     xi = m + c * np.cos(angles)
-    force = np.concatenate([knot * weights, (math.pi - knot) * weights]) * c * np.sin(angles) * contact.pressure(xi, load)
+    force = (
+        np.concatenate([knot * weights, (math.pi - knot) * weights])
+        * c
+        * np.sin(angles)
+        * contact.pressure(xi, load)
+    )
     assert np.sum(force) == pytest.approx(load, rel=1e-8)
     both = np.array([m]), np.array([c])
     assert contact.moment(*both, load, tilt) == pytest.approx(float(force @ xi), abs=1e-8)
@@ -331,20 +480,27 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     x = m + c * np.array([-2.0, -1.3, 1.1, 1.9])
     moved = 2 / math.pi * np.log(length / np.abs(x[:, None] - xi)) @ force
     expected = profile.height(x) + tilt * x - approach + moved
-    np.testing.assert_allclose(contact.shape.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(
+        contact.shape.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8
+    )
 
 
 def test_the_pressure_at_points_next_to_nodes():
-    """Where a difference quotient would keep no digits; of a parabola that comes as a function, at tilt 0.3."""
+    """Where a difference quotient would keep no digits; of a parabola that comes as a function, at
+    tilt 0.3.
+    """
     shape, c = convex_profile(ALIKE["the function x"][0]), 1.2
     xi, t, _ = shape._nodes(np.array(-0.3), np.array(c))
     here = np.abs(t) < 0.9 * c
     for away in (0.0, 1e-14, 1e-12, 1e-9, 1e-7):
         found = shape.pressure(xi[here] + away, np.array(-0.3), np.array(c))
-        np.testing.assert_allclose(found, np.pi * np.sqrt(c**2 - (t[here] + away) ** 2), rtol=0, atol=2e-10)
+        np.testing.assert_allclose(
+            found, np.pi * np.sqrt(c**2 - (t[here] + away) ** 2), rtol=0, atol=2e-10
+        )
 
 
-SOFT = Compound(inner_radius=0.3, outer_radius=5.0, inner_half_length=0.01)  # steps to both ends by turns without a line search
+# steps to both ends by turns without a line search
+SOFT = Compound(inner_radius=0.3, outer_radius=5.0, inner_half_length=0.01)
 # Steepest tilt that is tried, least load.
 ANY_CONTACT = {
     "a flat face": (FLAT, 0.5, 1e-7),
@@ -364,7 +520,10 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     """A thousand at once, over many powers of ten."""
     profile, steepest, least = ANY_CONTACT[name]
     shape, random = convex_profile(profile), np.random.default_rng(1)
-    product, tilt = least * (2 / least) ** random.random(1000), steepest * random.uniform(-1, 1, 1000)
+    product, tilt = (
+        least * (2 / least) ** random.random(1000),
+        steepest * random.uniform(-1, 1, 1000),
+    )
     m, c = shape.contact(product, tilt)
     found = shape.balance(m, c)
     np.testing.assert_allclose(found.load, product, rtol=3e-10)
@@ -373,23 +532,37 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
 
 def test_the_pressure_at_a_tip():
     """Of |x|^1.3 at x = 0 itself, the limit from both sides, which come as |x|^0.3."""
-    contact = TiltedProfile(NestedIntervals(convex_profile(CURVED["power 1.3"]), 2.0, 0.1, 0.0, 4.0), 1.0)
+    contact = TiltedProfile(
+        NestedIntervals(convex_profile(CURVED["power 1.3"]), 2.0, 0.1, 0.0, 4.0), 1.0
+    )
     p = contact.pressure(np.array([-1e-8, -1e-11, 0.0, 1e-11, 1e-8]), 3.0)
     away = p[2] - p
     assert away[[1, 3]] / away[[0, 4]] == pytest.approx(1e-3**0.3, rel=1e-3)
 
 
 ALIKE = {
-    "a quadratic polynomial": (EvenPolynomial(length=2.0, rises=(2.0, 0.0)), Hertz(radius=1.0), 1e-12),
+    "a quadratic polynomial": (
+        EvenPolynomial(length=2.0, rises=(2.0, 0.0)),
+        Hertz(radius=1.0),
+        1e-12,
+    ),
     "the power 2": (PowerLaw(exponent=2.0, length=2.0, rise=2.0), Hertz(radius=1.0), 1e-12),
-    "the function x": (CallableProfile(slope_function=lambda x: x, extent=4.0), Hertz(radius=1.0), 1e-9),
+    "the function x": (
+        CallableProfile(slope_function=lambda x: x, extent=4.0),
+        Hertz(radius=1.0),
+        1e-9,
+    ),
     "the powers 2 and 4": (
         CallableProfile(height_function=lambda x: x**2 / 2 + x**4 / 10, extent=5.0),
         EvenPolynomial(length=1.0, rises=(0.5, 0.1)),
         1e-8,
     ),
     "a flat face": (
-        CallableProfile(slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0), extent=5.0, breaks=(0.5,)),
+        CallableProfile(
+            slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0),
+            extent=5.0,
+            breaks=(0.5,),
+        ),
         FLAT,
         1e-8,
     ),
@@ -403,7 +576,8 @@ LOADS = {
 }
 
 
-# Each profile and each load once among the fast tests. A line of action turns all but parabolas as P varies, which goes to grids.
+# Each profile and each load once among the fast tests. A line of action turns all but parabolas as
+# P varies, which goes to grids.
 PAIRS = [
     ("a quadratic polynomial", "line of action"),
     ("the power 2", "moment"),
@@ -411,28 +585,56 @@ PAIRS = [
     ("the powers 2 and 4", "tilt"),
     ("the powers 2 and 4", "bulk"),
 ]
-MORE = [(name, loads) for name in ALIKE for loads in ("tilt and bulk", "moment") if (name, loads) not in PAIRS]
+MORE = [
+    (name, loads)
+    for name in ALIKE
+    for loads in ("tilt and bulk", "moment")
+    if (name, loads) not in PAIRS
+]
 
 
-@pytest.mark.parametrize(("name", "loads"), [*PAIRS, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in MORE)])
+@pytest.mark.parametrize(
+    ("name", "loads"), [*PAIRS, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in MORE)]
+)
 def test_one_profile_by_two_kinds(name, loads):
     """Parabolas to rounding, also where the moment is given; by quadrature as by closed forms."""
     one, other, error = ALIKE[name]
     x = np.linspace(-2.2, 2.4, 41)
-    found, expected = (solve(with_profile(LOADS[loads](), profile), x=x) for profile in (one, other))
-    for field in ("pressure", "shear", "slip", "contact_edges", "moment", "tilt", "shear_moment", "dissipation_density"):
-        np.testing.assert_allclose(getattr(found, field), getattr(expected, field), rtol=0, atol=error, err_msg=field)
+    found, expected = (
+        solve(with_profile(LOADS[loads](), profile), x=x) for profile in (one, other)
+    )
+    for field in (
+        "pressure",
+        "shear",
+        "slip",
+        "contact_edges",
+        "moment",
+        "tilt",
+        "shear_moment",
+        "dissipation_density",
+    ):
+        np.testing.assert_allclose(
+            getattr(found, field), getattr(expected, field), rtol=0, atol=error, err_msg=field
+        )
     assert found.dissipation == pytest.approx(expected.dissipation, rel=error)
     if not math.isnan(found.loop_work):
         assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
 
 
-@pytest.mark.parametrize("profile", [FLAT, WEDGE, UNEQUAL, CURVED["fourth power"], CURVED["polynomial"]], ids=lambda p: p.kind)
-@pytest.mark.parametrize("turning", [{"line_of_action": {"x": 0.2}}, {"moment": -0.5}], ids=["line of action", "moment"])
+@pytest.mark.parametrize(
+    "profile",
+    [FLAT, WEDGE, UNEQUAL, CURVED["fourth power"], CURVED["polynomial"]],
+    ids=lambda p: p.kind,
+)
+@pytest.mark.parametrize(
+    "turning", [{"line_of_action": {"x": 0.2}}, {"moment": -0.5}], ids=["line of action", "moment"]
+)
 def test_a_moment_at_constant_load_is_a_fixed_tilt(profile, turning):
     """The loads press at first: what the tilt did then is not remembered."""
     stated = solve(with_profile(fretting(0.0, q=1.0, p=2.0, **turning), profile), x=0.0)
-    fixed = solve(with_profile(fretting(0.0, q=1.0, p=2.0, tilt=float(stated.tilt[-1])), profile), x=0.0)
+    fixed = solve(
+        with_profile(fretting(0.0, q=1.0, p=2.0, tilt=float(stated.tilt[-1])), profile), x=0.0
+    )
     assert fixed.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-11)
     assert stated.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-14)
     assert stated.dissipation == pytest.approx(fixed.dissipation, rel=1e-11)
@@ -444,13 +646,22 @@ def test_the_path_by_straight_lines():
     one = solve(fretting(0.3))
     straight = solve(fretting(0.3), x=one.x, time=one.time, straight_steps=True)
     np.testing.assert_allclose(straight.shear, one.shear, rtol=0, atol=1e-12)
-    assert (straight.loop_work, straight.dissipation) == pytest.approx((one.dissipation, one.dissipation), rel=1e-10)
+    assert (straight.loop_work, straight.dissipation) == pytest.approx(
+        (one.dissipation, one.dissipation), rel=1e-10
+    )
 
 
 def test_the_displacement_of_a_contact_beside_the_middle():
-    """x = 0 is never in contact: U of curved loads lacked all of the kernel, the loop was 0.58 of W."""
+    """x = 0 is never in contact: U of curved loads lacked all of the kernel, the loop was 0.58 of
+    W.
+    """
     load = EllipseLoad(
-        mean_normal_load=1, normal_amplitude=0.9, tangential_amplitude=0.19, phase_degrees=90, tilt=0.1, initial_loading=[(1, 0)]
+        mean_normal_load=1,
+        normal_amplitude=0.9,
+        tangential_amplitude=0.19,
+        phase_degrees=90,
+        tilt=0.1,
+        initial_loading=[(1, 0)],
     )
     pad = with_profile(make_scene(load), FlatRounded(radius=1.0, flat_half_length=10.0))
     found = solve(pad, fields="dissipation")
@@ -459,7 +670,9 @@ def test_the_displacement_of_a_contact_beside_the_middle():
 
 @pytest.mark.slow
 def test_the_steady_cycle_does_not_depend_on_how_it_was_reached(monkeypatch):
-    """Where only the initial loading has another memory, W, W(x) and permanent stick are exact; grids have W within their error."""
+    """Where only the initial loading has another memory, W, W(x) and permanent stick are exact;
+    grids have W within their error.
+    """
     load = EllipseLoad(mean_normal_load=1, normal_amplitude=0.3, tangential_amplitude=0.3, tilt=0.1)
     scene = with_profile(make_scene(load), FLAT)
     assert one_curve(scene) is None
@@ -468,16 +681,27 @@ def test_the_steady_cycle_does_not_depend_on_how_it_was_reached(monkeypatch):
     other = solve(scene.vary(load={"initial_loading": [(1.3, 0.0)]}), x=x, cycles="steady")
     assert found.dissipation == pytest.approx(other.dissipation, rel=1e-12)
     for name in ("dissipation_density", "permanent_stick_edges"):
-        np.testing.assert_allclose(getattr(found, name), getattr(other, name), rtol=0, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(other, name), rtol=0, atol=1e-12, err_msg=name
+        )
     monkeypatch.setattr("semi_analytic.solution.steady_curve", lambda _: None)
     grid = solve(scene, x=x)
     assert 0 < abs(grid.dissipation / other.dissipation - 1) < grid.record.errors["dissipation"]
-    assert found.cycle_dissipation[-1] == found.dissipation != grid.dissipation == grid.cycle_dissipation[-1]
+    assert (
+        found.cycle_dissipation[-1]
+        == found.dissipation
+        != grid.dissipation
+        == grid.cycle_dissipation[-1]
+    )
 
 
-# Loads beside the paper's ellipse, and what is said of each: changes below rounding, 1e-11 of what makes an edge slip.
+# Loads beside the paper's ellipse, and what is said of each: changes below rounding, 1e-11 of what
+# makes an edge slip.
 BELOW_ROUNDING = {
-    "bulk": ({"bulk_stress_lower": {"amplitude": 1e-11, "phase_degrees": 90}}, "bulk stress: 8.9e-12 of what makes"),
+    "bulk": (
+        {"bulk_stress_lower": {"amplitude": 1e-11, "phase_degrees": 90}},
+        "bulk stress: 8.9e-12 of what makes",
+    ),
     "bulk of both": (
         {
             "bulk_stress_lower": {"amplitude": 1e-12, "phase_degrees": 30},
@@ -500,7 +724,9 @@ def test_bulk_and_tilt_below_rounding_leave_the_answer_without_them_and_are_note
     assert "grids" not in found.work.counts
     assert [note for note in found.record.notes if note.startswith(words)]
     for field in ("pressure", "shear", "slip", "dissipation_density"):
-        np.testing.assert_allclose(getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field)
+        np.testing.assert_allclose(
+            getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field
+        )
     assert found.dissipation == pytest.approx(known.dissipation, rel=1e-12)
     assert 1e-12 < found.record.errors["shear"] < 1e-11
     assert not plain.unsymmetric
@@ -512,9 +738,14 @@ def test_bulk_above_rounding_is_not_left_out():
 
 
 def test_a_tangential_load_below_rounding_leaves_bulk_alone():
-    """Q of the last digits beside large bulk strain at constant P: the answer without Q, and a note."""
+    """Q of the last digits beside large bulk strain at constant P: the answer without Q, and a
+    note.
+    """
     plain = fretting(1.1763560617531, q=0.0)
-    found, known = (solve(scene, x=0.5, cycles="steady") for scene in (fretting(1.1763560617531, q=1e-13), plain))
+    found, known = (
+        solve(scene, x=0.5, cycles="steady")
+        for scene in (fretting(1.1763560617531, q=1e-13), plain)
+    )
     assert found.dissipation == pytest.approx(known.dissipation, rel=1e-11)
     assert any(note.startswith("tangential load: 3.3e-14 of") for note in found.record.notes)
     assert not any("left out" in note for note in known.record.notes)
@@ -530,8 +761,13 @@ CONSTANT = {
 
 @pytest.mark.parametrize("name", CONSTANT)
 def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
-    """It has the work of P and Q alone (Hertz: a tilt moves the contact) and is found without its initial loading."""
-    scene, plain = make_scene(EllipseLoad(**PAPER, **CONSTANT[name])), make_scene(EllipseLoad(**PAPER))
+    """It has the work of P and Q alone (Hertz: a tilt moves the contact) and is found without its
+    initial loading.
+    """
+    scene, plain = (
+        make_scene(EllipseLoad(**PAPER, **CONSTANT[name])),
+        make_scene(EllipseLoad(**PAPER)),
+    )
     assert one_curve(scene) is None
     moved = -scene.load.path().cycle[0].turning.loads(5.0)[0] if "tilt" in name else 0.0
     x, fields = np.linspace(-2, 2, 9), ("pressure", "state", "dissipation", "dissipation_density")
@@ -541,9 +777,13 @@ def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
     assert "grids" not in found.work.counts
     assert found.dissipation == pytest.approx(known.dissipation, rel=1e-12)
     for field in ("pressure", "dissipation_density"):
-        np.testing.assert_allclose(getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field)
+        np.testing.assert_allclose(
+            getattr(found, field), getattr(known, field), rtol=0, atol=1e-11, err_msg=field
+        )
     np.testing.assert_allclose(found.stick_edges, known.stick_edges + moved, rtol=0, atol=1e-11)
-    assert found.permanent_stick_half_width == pytest.approx(known.permanent_stick_half_width, rel=1e-11)
+    assert found.permanent_stick_half_width == pytest.approx(
+        known.permanent_stick_half_width, rel=1e-11
+    )
     assert np.mean(found.state != known.state) < 0.01  # points on an edge
     assert np.all(np.isnan(found.shear_moment))
     assert "initial loading" in found.work.skipped
@@ -551,7 +791,11 @@ def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("asked", [{"fields": "shear", "cycles": "steady"}, {"fields": "dissipation"}], ids=["shear", "cycles"])
+@pytest.mark.parametrize(
+    "asked",
+    [{"fields": "shear", "cycles": "steady"}, {"fields": "dissipation"}],
+    ids=["shear", "cycles"],
+)
 def test_what_the_initial_loading_leaves_behind_is_not_taken_from_the_steady_cycle(asked):
     """The traction that stays locked in, and every cycle before it."""
     scene = make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.4), cycles=2)
@@ -562,10 +806,16 @@ def test_what_the_initial_loading_leaves_behind_is_not_taken_from_the_steady_cyc
     assert len(found.cycle_dissipation) > 1 or asked["fields"] == "shear"
 
 
-OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
+OUT_OF_PHASE = make_scene(
+    EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60})
+)
 OTHERS = {
     "out of phase": OUT_OF_PHASE,
-    "bulk alone": make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90})),
+    "bulk alone": make_scene(
+        EllipseLoad(
+            **PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90}
+        )
+    ),
     "another kappa": leaning(0.1).vary(load={"tilt": {"mean": 0.3, "amplitude": 0.12}}),
     "intervals not nested": fretting(0.6),
 }
@@ -585,9 +835,12 @@ def test_eccentricity_of_the_stick_zone():
     """Nowell and Hills: like bodies, bulk in one, e = sigma/(4 f p0); moderate up to 4 Q/(pi a)."""
     scene = fretting(0.3)
     found = eccentricity(scene)
-    assert found.value == pytest.approx(0.6 / (4 * (2 * 3 / (math.pi * A0))), rel=1e-12)  # E' = 2: sigma = 0.6
+    # E' = 2: sigma = 0.6
+    assert found.value == pytest.approx(0.6 / (4 * (2 * 3 / (math.pi * A0))), rel=1e-12)
     assert found.limit == pytest.approx(0.5863230143, abs=1e-10)
-    centre = np.mean(solve(scene, x=0.0, cycles="steady", fields="dissipation").permanent_stick_edges)
+    centre = np.mean(
+        solve(scene, x=0.0, cycles="steady", fields="dissipation").permanent_stick_edges
+    )
     assert centre == pytest.approx(found.value * A0, rel=1e-12)
     assert found.moderate
     assert not eccentricity(fretting(0.6)).moderate
@@ -595,12 +848,15 @@ def test_eccentricity_of_the_stick_zone():
     assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
 
 
-# ------------------------------------------------ grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
+# -------------------------- grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
 HALF, PI = 1.9544100476116797, math.pi
 
 
-# Ten loads of a parabola with values of an exact engine that had them to 1e-8; points are clear of edges and of steps of q.
-FROZEN = json.loads((Path(__file__).parent / "contract" / "bulk_and_tilt.json").read_text(encoding="utf-8"))
+# Ten loads of a parabola with values of an exact engine that had them to 1e-8; points are clear of
+# edges and of steps of q.
+FROZEN = json.loads(
+    (Path(__file__).parent / "contract" / "bulk_and_tilt.json").read_text(encoding="utf-8")
+)
 
 # P, Q, eps, alpha at first and at last, where all of a growing contact sticks.
 ALL_STICKS = {
@@ -615,7 +871,9 @@ ALL_STICKS = {
 
 @pytest.mark.parametrize(("begin", "end"), ALL_STICKS.values(), ids=ALL_STICKS)
 def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(begin, end):
-    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched, by quadrature and on a grid."""
+    """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched, by quadrature
+    and on a grid.
+    """
     first, rate = np.array(begin, dtype=float), np.subtract(end, begin)
     untouched = [0.0, 0.0, *begin[2:]]
     increments = np.linspace(0, 1, 201)[:, None] ** 2
@@ -630,7 +888,11 @@ def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(beg
 
     edges = np.array(grid.edges(-1))
     for x in np.mean(edges) + np.diff(edges) / 2 * np.array([[-0.8], [-0.3], [0.2], [0.7]]):
-        touched = 0.0 if inside(0.0, x) > 0 else optimize.brentq(lambda time, x=x: inside(time, x).item(), 0, 1, xtol=1e-15)
+        touched = (
+            0.0
+            if inside(0.0, x) > 0
+            else optimize.brentq(lambda time, x=x: inside(time, x).item(), 0, 1, xtol=1e-15)
+        )
         part = (1 + nodes) / 2
         time = touched + (1 - touched) * part**2
         driven = rate[1] / PI - rate[2] * (x + first[3] + rate[3] * time) / 2
@@ -640,15 +902,31 @@ def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(beg
 
 
 def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
-    """Row 6 through `solve`: eps = sigma/E' with E' = 2; work and loop at all doors, edges and moments as the loads say."""
-    line = {"mean_normal_load": 3, "normal_amplitude": 0.6, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
-    more = {"bulk_stress_lower": {"mean": 0.2, "amplitude": 0.3}, "tilt": {"mean": 0.1, "amplitude": 0.08}}
+    """Row 6 through `solve`: eps = sigma/E' with E' = 2; work and loop at all doors, edges and
+    moments as the loads say.
+    """
+    line = {
+        "mean_normal_load": 3,
+        "normal_amplitude": 0.6,
+        "mean_tangential_load": 0.2,
+        "tangential_amplitude": 1.4,
+    }
+    more = {
+        "bulk_stress_lower": {"mean": 0.2, "amplitude": 0.3},
+        "tilt": {"mean": 0.1, "amplitude": 0.08},
+    }
     scene = make_scene(EllipseLoad(**line, phase_degrees=0, **more))
     path = scene.load.path()
-    found = solve(scene, x=np.linspace(-2.6, 2.4, 51), time=path.cycle_start + np.linspace(0.1, 1.9, 5) * path.period)
+    found = solve(
+        scene,
+        x=np.linspace(-2.6, 2.4, 51),
+        time=path.cycle_start + np.linspace(0.1, 1.9, 5) * path.period,
+    )
     assert found.dissipation == pytest.approx(0.25922505566470, rel=1e-12)
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-12)
-    assert found.permanent_stick_edges / HALF == pytest.approx((-0.704713575642, 0.755879911039), abs=1e-11)
+    assert found.permanent_stick_edges / HALF == pytest.approx(
+        (-0.704713575642, 0.755879911039), abs=1e-11
+    )
     assert found.moment == pytest.approx(-found.tilt * found.normal_load, rel=1e-12)
     assert found.bulk_stress_lower == pytest.approx(0.2 + (found.normal_load - 3) / 2, rel=1e-12)
     assert np.all(np.abs(found.shear) <= found.pressure * (1 + 1e-12) + 1e-9)
@@ -660,15 +938,26 @@ IN_PHASE = [name for name, scene in FROZEN["scenes"].items() if scene["load"]["k
 
 @pytest.mark.parametrize("name", IN_PHASE)
 def test_loops_in_phase_have_the_frozen_values_without_grids(name):
-    """W to the 1e-8 of the table, by two routes to 1e-12; edges of stick at instants of the steady cycle."""
+    """W to the 1e-8 of the table, by two routes to 1e-12; edges of stick at instants of the steady
+    cycle.
+    """
     scene = Scene.model_validate_json(json.dumps({"name": name} | FROZEN["scenes"][name]))
     rows = {row["quantity"]: row for row in FROZEN["cases"] if row["scene"] == name}
-    found = solve(scene, x=np.linspace(-2.6, 2.6, 2001), cycles="steady", fields=("state", "dissipation", "dissipation_density"))
+    found = solve(
+        scene,
+        x=np.linspace(-2.6, 2.6, 2001),
+        cycles="steady",
+        fields=("state", "dissipation", "dissipation_density"),
+    )
     assert "grids" not in found.work.counts
     assert found.dissipation == pytest.approx(rows["dissipation"]["value"], rel=1e-8)
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-12)
-    assert found.permanent_stick_edges == pytest.approx(rows["permanent_stick_edges"]["value"], abs=1e-8)
-    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(found.dissipation, rel=1e-5)
+    assert found.permanent_stick_edges == pytest.approx(
+        rows["permanent_stick_edges"]["value"], abs=1e-8
+    )
+    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(
+        found.dissipation, rel=1e-5
+    )
     period = scene.load.path().period
     late = (rows["stick_edges"]["time"] - found.time[0]) % period + found.time[0]
     edges = [np.interp(late, found.time, edge) for edge in found.stick_edges.T]
@@ -678,9 +967,13 @@ def test_loops_in_phase_have_the_frozen_values_without_grids(name):
     assert {SLIP_FORWARD, SLIP_REVERSE} < set(np.unique(found.state))
 
 
-@pytest.mark.parametrize("profile", [FLAT, COMPOUND, UNEQUAL, CURVED["fourth power"]], ids=lambda profile: profile.kind)
+@pytest.mark.parametrize(
+    "profile", [FLAT, COMPOUND, UNEQUAL, CURVED["fourth power"]], ids=lambda profile: profile.kind
+)
 def test_loops_in_phase_of_any_profile_have_one_work_by_two_routes(profile):
-    """Slip times friction over the contact, and Q dU - m_q d eps by approaches and moments; within the stated error."""
+    """Slip times friction over the contact, and Q dU - m_q d eps by approaches and moments; within
+    the stated error.
+    """
     load = EllipseLoad(
         mean_normal_load=2,
         normal_amplitude=0.3,
@@ -693,13 +986,20 @@ def test_loops_in_phase_of_any_profile_have_one_work_by_two_routes(profile):
     found = solve(with_profile(make_scene(load), profile), cycles="steady", fields="dissipation")
     assert found.settings["cycles"] == "steady"
     assert "quadrature_nodes" in found.work.counts
-    assert found.loop_work == pytest.approx(found.dissipation, rel=found.record.errors.get("dissipation", 1e-12))
+    assert found.loop_work == pytest.approx(
+        found.dissipation, rel=found.record.errors.get("dissipation", 1e-12)
+    )
     assert found.record.errors.get("dissipation", 0.0) < 5e-5  # knots of a table within slip zones
 
 
 def test_loops_in_phase_without_bulk_are_those_of_the_memory_curve():
     """Two derivations: W and W(x) of P and Q in phase, with a tilt that stays."""
-    load = {"mean_normal_load": 3, "normal_amplitude": 0.5, "mean_tangential_load": 0.3, "tangential_amplitude": 1.4}
+    load = {
+        "mean_normal_load": 3,
+        "normal_amplitude": 0.5,
+        "mean_tangential_load": 0.3,
+        "tangential_amplitude": 1.4,
+    }
     scene = make_scene(EllipseLoad(**load, phase_degrees=0, initial_loading=[(3.0, 0.0)]))
     ways = ways_in_phase(scene)
     known = solve(scene, x=np.linspace(0, 2.2, 45), cycles="steady")
@@ -710,9 +1010,13 @@ def test_loops_in_phase_without_bulk_are_those_of_the_memory_curve():
 
 NOT_IN_PHASE = {
     "out of phase": EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.1}),
-    "opposite slip": EllipseLoad(**PAPER | {"phase_degrees": 0}, bulk_stress_lower={"amplitude": 4.0}),
+    "opposite slip": EllipseLoad(
+        **PAPER | {"phase_degrees": 0}, bulk_stress_lower={"amplitude": 4.0}
+    ),
     "full stick": EllipseLoad(**PAPER | {"phase_degrees": 0, "tangential_amplitude": 0.5}),
-    "a reversal on the way": PolygonLoad(initial_loading=[(3, 0)], cycle=[(3, 1), (3, 0.5), (3, 1.5)]),
+    "a reversal on the way": PolygonLoad(
+        initial_loading=[(3, 0)], cycle=[(3, 1), (3, 0.5), (3, 1.5)]
+    ),
     "two lines": PolygonLoad(initial_loading=[(3, 0)], cycle=[(3.2, 1), (3, 1.5)]),
 }
 
@@ -723,23 +1027,33 @@ def test_other_loops_are_not_taken_for_loops_in_phase(name):
 
 
 def test_loops_in_phase_are_taken_up_to_the_limit_of_moderate_bulk():
-    """|d eps| = (A/(pi a)) |dQ| at constant P: beyond it the ends of contact slip opposite ways at first."""
+    """|d eps| = (A/(pi a)) |dQ| at constant P: beyond it the ends of contact slip opposite ways at
+    first.
+    """
     limit = 0.5863230143
     assert ways_in_phase(fretting(0.9995 * limit)) is not None
     assert ways_in_phase(fretting(1.0005 * limit)) is None
 
 
 def test_what_is_left_is_estimated_from_the_trend():
-    """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40 cycles."""
+    """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40
+    cycles.
+    """
     for law in (lambda k: 2e-3 * k**-3.0, lambda k: 0.1**k, lambda k: 0.8**k):
         for count in (6, 12, 40):
             true = law(count)
-            assert true / 2 < remainder_of([1 + law(k) for k in range(1, count + 1)]) + 1e-15 < 4 * true + 1e-14
+            assert (
+                true / 2
+                < remainder_of([1 + law(k) for k in range(1, count + 1)]) + 1e-15
+                < 4 * true + 1e-14
+            )
 
 
 @pytest.mark.slow
 def test_what_is_left_of_forty_cycles_out_of_phase():
-    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a twentieth of what is left."""
+    """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a
+    twentieth of what is left.
+    """
     turn, cell = 2 * PI * np.arange(321) / 320, 2 * 2.2568 / 80
     loads = np.stack([3 + np.cos(turn), 1.1 + np.sin(turn), 0.25 * np.sin(turn), 0 * turn], axis=1)
     grid = dense_grid.Grid(parabola, (-2.2568 - 2 * cell, 2.2568 + 3 * cell), 85, 1.0)
@@ -750,17 +1064,32 @@ def test_what_is_left_of_forty_cycles_out_of_phase():
         assert left < remainder_of(works[:count]) < 4 * left
 
 
-# ------------------------------------------------------------------------------------- where stick breaks: the answer of grids
-# Row of the table: bulk stress or tilt out of phase, W of cycle 6 and its error, permanent stick over a_0.
+# ---------------------------------------------------------- where stick breaks: the answer of grids
+# Row of the table: bulk stress or tilt out of phase, W of cycle 6 and its error, permanent stick
+# over a_0.
 BROKEN = {
-    "bulk, row 7": ({"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}}, 0.38684, 3e-5, (-0.62681, 0.80026)),
-    "tilt, row 8": ({"tilt": {"amplitude": 0.06, "phase_degrees": 90}}, 0.25985, 2e-5, (-0.72632, 0.72632)),
+    "bulk, row 7": (
+        {"bulk_stress_lower": {"amplitude": 0.5, "phase_degrees": 90}},
+        0.38684,
+        3e-5,
+        (-0.62681, 0.80026),
+    ),
+    "tilt, row 8": (
+        {"tilt": {"amplitude": 0.06, "phase_degrees": 90}},
+        0.25985,
+        2e-5,
+        (-0.72632, 0.72632),
+    ),
 }
 
 
-@pytest.mark.parametrize("row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN])
+@pytest.mark.parametrize(
+    "row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN]
+)
 def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
-    """Through `solve`; the work to 1e-3, the permanent stick to a cell, laws at every point to rounding."""
+    """Through `solve`; the work to 1e-3, the permanent stick to a cell, laws at every point to
+    rounding.
+    """
     extra, work, known_to, stick = BROKEN[row]
     scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=6)
     found = solve(scene, x=np.linspace(-2.6, 2.6, 521))
@@ -771,26 +1100,35 @@ def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
     assert "on grids of 160 cells and 320 increments a cycle" in found.record.notes[0]
     assert "up to 2 zones" in found.record.notes[0]
     assert np.all(np.abs(found.shear) <= found.pressure * (1 + 1e-12))
-    assert np.trapezoid(found.shear, found.x, axis=1) == pytest.approx(found.tangential_load, abs=5e-3)
-    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(found.dissipation, rel=2e-3)
+    assert np.trapezoid(found.shear, found.x, axis=1) == pytest.approx(
+        found.tangential_load, abs=5e-3
+    )
+    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(
+        found.dissipation, rel=2e-3
+    )
     slips = found.state == SLIP_FORWARD, found.state == SLIP_REVERSE
     for zone, way in zip(slips, (1, -1), strict=True):
         assert np.all(way * found.shear[zone] >= 0)
 
 
 def test_the_steady_cycle_alone_takes_less_than_half_of_the_increments():
-    """Row 7, six cycles: fine grids take up the last two; W is within the stated error of its limit."""
+    """Row 7, six cycles: fine grids take up the last two; W is within the stated error of its
+    limit.
+    """
     _, work, known_to, stick = BROKEN["bulk, row 7"]
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]), cycles=6)
     found = solve(scene, cycles="steady", fields=("state", "dissipation", "dissipation_density"))
-    of_all = 6 * (320 + 160 + 160)  # fine grids, coarse grids, and the one that finds the number of cycles
+    # fine grids, coarse grids, and the one that finds the number of cycles
+    of_all = 6 * (320 + 160 + 160)
     assert found.work.counts["increments"] < of_all / 2
     assert found.work.counts["cycles on coarse grids alone"] == 4
     error = found.record.errors["dissipation"]
     assert error < 4e-4
     assert found.dissipation == pytest.approx(work, abs=known_to + error * work)
     assert found.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
-    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(found.dissipation, rel=2e-3)
+    assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(
+        found.dissipation, rel=2e-3
+    )
     assert len(found.cycle_dissipation) == 1
     assert found.time[-1] - found.time[0] < scene.load.path().period
     assert np.all(np.isnan(found.shear))
@@ -805,36 +1143,52 @@ def test_the_steady_cycle_alone_is_the_last_of_all_cycles(row):
     fields = ("state", "dissipation", "dissipation_density")
     whole = solve(scene, fields=fields)
     found = solve(scene, x=whole.x, cycles="steady", fields=fields)
-    assert found.dissipation == pytest.approx(whole.dissipation, rel=found.record.errors["dissipation"] / 2)
+    assert found.dissipation == pytest.approx(
+        whole.dissipation, rel=found.record.errors["dissipation"] / 2
+    )
     error = found.record.errors["dissipation_density"] * np.max(whole.dissipation_density)
     assert np.max(np.abs(found.dissipation_density - whole.dissipation_density)) < error
     np.testing.assert_allclose(found.time, whole.time[-len(found.time) :], rtol=1e-12)
     assert np.mean(found.state != whole.state[-len(found.time) :]) < 0.01
     apart = np.abs(found.stick_edges - whole.stick_edges[-len(found.time) :])
-    assert np.mean(apart > 2 * HALF / 160) < 0.02  # where the stick zone breaks, its outer edge jumps
+    # where the stick zone breaks, its outer edge jumps
+    assert np.mean(apart > 2 * HALF / 160) < 0.02
 
 
 def on_grids(scene, x, **options):
     """A scene's load path on grids, whatever else takes it."""
-    path, most = scene.load.path(), 1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude)
-    intervals = NestedIntervals(convex_profile(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most)
+    path, most = (
+        scene.load.path(),
+        1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude),
+    )
+    intervals = NestedIntervals(
+        convex_profile(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most
+    )
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     loads = PathLoads(path, strain_of(scene.material), contact)
-    return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
+    return follow_on_grid(
+        loads, contact, scene.profile.height, scene.friction.coefficient, x, **options
+    )
 
 
-@pytest.mark.parametrize("row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN])
+@pytest.mark.parametrize(
+    "row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN]
+)
 def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
     """W and the fields of the second cycle."""
     scene, x = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0])), np.linspace(-2.2, 2.2, 45)
     path = scene.load.path()
     time = path.cycle_start + path.period * np.linspace(1, 2, 21)
-    half, whole = (on_grids(scene, x, time=time, most=2, cells=n, increments=2 * n) for n in (80, 160))
+    half, whole = (
+        on_grids(scene, x, time=time, most=2, cells=n, increments=2 * n) for n in (80, 160)
+    )
     assert abs(half.works[-1] / whole.works[-1] - 1) < half.errors["dissipation"] < 1e-3
     assert whole.errors["dissipation"] < 0.6 * half.errors["dissipation"]
     for name, field in (("shear", "shear"), ("slip", "slip"), ("density", "dissipation_density")):
         ours, theirs = getattr(half, name), getattr(whole, name)
-        assert np.sqrt(np.mean((ours - theirs) ** 2)) < half.errors[field] * np.max(np.abs(theirs)), name
+        assert np.sqrt(np.mean((ours - theirs) ** 2)) < half.errors[field] * np.max(
+            np.abs(theirs)
+        ), name
 
 
 def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
@@ -844,7 +1198,9 @@ def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
     for leg in path.cycle:
         time = np.linspace(leg.start, leg.end, 5)[1:-1]
         eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
-        np.testing.assert_allclose(loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(
+            loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14
+        )
         later = loads.values(time + 7 * path.period)
         np.testing.assert_allclose(later, loads.values(time), rtol=0, atol=1e-13)
 
@@ -854,13 +1210,18 @@ def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     """Constant P, so that one moment is one tilt; Q and bulk out of phase."""
     line = PAPER | {"normal_amplitude": 0, "tangential_amplitude": 1.2}
     bulk = {"bulk_stress_lower": {"amplitude": 0.4, "phase_degrees": 30}}
-    tilted = make_scene(EllipseLoad(**line, **bulk, tilt=0.1), cycles=2).model_copy(update={"profile": FLAT})
+    tilted = make_scene(EllipseLoad(**line, **bulk, tilt=0.1), cycles=2).model_copy(
+        update={"profile": FLAT}
+    )
     one = solve(tilted, x=0.3, time=[9.0])
-    turned = make_scene(EllipseLoad(**line, **bulk, moment=float(one.moment[0])), cycles=2).model_copy(update={"profile": FLAT})
+    turned = make_scene(
+        EllipseLoad(**line, **bulk, moment=float(one.moment[0])), cycles=2
+    ).model_copy(update={"profile": FLAT})
     other = solve(turned, x=0.3, time=[9.0])
     assert one.moment[0] < -0.1
     assert other.tilt == pytest.approx([0.1], rel=1e-9)
-    assert other.dissipation == pytest.approx(one.dissipation, rel=2e-3)  # while the load is small the same moment is another tilt
+    # while the load is small the same moment is another tilt
+    assert other.dissipation == pytest.approx(one.dissipation, rel=2e-3)
     assert other.shear == pytest.approx(one.shear, rel=2e-2)
 
 
@@ -868,24 +1229,38 @@ QUICK = ("Q, then bulk", "P, Q, bulk and tilt in phase")
 
 
 @pytest.mark.parametrize(
-    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in FROZEN["scenes"]]
+    "name",
+    [
+        name if name in QUICK else pytest.param(name, marks=pytest.mark.slow)
+        for name in FROZEN["scenes"]
+    ],
 )
 def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
-    """W, shear and slip within the stated errors (root mean squares), edges of stick within a cell."""
+    """W, shear and slip within the stated errors (root mean squares), edges of stick within a
+    cell.
+    """
     scene = Scene.model_validate_json(json.dumps({"name": name} | FROZEN["scenes"][name]))
     rows = {row["quantity"]: row for row in FROZEN["cases"] if row["scene"] == name}
     x, time = np.array(rows["shear"]["x"]), np.array([rows["shear"]["time"]])
-    found = follow_on_grid(*leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time)
-    assert found.works[-1] == pytest.approx(rows["dissipation"]["value"], rel=found.errors["dissipation"])
+    found = follow_on_grid(
+        *leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time
+    )
+    assert found.works[-1] == pytest.approx(
+        rows["dissipation"]["value"], rel=found.errors["dissipation"]
+    )
     assert found.errors["dissipation"] < 5e-4
     for field in ("shear", "slip"):
         value = np.array(rows[field]["value"])
         error = math.sqrt(np.mean((getattr(found, field)[0] - value) ** 2))
-        assert error < (found.errors[field] + rows[field]["tolerance"]) * np.max(np.abs(value)), field
+        assert error < (found.errors[field] + rows[field]["tolerance"]) * np.max(np.abs(value)), (
+            field
+        )
     cell = np.ptp(found.contact_edges[0]) / found.counts["cells"]
     assert found.stick_edges[0] == pytest.approx(rows["stick_edges"]["value"], abs=cell)
     if "permanent_stick_edges" in rows:
-        assert found.permanent_stick_edges == pytest.approx(rows["permanent_stick_edges"]["value"], abs=cell)
+        assert found.permanent_stick_edges == pytest.approx(
+            rows["permanent_stick_edges"]["value"], abs=cell
+        )
 
 
 def test_increments_in_which_cells_start_without_early_slip_are_counted():
@@ -896,10 +1271,17 @@ def test_increments_in_which_cells_start_without_early_slip_are_counted():
         assert grid.without_early_slip == counted
 
 
-@pytest.mark.parametrize(("tilt", "force", "sticks"), [(0.0, 0.2, True), (0.2, 0.2, True), (0.0, 1.2, False)])
+@pytest.mark.parametrize(
+    ("tilt", "force", "sticks"), [(0.0, 0.2, True), (0.2, 0.2, True), (0.0, 1.2, False)]
+)
 def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sticks):
     """To the last digit, at both ends; where the ends slip they are cells away from them."""
-    load = {"mean_normal_load": 3.0, "normal_amplitude": 0.0, "mean_tangential_load": 0.0, "tangential_amplitude": force}
+    load = {
+        "mean_normal_load": 3.0,
+        "normal_amplitude": 0.0,
+        "mean_tangential_load": 0.0,
+        "tangential_amplitude": force,
+    }
     scene = make_scene(EllipseLoad(**load, phase_degrees=0, tilt=tilt, initial_loading=[(3, 0)]))
     time = scene.load.path().cycle_start + np.array([0.8, 0.95]) * math.pi
     found = on_grids(scene, np.zeros(1), time=time, cells=40, increments=40, most=2)
@@ -911,7 +1293,10 @@ def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sti
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
     monkeypatch.setattr(dense_grid, "_TURNS", 1)
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]))
-    with pytest.raises(InputError, match=r"the contact area does not converge at P = .* of cycle 0; finite elements may") as caught:
+    with pytest.raises(
+        InputError,
+        match=r"the contact area does not converge at P = .* of cycle 0; finite elements may",
+    ) as caught:
         on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
     p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())

@@ -1,4 +1,6 @@
-"""Stated errors of the half-plane engine cover the true ones: closed forms through the quadratures, tiny slip, loads of 1e24."""
+"""Stated errors of the half-plane engine cover the true ones: closed forms through the quadratures,
+tiny slip, loads of 1e24.
+"""
 
 import math
 
@@ -31,14 +33,22 @@ ROWS = np.linspace(0, 3, 31)
 HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
 LAW = PowerLaw(exponent=2.7, length=1.0, rise=1 / 2.7 / R)
 CASES = {
-    "height of a parabola": (CallableProfile(height_function=lambda x: x * x / 2 / R, extent=3.0), HERTZ),
+    "height of a parabola": (
+        CallableProfile(height_function=lambda x: x * x / 2 / R, extent=3.0),
+        HERTZ,
+    ),
     "slope of a parabola": (CallableProfile(slope_function=lambda x: x / R, extent=3.0), HERTZ),
     "rows of a parabola": (Tabulated(points=np.stack([ROWS, ROWS**2 / 2 / R], axis=1)), HERTZ),
     "slope beside a flat": (
-        CallableProfile(slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.505, 0) / R, extent=3.0),
+        CallableProfile(
+            slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.505, 0) / R, extent=3.0
+        ),
         FLAT,
     ),
-    "slope of a power": (CallableProfile(slope_function=lambda x: np.sign(x) * np.abs(x) ** 1.7 / R, extent=3.0), LAW),
+    "slope of a power": (
+        CallableProfile(slope_function=lambda x: np.sign(x) * np.abs(x) ** 1.7 / R, extent=3.0),
+        LAW,
+    ),
 }
 
 
@@ -56,7 +66,16 @@ def test_true_errors_are_below_the_estimates(name):
     estimates = solution.record.errors
     top = {"shear": scene.friction.coefficient * float(np.max(truth.pressure))}
     near = (
-        np.min(np.abs(X - np.stack([truth.contact_half_width, np.nan_to_num(truth.stick_half_width)])[:, :, None]), axis=0) < 0.01
+        np.min(
+            np.abs(
+                X
+                - np.stack([truth.contact_half_width, np.nan_to_num(truth.stick_half_width)])[
+                    :, :, None
+                ]
+            ),
+            axis=0,
+        )
+        < 0.01
     )
     for field in ("pressure", "shear", "slip", "dissipation", "dissipation_density"):
         one, two = getattr(solution, field), getattr(truth, field)
@@ -69,8 +88,9 @@ def test_true_errors_are_below_the_estimates(name):
 
 @pytest.mark.parametrize("name", [name for name, (_, exact) in CASES.items() if exact is HERTZ])
 def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
-    """Points that the stick edge stands on at constant P, far from the edge of contact: the last digit of c, 2e-16, makes 1e-8 of
-    the shear, which goes as the root of the distance. Estimates of 3e-7 to 1.3e-5.
+    """Points that the stick edge stands on at constant P, far from the edge of contact: the last
+    digit of c, 2e-16, makes 1e-8 of the shear, which goes as the root of the distance. Estimates of
+    3e-7 to 1.3e-5.
     """
     scene, (profile, exact) = load_scene("cattaneo-mindlin"), CASES[name]
     time = 2 + np.linspace(0.1, 0.4, 4)
@@ -78,23 +98,39 @@ def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
     x = solve(scene, x=[0.0], time=time, fields=()).stick_half_width
     truth = solve(scene, x=[0.0, *x], time=time, fields=("pressure", "shear"))
     found = solve(scene.model_copy(update={"profile": profile}), x=x, time=time, fields=("shear",))
-    apart = np.max(np.abs(found.shear - truth.shear[:, 1:])) / (scene.friction.coefficient * np.max(truth.pressure))
+    apart = np.max(np.abs(found.shear - truth.shear[:, 1:])) / (
+        scene.friction.coefficient * np.max(truth.pressure)
+    )
     assert 1e-8 < found.record.errors["shear at the edge"] < 1e-4
     assert apart <= found.record.errors["shear at the edge"]
 
 
 def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, tmp_path):
-    """Ten rows within the contact: every knot is a corner; two routes to W 1e-14 apart. For what was asked, and in the file too."""
+    """Ten rows within the contact: every knot is a corner; two routes to W 1e-14 apart. For what
+    was asked, and in the file too.
+    """
     scene = load_scene("hertz-paper")
     assert not solve(scene, x=X).record.errors
     scene = scene.vary(profile=Tabulated(points=np.stack([ROWS, (np.cosh(ROWS) - 1) / R], axis=1)))
     solution = solve(scene, x=X, cycles="steady")
-    assert set(solution.record.errors) <= {*FIELDS, "pressure at the edge", "shear at the edge", "loop_work"}
-    assert 1e-11 > solution.record.errors["dissipation"] > abs(solution.loop_work / solution.dissipation - 1)
+    assert set(solution.record.errors) <= {
+        *FIELDS,
+        "pressure at the edge",
+        "shear at the edge",
+        "loop_work",
+    }
+    assert (
+        1e-11
+        > solution.record.errors["dissipation"]
+        > abs(solution.loop_work / solution.dissipation - 1)
+    )
     assert not solution.record.notes
     monkeypatch.setattr("semi_analytic.solution._DOUBTFUL", 1e-16)
     noted = solve(scene, x=X, cycles="steady").record.notes
-    assert any(note.startswith("dissipation: quadratures and rounding may have left an error of") for note in noted)
+    assert any(
+        note.startswith("dissipation: quadratures and rounding may have left an error of")
+        for note in noted
+    )
     solution = solve(scene, x=X, fields=("pressure",), cycles="steady")
     assert set(solution.record.errors) == {"pressure", "pressure at the edge"}
     solution.save(tmp_path / "solution.nc")
@@ -102,17 +138,26 @@ def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, 
 
 
 X0_TO_2, TURNS = np.linspace(0, 2.1, 30), 3 * 2 * np.pi + np.linspace(0, 2 * np.pi, 25)
-ALL_BUT_ELLIPSE = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(0.999, 0.0)], tangential_harmonics=[(0.02, 90.0)])
-# What is made rough, the scene, points and instants, the field, the least true error and the largest that may be stated.
+ALL_BUT_ELLIPSE = HarmonicLoad(
+    mean_normal_load=1.0, normal_harmonics=[(0.999, 0.0)], tangential_harmonics=[(0.02, 90.0)]
+)
+# What is made rough, the scene, points and instants, the field, the least true error and the
+# largest that may be stated.
 ROUGHER = {
     "no rule beside P = 0": (  # Gauss' rule alone there costs 2e-9 of the slip
         ("_AWAY", 0.0),
-        (make_scene(ellipse(1.0, 1 - 1e-4, 0.0, 0.9 * np.sqrt(2e-4), 90.0)), {"x": X0_TO_2, "time": TURNS}),
+        (
+            make_scene(ellipse(1.0, 1 - 1e-4, 0.0, 0.9 * np.sqrt(2e-4), 90.0)),
+            {"x": X0_TO_2, "time": TURNS},
+        ),
         ("slip", 1e-10, 1e-5),
     ),
     "four nodes a step": (  # next to P_x, where the root is
         ("_SPANS", ((math.inf, 4),)),
-        (make_scene(ALL_BUT_ELLIPSE).vary(profile=PowerLaw(exponent=3.5, length=1.0, rise=0.6)), {"x": np.linspace(0, 1, 9)}),
+        (
+            make_scene(ALL_BUT_ELLIPSE).vary(profile=PowerLaw(exponent=3.5, length=1.0, rise=0.6)),
+            {"x": np.linspace(0, 1, 9)},
+        ),
         ("shear", 1e-12, 1e-3),
     ),
 }
@@ -126,19 +171,26 @@ def test_what_a_rougher_rule_loses_is_stated(name, monkeypatch):
     assert good.record.errors.get(field, 0.0) < 1e-12
     monkeypatch.setattr(fields, *rough)
     poor = solve(scene, **asked, fields=(field,))
-    size = np.max(np.abs(good.slip)) if field == "slip" else scene.friction.coefficient * np.max(good.pressure)
+    size = (
+        np.max(np.abs(good.slip))
+        if field == "slip"
+        else scene.friction.coefficient * np.max(good.pressure)
+    )
     off = np.max(np.abs(getattr(poor, field) - getattr(good, field))) / size
     assert least < off <= poor.record.errors[field] < most
     assert any(note.startswith(f"{field}: quadratures and rounding") for note in poor.record.notes)
 
 
 def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
-    """Q of 2e-4 f P on a short flat face: the error of slip, 5e-15 of its largest, and that of the displacement, 1e-11, are stated.
+    """Q of 2e-4 f P on a short flat face: the error of slip, 5e-15 of its largest, and that of the
+    displacement, 1e-11, are stated.
 
     As a difference of two long lines the slip was off by 9e-10.
     """
     profile = FlatRounded(radius=1.0, flat_half_length=1e-3)
-    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(profile=profile)
+    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(
+        profile=profile
+    )
     time, half = np.linspace(4.0, 7.0, 6), 1.13
     x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
     found = solve(scene, x=x, time=time, fields=("slip", "tangential_displacement"))
@@ -151,12 +203,18 @@ def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
         assert off < {"slip": 1e-13, "tangential_displacement": 1e-10}[name]
 
 
-# --------------------------------------------------------------------------------------------------- what is not a number
+# ----------------------------------------------------------------------------- what is not a number
 
 
 def lost_at(place):
-    """A kernel that finds nothing at one place or load, of the contact or of the edge of slip alone."""
-    return lambda found: lambda self, at, *rest: np.where(np.abs(np.asarray(at) - place) < 1e-9, np.nan, found(self, at, *rest))
+    """A kernel that finds nothing at one place or load, of the contact or of the edge of slip
+    alone.
+    """
+    return lambda found: (
+        lambda self, at, *rest: np.where(
+            np.abs(np.asarray(at) - place) < 1e-9, np.nan, found(self, at, *rest)
+        )
+    )
 
 
 def middle_of(kind):
@@ -178,22 +236,43 @@ ROUGH = load_scene("hertz-paper").vary(profile=CASES["rows of a parabola"][0])
 # What is planted where, the question, and what is said.
 LOST = {
     **{
-        f"{method} of {field}": (HertzContact, method, lost_at(0.5), (PAPER, {"x": [0.1, 0.5], "fields": (field,)}),
-                                 rf"no {field} was found at \|x\| = 0.5, time")
+        f"{method} of {field}": (
+            HertzContact,
+            method,
+            lost_at(0.5),
+            (PAPER, {"x": [0.1, 0.5], "fields": (field,)}),
+            rf"no {field} was found at \|x\| = 0.5, time",
+        )
         for method, field in (("pressure", "shear"), ("slip_integral", "slip"))
     },
     **{
-        f"error of {kind}": (PunchSuperposition, "quadrature_error", middle_of(kind),
-                             (ROUGH, {"x": X, "cycles": "steady", "fields": ("pressure", "shear", "slip", "dissipation")}),
-                             "not a number")
+        f"error of {kind}": (
+            PunchSuperposition,
+            "quadrature_error",
+            middle_of(kind),
+            (
+                ROUGH,
+                {
+                    "x": X,
+                    "cycles": "steady",
+                    "fields": ("pressure", "shear", "slip", "dissipation"),
+                },
+            ),
+            "not a number",
+        )
         for kind in ("pressure", "dissipation_kernel")
     },
     **{
-        f"half-width of the {edge}": (HertzContact, "half_width", lost_at(load), (PRESSED, {"time": [time]}),
-                                      "no half-width was found for the normal load")
+        f"half-width of the {edge}": (
+            HertzContact,
+            "half_width",
+            lost_at(load),
+            (PRESSED, {"time": [time]}),
+            "no half-width was found for the normal load",
+        )
         for edge, time, load in (("contact", 0.5, 0.5), ("front", 2.0, 0.7))
     },
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", LOST)
@@ -208,21 +287,27 @@ def test_what_is_not_a_number_stops_the_answer(monkeypatch, name):
 
 def test_the_error_of_rows_is_a_number_or_said_to_be_none(monkeypatch):
     contact = contact_of(CASES["rows of a parabola"][0], load_scene("hertz-paper").material)
-    row = Records(*(np.array([value]) for value in (1.0, 2.0, 2.0, 0.1, 0.5, 0.3, 1.0)), np.array([0]))
+    row = Records(
+        *(np.array([value]) for value in (1.0, 2.0, 2.0, 0.1, 0.5, 0.3, 1.0)), np.array([0])
+    )
     assert 0 < work_error(contact, row) < 1e-10
-    monkeypatch.setattr(PunchSuperposition, "quadrature_error", lambda self, kind, load, slipped: np.array([1e-12, np.nan]))
+    monkeypatch.setattr(
+        PunchSuperposition,
+        "quadrature_error",
+        lambda self, kind, load, slipped: np.array([1e-12, np.nan]),
+    )
     with pytest.raises(ArithmeticError, match="not a number"):
         work_error(contact, row)
 
 
-# ----------------------------------------------------------------------------------------------------- next to no slip
+# ---------------------------------------------------------------------------------- next to no slip
 
 
 @pytest.mark.parametrize("share", [10.0**-k for k in (4, 7, 9, 11, 13, 14)])
 @pytest.mark.parametrize(("friction", "load"), [(0.3, 1.0), (1.0, 0.7)])
 def test_the_less_slips_the_more_doubt_is_told(share, friction, load):
-    """P_c is known to a digit of P, W goes with (P - P_c)^3: at 1e-13 of f P that is 3 %. Before, the first cycle counted as steady
-    below 1e-12 of f P: 19 % less, and not a word of it.
+    """P_c is known to a digit of P, W goes with (P - P_c)^3: at 1e-13 of f P that is 3 %. Before,
+    the first cycle counted as steady below 1e-12 of f P: 19 % less, and not a word of it.
     """
     force = share * friction * load
     scene = make_scene(polygon([(load, 0.0)], [(load, force), (load, -force)]), friction)
@@ -234,25 +319,39 @@ def test_the_less_slips_the_more_doubt_is_told(share, friction, load):
     if math.isfinite(answer.loop_work):
         apart = float(abs(answer.loop_work / mindlin(exact, friction, load) - 1))
         assert 1e-9 < apart <= answer.record.errors["loop_work"] < 2e-2
-        assert any(note.startswith("loop_work: ") and note.endswith(" of it") for note in answer.record.notes)
+        assert any(
+            note.startswith("loop_work: ") and note.endswith(" of it")
+            for note in answer.record.notes
+        )
 
 
 def test_the_second_route_tells_its_error_along_an_ellipse_too():
-    """P varies by a thousandth and next to nothing slips: W keeps more digits than the other route, and both say so."""
-    answer = solve(make_scene(ellipse(1.0, 1e-3, 0.0, 5e-8), 0.5, flat=0.7), x=[0.0], fields=("dissipation",))
+    """P varies by a thousandth and next to nothing slips: W keeps more digits than the other route,
+    and both say so.
+    """
+    answer = solve(
+        make_scene(ellipse(1.0, 1e-3, 0.0, 5e-8), 0.5, flat=0.7), x=[0.0], fields=("dissipation",)
+    )
     apart = abs(answer.loop_work / answer.dissipation - 1)
     assert 1e-7 < apart <= answer.record.errors["loop_work"] < 1e-5
-    assert "loop_work" not in solve(make_scene(ellipse(), 1.0), x=[0.0], fields=("dissipation",)).record.errors
+    assert (
+        "loop_work"
+        not in solve(make_scene(ellipse(), 1.0), x=[0.0], fields=("dissipation",)).record.errors
+    )
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-9, 1e-12])
 def test_long_series_tell_it_too(share):
-    """2,401 rows: a line of the memory keeps its own length. By knots alone 5 % of W was missing at 1e-12 of f P, 9e-6 at 1e-9."""
+    """2,401 rows: a line of the memory keeps its own length. By knots alone 5 % of W was missing at
+    1e-12 of f P, 9e-6 at 1e-9.
+    """
     turn = np.arange(2401) / 2400
     force = share * 0.5 * np.sin(2 * np.pi * turn)
     force[-1] = force[0]
     rows = np.column_stack([turn, np.ones_like(turn), force])
-    answer = solve(make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5), x=[0.0], fields=("dissipation",))
+    answer = solve(
+        make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5), x=[0.0], fields=("dissipation",)
+    )
     error = abs(float(answer.dissipation / mindlin(np.max(force) / 0.5, 0.5, 1.0) - 1))
     assert answer.steady_from == 1
     assert error < 1e-13
@@ -264,29 +363,41 @@ def test_long_series_tell_it_too(share):
 def test_a_line_at_the_slope_of_friction_sticks_or_slips_by_no_more_than_rounding(friction, beyond):
     """dQ/dP = f (1 + e): nothing slips for e <= 0, and W is of the order e f^2 P^2 above."""
     loads = ellipse(2.0, 1.0, 0.1 * friction, friction * (1 + beyond), 0.0)
-    work = solve(make_scene(loads, friction), x=[0.0], fields=("dissipation",)).dissipation / friction**2
+    work = (
+        solve(make_scene(loads, friction), x=[0.0], fields=("dissipation",)).dissipation
+        / friction**2
+    )
     assert 0 <= work <= max(beyond, 2e-16 if beyond else 0.0)
 
 
-# -------------------------------------------------------------------------------------------------- the tip of a sharp wedge
+# ------------------------------------------------------------------------- the tip of a sharp wedge
 
 
 @pytest.mark.parametrize("part", [0.9, 0.999, 1 - 1e-6, 1 - 1e-9])
 def test_a_face_that_is_nearly_all_flat_keeps_both_routes_to_the_work(part):
-    """The half-width varies by 1 - b/a, and so does the logarithm in U: lost under ln(2 L/b), Q dU was off by 5e-6 at 1e-9."""
+    """The half-width varies by 1 - b/a, and so does the logarithm in U: lost under ln(2 L/b), Q dU
+    was off by 5e-6 at 1e-9.
+    """
     flat = make_scene(ellipse(), 0.5, flat=part)
     load = float(contact_of(flat.profile, flat.material).load(1.0))
-    answer = solve(make_scene(ellipse(0.75 * load, 0.25 * load, 0.0, 0.2 * load, 70.0), 0.5, flat=part), x=[0.0])
-    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)  # 1.3e-13, at b/a = 0.9
+    answer = solve(
+        make_scene(ellipse(0.75 * load, 0.25 * load, 0.0, 0.2 * load, 70.0), 0.5, flat=part),
+        x=[0.0],
+    )
+    # 1.3e-13, at b/a = 0.9
+    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)
 
 
 def test_the_shear_at_the_very_tip_of_a_wedge_is_a_sum_of_logarithms():
-    """Q to 0.3 f P at constant P: q = f [p(P) - p(P_c)], p(x, P) = arccosh(P/x)/pi, both infinite at x = 0: inf - inf before."""
+    """Q to 0.3 f P at constant P: q = f [p(P) - p(P_c)], p(x, P) = arccosh(P/x)/pi, both infinite
+    at x = 0: inf - inf before.
+    """
     load = polygon([(1.0, 0.0), (1.0, 0.3)])
     with mpmath.workdps(60):
         tiny = mpmath.mpf(10) ** -25
         brute = (mpmath.acosh(1 / tiny) - mpmath.acosh(mpmath.mpf("0.4") / tiny)) / (2 * mpmath.pi)
-    scene = make_scene(load, 0.5).vary(profile=PowerLaw(exponent=1.0, length=1.0, rise=1.0))  # of unit slope: P = a with E* = 1
+    # of unit slope: P = a with E* = 1
+    scene = make_scene(load, 0.5).vary(profile=PowerLaw(exponent=1.0, length=1.0, rise=1.0))
     answer = solve(scene, x=[0.0], time=[2.0])
     assert answer.shear.item() == pytest.approx(float(brute), rel=1e-14)  # f ln(2.5)/pi
     assert np.isinf(answer.pressure.item())

@@ -1,4 +1,6 @@
-"""Theory's own largest values: independent of the points and instants of what stands beside them."""
+"""Theory's own largest values: independent of the points and instants of what stands beside
+them.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,16 @@ import semi_analytic
 from reports.comparison import compare
 from scenes import ContactSolution, Scene, load_scene
 
-FIRST_TABLE = ("largest_pressure", "largest_half_width", "largest_slip", "dissipation", "dissipation_density_peak")
+FIRST_TABLE = (
+    "largest_pressure",
+    "largest_half_width",
+    "largest_slip",
+    "dissipation",
+    "dissipation_density_peak",
+)
 
-# A layer under a block of a few tenths of its contact: the points of a mesh of these bodies all lie inside theory's stick zone.
+# A layer under a block of a few tenths of its contact: the points of a mesh of these bodies all lie
+# inside theory's stick zone.
 THIN_LAYERS = {
     "name": "thin-layers",
     "material": {
@@ -33,19 +42,25 @@ THIN_LAYERS = {
 
 
 def on_points(scene: Scene, x: np.ndarray, steps: int) -> ContactSolution:
-    """What stands in for a finite-element answer: theory on the points and instants of some mesh."""
+    """What stands in for a finite-element answer: theory on the points and instants of some
+    mesh.
+    """
     path = scene.load.path()
     end = path.initial_loading[-1].end
     initial = np.linspace(path.start, end, 9)[1:]
     if path.period is None:
         time = initial
     else:
-        time = np.concatenate([initial, path.cycle_start + path.period * np.linspace(0.0, 2.0, 2 * steps + 1)[1:]])
+        time = np.concatenate(
+            [initial, path.cycle_start + path.period * np.linspace(0.0, 2.0, 2 * steps + 1)[1:]]
+        )
     return dataclasses.replace(semi_analytic.solve(scene, x=x, time=time), engine="halfplane_fe")
 
 
 def theory_values(scene: Scene, x: np.ndarray, steps: int) -> dict[str, float]:
-    """Key of a metric of the first table -> theory's value in it beside a result on the points x."""
+    """Key of a metric of the first table -> theory's value in it beside a result on the points
+    x.
+    """
     result = on_points(scene, x, steps)
     reference = semi_analytic.solve(scene, x=result.x, time=result.time)
     comparison = compare(reference, result)
@@ -64,7 +79,9 @@ def test_theory_has_the_same_largest_values_beside_any_mesh(name: str) -> None:
 
 
 def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
-    """The result is theory on few points: nothing differs there, but its points miss the largest values."""
+    """The result is theory on few points: nothing differs there, but its points miss the largest
+    values.
+    """
     scene = load_scene("hertz-paper")
     result = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
     comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
@@ -74,7 +91,9 @@ def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
 
 
 def test_largest_slip_is_that_of_theorys_contact_where_every_point_sticks() -> None:
-    """Slip at the edge of contact at constant P: (A f/pi) int arccosh(a/a(eta)) d eta from P - Q/f to P."""
+    """Slip at the edge of contact at constant P: (A f/pi) int arccosh(a/a(eta)) d eta from P - Q/f
+    to P.
+    """
     scene = Scene.model_validate(THIN_LAYERS)
     result = on_points(scene, np.linspace(-0.9, 0.9, 31), 0)  # theory sticks within 1.16 mm
     comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
@@ -116,7 +135,12 @@ def test_score_of_few_points_shows_theorys_half_width() -> None:
         if spacing > 1:
             pressure = np.where(x == 0, load / (spacing * half_width), 0.0)
         else:
-            pressure = 2 * load / (math.pi * half_width) * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+            pressure = (
+                2
+                * load
+                / (math.pi * half_width)
+                * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+            )
         report = reports.score(x, pressure, None, scene=scene, loads=([load], [0.0]))
         assert report.metric("largest_half_width").amounts[0] == pytest.approx(half_width, rel=1e-9)
         if spacing > 1:
@@ -124,7 +148,9 @@ def test_score_of_few_points_shows_theorys_half_width() -> None:
 
 
 def test_straight_steps_have_largest_values_of_their_own() -> None:
-    """Steps of a mesh cut the corners of an ellipse: less slip and less work, whatever the points."""
+    """Steps of a mesh cut the corners of an ellipse: less slip and less work, whatever the
+    points.
+    """
     scene = load_scene("hertz-paper")
     path = scene.load.path()
     initial = np.linspace(path.start, path.initial_loading[-1].end, 9)
@@ -132,7 +158,9 @@ def test_straight_steps_have_largest_values_of_their_own() -> None:
     few = semi_analytic.solve(scene, x=np.linspace(-1.3, 1.3, 12), time=time, straight_steps=True)
     more = semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 41), time=time, straight_steps=True)
     of_steps = dataclasses.astuple(semi_analytic.extremes(few))[:-1]
-    assert dataclasses.astuple(semi_analytic.extremes(more))[:-1] == pytest.approx(of_steps, rel=1e-9)
+    assert dataclasses.astuple(semi_analytic.extremes(more))[:-1] == pytest.approx(
+        of_steps, rel=1e-9
+    )
     of_path = semi_analytic.extremes(semi_analytic.solve(scene))
     assert 0.9 < semi_analytic.extremes(few).slip / of_path.slip < 1.0
 
@@ -159,4 +187,6 @@ def test_first_increment_of_a_path_without_cycles_plays_no_part() -> None:
         time = np.linspace(first, path.initial_loading[-1].end, 8)
         values.append(semi_analytic.extremes(semi_analytic.solve(scene, x=[0.0, 1.0], time=time)))
     assert values[0].slip > 0
-    assert dataclasses.astuple(values[0])[:-1] == pytest.approx(dataclasses.astuple(values[1])[:-1], rel=1e-9)
+    assert dataclasses.astuple(values[0])[:-1] == pytest.approx(
+        dataclasses.astuple(values[1])[:-1], rel=1e-9
+    )

@@ -1,4 +1,6 @@
-"""Answers of the half-plane engine: fields by brute force and closed forms, laws, statements of the paper, planted faults."""
+"""Answers of the half-plane engine: fields by brute force and closed forms, laws, statements of the
+paper, planted faults.
+"""
 
 import math
 
@@ -29,12 +31,32 @@ from scenes import (
     load_scene,
     scene_names,
 )
-from semi_analytic import FIELDS, compliance, dissipation, events, friction_from, hysteresis, solve, stress
+from semi_analytic import (
+    FIELDS,
+    compliance,
+    dissipation,
+    events,
+    friction_from,
+    hysteresis,
+    solve,
+    stress,
+)
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
-from semi_analytic_cases import LOADS, PAPER, PROFILES, UNIT, ellipse, extreme, fretting, leaning, make_scene, polygon
+from semi_analytic_cases import (
+    LOADS,
+    PAPER,
+    PROFILES,
+    UNIT,
+    ellipse,
+    extreme,
+    fretting,
+    leaning,
+    make_scene,
+    polygon,
+)
 from semi_analytic_oracle import LONG, Oracle
 
 FEW = [
@@ -57,7 +79,9 @@ ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, lo
 
 
 def astray(profile, load):
-    """Of every field the largest deviation from brute force over its largest value, and what the record says of it."""
+    """Of every field the largest deviation from brute force over its largest value, and what the
+    record says of it.
+    """
     scene = extreme(profile, load)
     whole = solve(scene, x=[0.0], fields=())
     half = float(np.max(whole.contact_half_width))
@@ -66,10 +90,21 @@ def astray(profile, load):
     chosen = [*last[[len(last) // 5, len(last) * 4 // 7]], *sticks[-2 - len(sticks) // 8 :][:1]]
     times = np.unique(whole.time[chosen])
     edges = solve(scene, x=[0.0], time=times, fields=())
-    near = [float(values[0]) * (1 + d) for values in (edges.contact_half_width, edges.stick_half_width) for d in (-1e-3, 1e-3)]
+    near = [
+        float(values[0]) * (1 + d)
+        for values in (edges.contact_half_width, edges.stick_half_width)
+        for d in (-1e-3, 1e-3)
+    ]
     corners = [b * (1 + d) for b in PROFILES[profile].kinks[:2] for d in (-1e-9, 1e-9)]
-    x = np.unique(np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0, 10.0]), near, corners]))
-    found = solve(scene, x=x, time=times, fields=("pressure", "shear", "slip", "tangential_displacement", "normal_approach"))
+    x = np.unique(
+        np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0, 10.0]), near, corners])
+    )
+    found = solve(
+        scene,
+        x=x,
+        time=times,
+        fields=("pressure", "shear", "slip", "tangential_displacement", "normal_approach"),
+    )
     oracle = Oracle(scene, times)
     exact = [oracle.at(k, x) for k in range(len(times))]
     size = max(float(each["pressure"][1:].max()) for each in exact)
@@ -78,25 +113,40 @@ def astray(profile, load):
     for name in exact[0]:
         truth = np.array([each[name] for each in exact])
         off = np.abs(getattr(found, name).astype(LONG) - truth).astype(float)
-        told = max((error for key, error in found.record.errors.items() if key.startswith(name)), default=0.0)
+        told = max(
+            (error for key, error in found.record.errors.items() if key.startswith(name)),
+            default=0.0,
+        )
         worst[name] = float(np.max(off)) / tops.get(name, float(np.max(np.abs(truth)))), told
     return worst
 
 
-@pytest.mark.parametrize(("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)])
+@pytest.mark.parametrize(
+    ("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)]
+)
 def test_fields_by_brute_force(profile, load):
-    """Tractions over f p, slips and displacements over their largest; measured 8e-14, or what the record says."""
+    """Tractions over f p, slips and displacements over their largest; measured 8e-14, or what the
+    record says.
+    """
     for name, (off, told) in astray(profile, load).items():
         assert off <= max(told, 5e-12), name
 
 
-# ------------------------------------------------------------------------------------------------------------- closed forms
-@pytest.mark.parametrize("problem", [one for one in problems("hertz") if "by theory" not in one.tags], ids=lambda one: one.name)
+# ------------------------------------------------------------------------------------- closed forms
+@pytest.mark.parametrize(
+    "problem",
+    [one for one in problems("hertz") if "by theory" not in one.tags],
+    ids=lambda one: one.name,
+)
 def test_named_problems_have_their_closed_forms(problem):
-    """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the finite elements are measured by."""
+    """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the
+    finite elements are measured by.
+    """
     path, half = problem.scene.load.path(), problem.exact["contact_half_width"]
     end = path.cycle_start + 2 * (path.period or 0.0)
-    answer = solve(problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end]))
+    answer = solve(
+        problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end])
+    )
     assert max(errors(problem, answer).values()) < 1e-12
 
 
@@ -104,7 +154,7 @@ P0 = 2 * 90.62286500739786 / math.pi  # a = 1 in the library's Hertz scenes
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
-# ------------------------------------------------------------------------------------------------ laws, and faults planted in them
+# ----------------------------------------------------------------- laws, and faults planted in them
 def broken_laws(scene, answer):
     """The laws that an answer breaks, by name; no knowledge of how the engine works."""
     limit = scene.friction.coefficient * answer.pressure
@@ -113,26 +163,46 @@ def broken_laws(scene, answer):
     step, alike = np.diff(answer.slip, axis=0), state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
     stated = answer.record.errors.get("slip", 0.0)
-    still = 5 * stated if stated > 1e-6 else 1e-12  # on grids: 5 next to an edge, for what is stated is a root mean square
+    # on grids: 5 next to an edge, for what is stated is a root mean square
+    still = 5 * stated if stated > 1e-6 else 1e-12
     stuck = alike & (state[1:] == SurfaceState.STICK)
     laws = {
-        "no tension": np.all(answer.pressure >= 0) and np.all(answer.pressure[state == SurfaceState.OPEN] == 0),
+        "no tension": (
+            np.all(answer.pressure >= 0)
+            and np.all(answer.pressure[state == SurfaceState.OPEN] == 0)
+        ),
         "inside the cone": np.max(np.abs(answer.shear) - limit) <= 1e-12 * size,
-        "at the limit in slip": np.allclose((answer.shear - limit)[forward], 0, atol=1e-12 * size)
-        and np.allclose((answer.shear + limit)[reverse], 0, atol=1e-12 * size),
+        "at the limit in slip": (
+            np.allclose((answer.shear - limit)[forward], 0, atol=1e-12 * size)
+            and np.allclose((answer.shear + limit)[reverse], 0, atol=1e-12 * size)
+        ),
         "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= still * travel,
-        "slip against friction": np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
-        and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel,
-        "edges in order": np.nanmax((answer.stick_half_width - answer.contact_half_width)[answer.last_cycle]) <= 1e-15 * edge,
-        "certificates": max((np.max(values) for values in answer.record.certificates.values()), default=0.0) < 1e-12,
-        "energy balance": not answer.loop_work or np.isclose(answer.dissipation, answer.loop_work, rtol=1e-9, atol=1e-20)
-        or np.isnan(answer.loop_work),
-    }  # fmt: skip
+        "slip against friction": (
+            np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
+            and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel
+        ),
+        "edges in order": (
+            np.nanmax((answer.stick_half_width - answer.contact_half_width)[answer.last_cycle])
+            <= 1e-15 * edge
+        ),
+        "certificates": (
+            max((np.max(values) for values in answer.record.certificates.values()), default=0.0)
+            < 1e-12
+        ),
+        "energy balance": (
+            not answer.loop_work
+            or np.isclose(answer.dissipation, answer.loop_work, rtol=1e-9, atol=1e-20)
+            or np.isnan(answer.loop_work)
+        ),
+    }
     return {law for law, holds in laws.items() if not holds}
 
 
 # On grids for seconds, as a loop of test_semi_analytic_bulk.py is.
-NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name == "dovetail-out-of-phase")) for name in (*scene_names(), *CASES)]
+NAMES = [
+    pytest.param(name, marks=[pytest.mark.slow] * (name == "dovetail-out-of-phase"))
+    for name in (*scene_names(), *CASES)
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -153,7 +223,9 @@ def drop_history(monkeypatch):
         if curve is not None:
             end = curve.anchor
             leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
-            curve = Piece(None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal)
+            curve = Piece(
+                None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal
+            )
         return march(curve, legs, friction, delay)
 
     monkeypatch.setattr(semi_analytic.history, "march", forgetful)
@@ -168,17 +240,27 @@ def drop_history(monkeypatch):
 def flip_change_of_shear(monkeypatch):
     """Slip to the left where it should go to the right."""
     level = semi_analytic.history.level
-    monkeypatch.setattr(semi_analytic.history, "level", lambda direction, friction: level(-direction, friction))
+    monkeypatch.setattr(
+        semi_analytic.history, "level", lambda direction, friction: level(-direction, friction)
+    )
     slip = semi_analytic.load_series._slip
-    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda curve, s, *given: slip(curve, -s, *given))
+    monkeypatch.setattr(
+        semi_analytic.load_series, "_slip", lambda curve, s, *given: slip(curve, -s, *given)
+    )
 
 
 def forget_friction(monkeypatch):
     """The line of slip has slope 0."""
     slip_to = semi_analytic.history.slip_to
-    monkeypatch.setattr(semi_analytic.history, "slip_to", lambda curve, s, f, end, slipped: slip_to(curve, s, 0.0, end, slipped))
+    monkeypatch.setattr(
+        semi_analytic.history,
+        "slip_to",
+        lambda curve, s, f, end, slipped: slip_to(curve, s, 0.0, end, slipped),
+    )
     slip = semi_analytic.load_series._slip
-    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0))
+    monkeypatch.setattr(
+        semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0)
+    )
 
 
 def shear_is_pressure(monkeypatch):
@@ -196,15 +278,25 @@ def shear_is_pressure(monkeypatch):
 def lose_the_arc(monkeypatch):
     """The traction that an appended arc leaves is left out."""
     up_to = Arc.up_to
-    monkeypatch.setattr(Arc, "up_to", lambda self, time: (self._kernel != "shear") * up_to(self, time))
+    monkeypatch.setattr(
+        Arc, "up_to", lambda self, time: (self._kernel != "shear") * up_to(self, time)
+    )
 
 
-FAULTS = [(drop_history, 2), (flip_change_of_shear, 2), (forget_friction, 2), (shear_is_pressure, 2), (lose_the_arc, 1)]
+FAULTS = [
+    (drop_history, 2),
+    (flip_change_of_shear, 2),
+    (forget_friction, 2),
+    (shear_is_pressure, 2),
+    (lose_the_arc, 1),
+]
 
 
 @pytest.mark.parametrize(("mutate", "scenes"), [(None, 2), *FAULTS])
 def test_planted_faults_are_seen(mutate, scenes, monkeypatch):
-    """The laws hold for the engine as it is, and at least one breaks for each mutant, in each of the scenes that it concerns."""
+    """The laws hold for the engine as it is, and at least one breaks for each mutant, in each of
+    the scenes that it concerns.
+    """
     if mutate:
         mutate(monkeypatch)
     for name in ("hertz-paper", "cattaneo-mindlin")[:scenes]:
@@ -215,40 +307,74 @@ def test_planted_faults_are_seen(mutate, scenes, monkeypatch):
             slips = {int(state) for state in np.unique(answer.state)} >= {2, 3}
             broken |= set() if slips and answer.dissipation > 0 else {"slips both ways"}
             force = np.trapezoid(answer.shear, answer.x, axis=1)
-            astray = np.max(np.abs(force - answer.tangential_load)) / np.max(np.abs(answer.tangential_load))
+            astray = np.max(np.abs(force - answer.tangential_load)) / np.max(
+                np.abs(answer.tangential_load)
+            )
             broken |= {"carries Q"} if astray > 5e-3 else set()
         except (ValueError, ArithmeticError, RuntimeWarning) as reason:
             broken = {f"raised {type(reason).__name__}"}
         assert bool(broken) == bool(mutate), (name, broken)
 
 
-# ---------------------------------------------------------------------------------------------------- the same in other words
+# -------------------------------------------------------------------------- the same in other words
 def of_any_size(profile):
-    """A scene of lengths and stresses of 1, and the same of 1e12: P of 1e24 overflowed in the quotient of a traction."""
+    """A scene of lengths and stresses of 1, and the same of 1e12: P of 1e24 overflowed in the
+    quotient of a traction.
+    """
     sizes, amounts = (1.0, 1e12), np.array([3.0, 1.0, 0.2, 0.8])
-    scenes = [make_scene(ellipse(*amounts * size**2, 70.0), 0.5, modulus=size).vary(profile=profile(size)) for size in sizes]
+    scenes = [
+        make_scene(ellipse(*amounts * size**2, 70.0), 0.5, modulus=size).vary(profile=profile(size))
+        for size in sizes
+    ]
     units = dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement"), 1e12)
-    return *scenes, lambda x: x * 1e12, units | {"dissipation_density": 1e24, "state": 1, "dissipation": 1e36}
+    return (
+        *scenes,
+        lambda x: x * 1e12,
+        units | {"dissipation_density": 1e24, "state": 1, "dissipation": 1e36},
+    )
 
 
 def turned(name):
     """A scene of the library with an ellipse, and that with Q turned round."""
     scene = load_scene(name).vary(load={"initial_loading": "straight"})
-    back = {"mean_tangential_load": -scene.load.mean_tangential_load, "phase_degrees": scene.load.phase_degrees - 180}
+    back = {
+        "mean_tangential_load": -scene.load.mean_tangential_load,
+        "phase_degrees": scene.load.phase_degrees - 180,
+    }
     signs = {"pressure": 1, "shear": -1, "slip": -1, "dissipation_density": 1}
     return scene, scene.vary(load=back), lambda x: x, signs
 
 
 UPRIGHT = make_scene(EllipseLoad(**PAPER))
 FORCE, LENGTH = 1e3, 25.4
-BIG = fretting(0.3, q=1.8 * FORCE * LENGTH, p=3.0 * FORCE * LENGTH, bulk_stress_lower=(0, 0.6 * FORCE, -0.6 * FORCE))
-BIG = BIG.vary(profile={"radius": LENGTH}, material=BIG.material.upper.vary(young_modulus=2 * FORCE))
-ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
+BIG = fretting(
+    0.3,
+    q=1.8 * FORCE * LENGTH,
+    p=3.0 * FORCE * LENGTH,
+    bulk_stress_lower=(0, 0.6 * FORCE, -0.6 * FORCE),
+)
+BIG = BIG.vary(
+    profile={"radius": LENGTH}, material=BIG.material.upper.vary(young_modulus=2 * FORCE)
+)
+ARRAYS = (
+    "pressure",
+    "shear",
+    "slip",
+    "tangential_displacement",
+    "normal_approach",
+    "contact_edges",
+    "stick_edges",
+    "state",
+)
 # One scene and the same in other words, the place of x there, and what each field is multiplied by.
 WORDS = {
-    "compound of any size": of_any_size(lambda b: Compound(inner_radius=b, outer_radius=0.4 * b, inner_half_length=0.8 * b)),
+    "compound of any size": of_any_size(
+        lambda b: Compound(inner_radius=b, outer_radius=0.4 * b, inner_half_length=0.8 * b)
+    ),
     "wedge of any size": of_any_size(lambda b: Wedge(tip_radius=b, tip_half_length=0.7 * b)),
-    "polynomial of any size": of_any_size(lambda b: EvenPolynomial(length=b, rises=(0.5 * b, 0.1 * b))),
+    "polynomial of any size": of_any_size(
+        lambda b: EvenPolynomial(length=b, rises=(0.5 * b, 0.1 * b))
+    ),
     "hertz-paper turned": turned("hertz-paper"),
     "motor turned": turned("motor"),
     "bulk stress and tilt of nothing": (
@@ -261,7 +387,9 @@ WORDS = {
         UPRIGHT,
         make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})),
         lambda x: x + 0.3,
-        dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"), 1),
+        dict.fromkeys(
+            ("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"), 1
+        ),
     ),
     # x, Q and tilt turned round, bulk strain as it is: p, s and q follow.
     "the mirror image under bulk stress and tilt": (
@@ -285,14 +413,21 @@ def test_one_contact_in_other_words(name):
     one, other, there, factors = WORDS[name]
     x = 1.2 * np.max(solve(one, x=[0.0], fields=()).contact_half_width) * np.linspace(-1, 1.01, 31)
     first = solve(one, x=x)
-    second = solve(other, x=there(x), time=first.time + other.load.path().cycle_start - one.load.path().cycle_start)
+    second = solve(
+        other,
+        x=there(x),
+        time=first.time + other.load.path().cycle_start - one.load.path().cycle_start,
+    )
     for field, factor in factors.items():
         value = getattr(first, field)
         close = 3e-12 * np.nanmax(np.abs(value))
-        np.testing.assert_allclose(getattr(second, field) / factor, value, rtol=0, atol=close, err_msg=field)
+        np.testing.assert_allclose(
+            getattr(second, field) / factor, value, rtol=0, atol=close, err_msg=field
+        )
     if "turned" in name:
         swapped = np.array([0, 1, 3, 2])[first.state]
-        assert np.mean(second.state != swapped) < 2e-3  # instants exactly between two spans may fall to either
+        # instants exactly between two spans may fall to either
+        assert np.mean(second.state != swapped) < 2e-3
 
 
 def test_straight_steps_converge_on_the_smooth_path_with_order_two():
@@ -315,12 +450,14 @@ def test_instants_in_any_order_and_far_ahead():
     time = np.array([9.0, 2.0, 30.0, start, 16.0])
     mixed = solve(scene, x=X, time=time)
     for k, instant in enumerate(time):
-        np.testing.assert_allclose(solve(scene, x=X, time=[instant]).shear[0], mixed.shear[k], atol=1e-12 * P0)
+        np.testing.assert_allclose(
+            solve(scene, x=X, time=[instant]).shear[0], mixed.shear[k], atol=1e-12 * P0
+        )
     ahead = solve(scene, x=X, time=[16.0, 16.0 + 200 * np.pi])
     np.testing.assert_allclose(ahead.shear[1], ahead.shear[0], atol=1e-10 * P0)
 
 
-# --------------------------------------------------------------------------------------------- what is asked, done, kept, refused
+# --------------------------------------------------------------- what is asked, done, kept, refused
 
 
 def test_only_what_is_asked_for_is_computed(monkeypatch):
@@ -335,14 +472,21 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
     assert solution.time[0] == pytest.approx(scene.load.path().cycle_start + 2 * np.pi)
     everything = solve(scene)
     assert set(FIELDS).isdisjoint(everything.work.skipped)
-    counts = everything.work.counts  # effort as a number, not a time: two cycles of six, five pieces alive at most
+    # effort as a number, not a time: two cycles of six, five pieces alive at most
+    counts = everything.work.counts
     assert (counts["cycles_solved"], counts["spans"], counts["points_evaluated"]) == (2, 15, 100)
     assert counts["pieces_alive"] <= 5
     stuck = solve(load_scene("full-stick"))
-    assert stuck.dissipation == np.max(stuck.dissipation_density) == stuck.work.counts["slip_quadratures"] == 0
+    assert (
+        stuck.dissipation
+        == np.max(stuck.dissipation_density)
+        == stuck.work.counts["slip_quadratures"]
+        == 0
+    )
     assert stuck.work.skipped["quadratures"][1] == "full stick: nothing slips"
     assert solution.dissipation == everything.dissipation
-    for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):  # W alone needs none of them
+    # W alone needs none of them
+    for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):
         monkeypatch.setattr(HertzContact, kernel, None)
     assert solve(scene, fields=("dissipation",)).dissipation == solution.dissipation
 
@@ -355,9 +499,14 @@ def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
     assert own.record.message == "cycle 2 ends in the state it started from"
     assert own.cycle_dissipation.shape == (2,)
     assert own.cycle_dissipation[0] > 2 * own.cycle_dissipation[1]
-    np.testing.assert_array_equal(long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39])
+    np.testing.assert_array_equal(
+        long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39]
+    )
     assert (long.work.counts["cycles_solved"], long.work.skipped["cycles"][0]) == (2, 38)
-    assert solve(scene, x=[0.0], time=[start + 7.0], fields=only).dissipation == own.cycle_dissipation[0]
+    assert (
+        solve(scene, x=[0.0], time=[start + 7.0], fields=only).dissipation
+        == own.cycle_dissipation[0]
+    )
     for turns in (1.0, 1.5):  # the second knows of the steady cycle, but answers for the first
         transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=only)
         assert math.isnan(transient.loop_work)
@@ -372,24 +521,49 @@ def record(repeats, *last):
 @pytest.mark.parametrize(
     ("load", "friction", "reason", "time", "normal", "tangential"),
     [
-        (polygon([(2.0, 0.0)], [(2.0, 1.5), (2.0, -1.5)]), 0.5, "gross sliding", 1 + 2 / 3, 2.0, 1.0),
+        (
+            polygon([(2.0, 0.0)], [(2.0, 1.5), (2.0, -1.5)]),
+            0.5,
+            "gross sliding",
+            1 + 2 / 3,
+            2.0,
+            1.0,
+        ),
         (polygon([(2.0, 0.0), (2.0, -3.0)]), 0.5, "gross sliding", 1 + 1 / 3, 2.0, -1.0),
         (polygon([(2.0, 0.0), (-2.0, 0.0)]), 0.5, "separation", 1.5, 0.0, 0.0),
         (polygon([(1.0, 0.8)]), 0.5, "gross sliding", 0.0, 0.0, 0.0),
         (ellipse(1.0, 1.5, 0.0, 0.0, 0.0), 0.5, "separation", math.pi, -0.5, 0.0),
         (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding", None, None, None),
         (polygon([(2.0, 0.1)]), 0.0, "gross sliding", 0.0, 0.0, 0.0),
-        (record(False, 2, 3.0), 1.0, r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:", 0.5, 1.5, 1.5),
-        (record(False, -1, 0), 1.0, r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:", 0.5, 0.0, 0.0),
+        (
+            record(False, 2, 3.0),
+            1.0,
+            r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:",
+            0.5,
+            1.5,
+            1.5,
+        ),
+        (
+            record(False, -1, 0),
+            1.0,
+            r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:",
+            0.5,
+            0.0,
+            0.0,
+        ),
     ],
 )
-def test_inadmissible_paths_name_the_instant_and_the_loads(load, friction, reason, time, normal, tangential):
+def test_inadmissible_paths_name_the_instant_and_the_loads(
+    load, friction, reason, time, normal, tangential
+):
     with pytest.raises(InadmissibleLoadError, match=reason) as caught:
         solve(make_scene(load, friction))
     if time is not None and reason != "separation":
-        assert (caught.value.time, caught.value.normal_load, caught.value.tangential_load) == pytest.approx(
-            (time, normal, tangential), abs=1e-7
-        )
+        assert (
+            caught.value.time,
+            caught.value.normal_load,
+            caught.value.tangential_load,
+        ) == pytest.approx((time, normal, tangential), abs=1e-7)
 
 
 def test_sliding_just_reached_is_admitted():
@@ -402,33 +576,55 @@ def test_sliding_just_reached_is_admitted():
     assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
-ROUND, LOADS_ALONE = Hertz(radius=1.0), {"material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
+ROUND, LOADS_ALONE = (
+    Hertz(radius=1.0),
+    {
+        "material": UNIT,
+        "mean_normal_load": 1.0,
+        "tangential_amplitude": 0.1,
+    },
+)
 LOOP = LOADS_ALONE | {"normal_amplitude": 0.5, "friction_coefficient": 0.5}
 ROWS = [(x, x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10) for x in np.linspace(-3, 3, 25).tolist()]
 UNEQUAL = Tabulated(points=ROWS, symmetric=False)
 LEANS, ONCE = leaning(0.1), {"x": [0.0]}
-OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
+OUT_OF_PHASE = make_scene(
+    EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60})
+)
 
 
 def tilted(profile, tilt):
     """P to 1 and Q to and fro under a tilt."""
-    return make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)).vary(profile=profile)
+    return make_scene(
+        PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)
+    ).vary(profile=profile)
 
 
 # A call, and words of the sentence.
 REFUSED = [
-    *((lambda options=options: solve("hertz-paper", **options), words) for options, words in (
-        ({"fields": ("presure",)}, "'presure' is not among"),
-        ({"cycles": "last"}, "neither 'all' nor 'steady'"),
-        ({"straight_steps": True}, "give the times"),
-        ({"time": [-5.0]}, "outside the load path"),
-        ({"time": [[1.0]]}, "a list of finite numbers"),
-        ({"x": [float("nan")]}, "a list of finite numbers"),
-        ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
-        ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
-    )),
-    *((lambda rows=rows, time=time: solve(make_scene(record(*rows)), time=[time]), "time: outside the load path, which runs from")
-      for *rows, time in ((False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5))),
+    *(
+        (lambda options=options: solve("hertz-paper", **options), words)
+        for options, words in (
+            ({"fields": ("presure",)}, "'presure' is not among"),
+            ({"cycles": "last"}, "neither 'all' nor 'steady'"),
+            ({"straight_steps": True}, "give the times"),
+            ({"time": [-5.0]}, "outside the load path"),
+            ({"time": [[1.0]]}, "a list of finite numbers"),
+            ({"x": [float("nan")]}, "a list of finite numbers"),
+            ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
+            (
+                {"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True},
+                "no time is after the start",
+            ),
+        )
+    ),
+    *(
+        (
+            lambda rows=rows, time=time: solve(make_scene(record(*rows)), time=[time]),
+            "time: outside the load path, which runs from",
+        )
+        for *rows, time in ((False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5))
+    ),
     (lambda: stress("hertz-normal", 0.0, 1.0, 1.0), "y: 1 is outside the lower body"),
     (lambda: stress("hertz-normal", 0.0, -1.0, 99.0), "time: outside the load path"),
     (lambda: stress("hertz-normal", 0.0, float("nan"), 1.0), "y: a list of finite numbers"),
@@ -437,34 +633,64 @@ REFUSED = [
     (lambda: hysteresis(solve("hertz-paper", fields=("dissipation",))), "ask for the fields"),
     (lambda: hysteresis(solve("cattaneo-mindlin", **ONCE, time=[1.0, 2.0])), "no whole cycle"),
     (lambda: hysteresis(solve(make_scene(ellipse(3.0, 1.0, 0.0, 0.0), 0.5), **ONCE)), "no loop"),
-    *((lambda keys=keys: dissipation(profile=keys, **LOOP), words) for keys, words in (
-        ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
-        ({"kind": "hertz"}, "with all its keys"),
-        ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
-        ({"kind": "hertz", "radius": "one"}, "radius = 'one' is refused: real numbers are needed"),
-    )),
-    (lambda: dissipation(profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase": [1, 1]}), "must broadcast"),
+    *(
+        (lambda keys=keys: dissipation(profile=keys, **LOOP), words)
+        for keys, words in (
+            ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
+            ({"kind": "hertz"}, "with all its keys"),
+            ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
+            (
+                {"kind": "hertz", "radius": "one"},
+                "radius = 'one' is refused: real numbers are needed",
+            ),
+        )
+    ),
+    (
+        lambda: dissipation(
+            profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase": [1, 1]}
+        ),
+        "must broadcast",
+    ),
     (lambda: dissipation(profile=UNEQUAL, **LOOP), "unequal"),
     (lambda: friction_from(0.1, profile=ROUND, **LOADS_ALONE), "normal_amplitude is missing"),
     (lambda: friction_from(0.1, scene=UPRIGHT, profile=ROUND), "without profile"),
-    (lambda: friction_from([0.1, 0.2, 0.3], profile=ROUND, normal_amplitude=[0.5, 0.5], **LOADS_ALONE), "numbers that broadcast"),
-    (lambda: friction_from("much", scene=UPRIGHT), "dissipation = 'much' is refused: real numbers are needed"),
+    (
+        lambda: friction_from(
+            [0.1, 0.2, 0.3], profile=ROUND, normal_amplitude=[0.5, 0.5], **LOADS_ALONE
+        ),
+        "numbers that broadcast",
+    ),
+    (
+        lambda: friction_from("much", scene=UPRIGHT),
+        "dissipation = 'much' is refused: real numbers are needed",
+    ),
     # What has no formula with bulk stress or tilt says so in a sentence.
     (lambda: friction_from(0.1, scene=LEANS), "bulk stress"),
     (lambda: hysteresis(solve(LEANS, **ONCE)), "bulk stress"),
     (lambda: compliance(solve(LEANS, **ONCE)), "bulk stress"),
     (lambda: events(OUT_OF_PHASE), "kappa Q"),
     # Tilts that no contact takes.
-    *((lambda profile=profile, tilt=tilt: solve(tilted(profile, tilt)), words) for profile, tilt, words in (
-        (Wedge(tip_radius=1.0, tip_half_length=1.0), 1.5, "steeper"),
-        (UNEQUAL, 5.0, "needs a contact"),
-        (CallableProfile(slope_function=np.arctan, extent=4.0), 1.4, "steeper"),
-        (CallableProfile(slope_function=np.arctan, extent=0.5), 0.1, "needs a contact"),
-        (EvenPolynomial(length=1.0, rises=(0.5, -0.24, 0.05)), 0.1, "bends down near x = 0.979"),
-        (CallableProfile(slope_function=lambda x: x * (1 - x**2 / 10), extent=2.0), 0.1, "bends down"),
-        (PowerLaw(exponent=1.0, length=1.0, rise=0.5), 0.1, "kind = 'wedge'"),
-    )),
-]  # fmt: skip
+    *(
+        (lambda profile=profile, tilt=tilt: solve(tilted(profile, tilt)), words)
+        for profile, tilt, words in (
+            (Wedge(tip_radius=1.0, tip_half_length=1.0), 1.5, "steeper"),
+            (UNEQUAL, 5.0, "needs a contact"),
+            (CallableProfile(slope_function=np.arctan, extent=4.0), 1.4, "steeper"),
+            (CallableProfile(slope_function=np.arctan, extent=0.5), 0.1, "needs a contact"),
+            (
+                EvenPolynomial(length=1.0, rises=(0.5, -0.24, 0.05)),
+                0.1,
+                "bends down near x = 0.979",
+            ),
+            (
+                CallableProfile(slope_function=lambda x: x * (1 - x**2 / 10), extent=2.0),
+                0.1,
+                "bends down",
+            ),
+            (PowerLaw(exponent=1.0, length=1.0, rise=0.5), 0.1, "kind = 'wedge'"),
+        )
+    ),
+]
 
 
 @pytest.mark.parametrize(("question", "words"), REFUSED, ids=[words for _, words in REFUSED])

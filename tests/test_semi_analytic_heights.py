@@ -1,4 +1,6 @@
-"""Profiles given as a height h(x): the same load P(a) as of their slope h'(x), and a sentence where no load can be had."""
+"""Profiles given as a height h(x): the same load P(a) as of their slope h'(x), and a sentence where
+no load can be had.
+"""
 
 import numpy as np
 import pytest
@@ -41,7 +43,8 @@ SHAPES = {
 def test_a_height_carries_what_its_slope_does(name):
     """|x|^1.5 did not end, an arc and log cosh raised what is no InputError.
 
-    Equal to 1e-14, or to what the digits of a difference of larger numbers allow: measured 9e-16 to 9e-15, 2e-14 of the cosine.
+    Equal to 1e-14, or to what the digits of a difference of larger numbers allow: measured 9e-16 to
+    9e-15, 2e-14 of the cosine.
     """
     height, slope = SHAPES[name]
     profile = CallableProfile(height_function=height, extent=EXTENT)
@@ -49,16 +52,25 @@ def test_a_height_carries_what_its_slope_does(name):
     of_slope = slope_function(1.0, CallableProfile(slope_function=slope, extent=EXTENT))
     stated = profile.rounding_of_height
     assert stated.load < 2e-13
-    np.testing.assert_allclose(of_height.load(HALF_WIDTHS), of_slope.load(HALF_WIDTHS), rtol=max(1e-14, stated.load))
-    np.testing.assert_allclose(of_height.stiffness(HALF_WIDTHS), of_slope.stiffness(HALF_WIDTHS), rtol=of_height.noise)
+    np.testing.assert_allclose(
+        of_height.load(HALF_WIDTHS), of_slope.load(HALF_WIDTHS), rtol=max(1e-14, stated.load)
+    )
+    np.testing.assert_allclose(
+        of_height.stiffness(HALF_WIDTHS), of_slope.stiffness(HALF_WIDTHS), rtol=of_height.noise
+    )
     assert 1e-11 <= of_height.noise < 3e-11
 
 
 @pytest.mark.parametrize("radius", [10.0, 1e3, 1e5])
 def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
-    """R - sqrt(R^2 - x^2) is known to a last digit of R: of a load that is eps R/h and more, and fits of many values leave less."""
+    """R - sqrt(R^2 - x^2) is known to a last digit of R: of a load that is eps R/h and more, and
+    fits of many values leave less.
+    """
     profile = CallableProfile(height_function=arc(radius)[0], extent=EXTENT)
-    found, exact = slope_function(1.0, profile), slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT))
+    found, exact = (
+        slope_function(1.0, profile),
+        slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT)),
+    )
     error = np.max(np.abs(found.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
     of_one_value = np.finfo(float).eps * radius / arc(radius)[0](EXTENT)
     assert error <= profile.rounding_of_height.load < max(of_one_value, 1e-13)
@@ -93,12 +105,18 @@ def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
     with pytest.raises(InputError, match="the function is too rough near x = 1"):
         slope_function(1.0, profile)
     with pytest.raises(ValueError, match="too rough"):
-        CallableProfile(height_function=lambda x: x * x / 2 + 1e-6 * np.abs(np.sin(1e6 * x)), extent=3.0)
+        CallableProfile(
+            height_function=lambda x: x * x / 2 + 1e-6 * np.abs(np.sin(1e6 * x)), extent=3.0
+        )
 
 
 def test_a_height_of_seven_digits_is_solved_and_says_so():
-    profile = CallableProfile(height_function=lambda x: np.float32(1 + x * x / 2) - 1.0, extent=EXTENT)
-    error = np.max(np.abs(slope_function(1.0, profile).load(HALF_WIDTHS) / (np.pi / 4 * HALF_WIDTHS**2) - 1))
+    profile = CallableProfile(
+        height_function=lambda x: np.float32(1 + x * x / 2) - 1.0, extent=EXTENT
+    )
+    error = np.max(
+        np.abs(slope_function(1.0, profile).load(HALF_WIDTHS) / (np.pi / 4 * HALF_WIDTHS**2) - 1)
+    )
     assert 1e-11 < error <= profile.rounding_of_height.load < 1e-7
 
 

@@ -1,4 +1,6 @@
-"""Histories: memory and events straight from the path; harmonics, functions and rows against each other; long series."""
+"""Histories: memory and events straight from the path; harmonics, functions and rows against each
+other; long series.
+"""
 
 import math
 
@@ -12,13 +14,25 @@ from scenes import CallableLoad, InputError, LoadPath, StraightSegment, TimeSeri
 from semi_analytic import FIELDS, event, events, load_series, solution, solve
 from semi_analytic.history import Turn, follow, history_of
 from semi_analytic.load_series import knots_of
-from semi_analytic.memory import Instant, instant, load_in_stick, pieces, same, slip_to, slipped_load, unload_to, values
+from semi_analytic.memory import (
+    Instant,
+    instant,
+    load_in_stick,
+    pieces,
+    same,
+    slip_to,
+    slipped_load,
+    unload_to,
+    values,
+)
 from semi_analytic_cases import LOADS, ellipse, extreme, make_scene, polygon
 from semi_analytic_oracle import LONG, Work, memory, phases_of
 
 FRICTION = 0.7
 CORNERS = st.lists(
-    st.tuples(st.floats(0.05, 1.0), st.floats(-0.98, 0.98)).map(lambda point: (point[0], point[0] * FRICTION * point[1])),
+    st.tuples(st.floats(0.05, 1.0), st.floats(-0.98, 0.98)).map(
+        lambda point: (point[0], point[0] * FRICTION * point[1])
+    ),
     min_size=1,
     max_size=12,
 )
@@ -26,7 +40,9 @@ CORNERS = st.lists(
 
 def straight_legs(points):
     corners = [(0.0, 0.0), *points]
-    return [StraightSegment(float(k), k + 1.0, corners[k], corners[k + 1]) for k in range(len(points))]
+    return [
+        StraightSegment(float(k), k + 1.0, corners[k], corners[k + 1]) for k in range(len(points))
+    ]
 
 
 def final_curve(points):
@@ -34,9 +50,13 @@ def final_curve(points):
 
 
 @settings(max_examples=40)
-@given(CORNERS, st.integers(0, 11), st.floats(0.01, 0.99), st.floats(0.02, 0.9), st.floats(-0.9, 0.9))
+@given(
+    CORNERS, st.integers(0, 11), st.floats(0.01, 0.99), st.floats(0.02, 0.9), st.floats(-0.9, 0.9)
+)
 def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, part, low, use):
-    """By brute force; Lipschitz, at the load; a step may be split; mirrored; what lies above the load is forgotten."""
+    """By brute force; Lipschitz, at the load; a step may be split; mirrored; what lies above the
+    load is forgotten.
+    """
     curve, (normal, tangential) = final_curve(points), points[-1]
     phases, _ = phases_of(LoadPath(tuple(straight_legs(points)), ()), FRICTION, 0)
     eta = normal * np.array([1e-3, 0.2, 0.5, 0.8])
@@ -46,27 +66,52 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     assert float(values(curve, curve.top)) == pytest.approx(tangential, abs=1e-14)
     knots = np.array([0.0, *(piece.top for piece in pieces(curve))][1:][::-1])
     eta = np.unique(np.concatenate([np.linspace(0, normal, 50), knots]))
-    assert np.all(np.abs(np.diff(values(curve, eta)) / np.maximum(np.diff(eta), 1e-9)) <= FRICTION * (1 + 1e-9) + 1e-6)
-    np.testing.assert_allclose(values(final_curve([(p, -q) for p, q in points]), eta), -values(curve, eta), atol=1e-14)
+    assert np.all(
+        np.abs(np.diff(values(curve, eta)) / np.maximum(np.diff(eta), 1e-9))
+        <= FRICTION * (1 + 1e-9) + 1e-6
+    )
+    np.testing.assert_allclose(
+        values(final_curve([(p, -q) for p, q in points]), eta), -values(curve, eta), atol=1e-14
+    )
     corners, where = [(0.0, 0.0), *points], min(where, len(points) - 1)
-    extra = tuple(a + part * (b - a) for a, b in zip(corners[where], corners[where + 1], strict=True))
-    assert same(curve, final_curve([*points[:where], extra, *points[where:]]), FRICTION, tolerance=1e-11)
+    extra = tuple(
+        a + part * (b - a) for a, b in zip(corners[where], corners[where + 1], strict=True)
+    )
+    assert same(
+        curve, final_curve([*points[:where], extra, *points[where:]]), FRICTION, tolerance=1e-11
+    )
     unloaded = final_curve([*points, (low * normal, low * normal * FRICTION * use)])
     assert all(piece.top <= low * normal * (1 + 1e-15) for piece in pieces(unloaded))
 
 
-@given(st.floats(1e-3, 0.95), st.floats(0.02, 0.98), st.floats(5, 175), st.floats(-0.5, 0.5), st.sampled_from([1.0, -1.0]))
-def test_initial_loading_does_not_matter_above_the_permanent_stick_load(ratio, use, phase, mean, sense):
+@given(
+    st.floats(1e-3, 0.95),
+    st.floats(0.02, 0.98),
+    st.floats(5, 175),
+    st.floats(-0.5, 0.5),
+    st.sampled_from([1.0, -1.0]),
+)
+def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
+    ratio, use, phase, mean, sense
+):
     """Three admissible initial loadings, one steady cycle: the curves differ only below P_T."""
     slack = (1 - ratio) * (1 - use)
     q1, q0 = use * FRICTION * (1 - ratio), mean * slack * FRICTION
     ends = []
-    for initial_loading in ("straight", ((1.2, 0.0),), ((0.7, 0.5 * 0.7 * FRICTION), (1.0, -0.4 * FRICTION))):
+    for initial_loading in (
+        "straight",
+        ((1.2, 0.0),),
+        ((0.7, 0.5 * 0.7 * FRICTION), (1.0, -0.4 * FRICTION)),
+    ):
         path = ellipse(1.0, ratio, q0, q1, sense * phase, initial_loading).path()
-        history = follow(path.initial_loading, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION)
+        history = follow(
+            path.initial_loading, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION
+        )
         assert history.steady_from in (0, 1)
         fronts = [
-            span.leg.loads(time)[0] - span.slipped(time) for span in history.cycles[-1] for time in (span.begin.time, span.end.time)
+            span.leg.loads(time)[0] - span.slipped(time)
+            for span in history.cycles[-1]
+            for time in (span.begin.time, span.end.time)
         ]
         ends.append((history.states[-1], float(min(fronts))))
     eta = np.linspace(ends[0][1], ends[0][0].top, 40)
@@ -78,54 +123,81 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(ratio, u
 def test_curves_are_told_apart_and_unloading_follows_them():
     curve = final_curve([(1.0, 0.3), (2.0, 0.4)])
     assert same(unload_to(curve, 0.5), final_curve([(0.5, 0.15)]), FRICTION)
-    assert same(final_curve([(1.0, 0.3), (2.0, 0.4), (1.0, 0.3)]), final_curve([(1.0, 0.3)]), FRICTION)
+    assert same(
+        final_curve([(1.0, 0.3), (2.0, 0.4), (1.0, 0.3)]), final_curve([(1.0, 0.3)]), FRICTION
+    )
     assert unload_to(curve, 0.0) is None
-    assert same(final_curve([(1.0, 0.6), (0.0, 0.0), (1.0, 0.1)]), final_curve([(1.0, 0.1)]), FRICTION)
+    assert same(
+        final_curve([(1.0, 0.6), (0.0, 0.0), (1.0, 0.1)]), final_curve([(1.0, 0.1)]), FRICTION
+    )
     for other in ([(1.0, 0.3 + 1e-9)], [(0.5, 0.1), (1.0, 0.3)]):
         assert not same(final_curve([(1.0, 0.3)]), final_curve(other), FRICTION)
     assert not same(final_curve([(1.0, 0.3)]), None, FRICTION)
 
 
-# ------------------------------------------------------------------------------------------ edges of slip and memory by brute force
+# ---------------------------------------------------------- edges of slip and memory by brute force
 
 
 def slipped_at(work, span, time):
     """P - P_c by brute force."""
-    phases = [k for k, phase in enumerate(work.phases) if phase.leg == span.leg and phase.begin <= time <= phase.end]
-    slips = [slip for slip in work.slips if slip.phase.leg == span.leg and slip.begin <= time <= slip.end]
-    # A path along the limit of friction moves no front: rounding of Q - f P says whether there is one.
-    slips = [slip for slip in slips if np.diff(slip.growth(np.array([slip.begin, slip.end]))[0])[0] > 1e-15]
-    return max((float(slip.phase.loads(time)[0] - slip.front(time)) for slip in slips), default=0.0), phases[-1]
+    phases = [
+        k
+        for k, phase in enumerate(work.phases)
+        if phase.leg == span.leg and phase.begin <= time <= phase.end
+    ]
+    slips = [
+        slip for slip in work.slips if slip.phase.leg == span.leg and slip.begin <= time <= slip.end
+    ]
+    # A path along the limit of friction moves no front: rounding of Q - f P says whether there is
+    # one.
+    slips = [
+        slip
+        for slip in slips
+        if np.diff(slip.growth(np.array([slip.begin, slip.end]))[0])[0] > 1e-15
+    ]
+    return (
+        max((float(slip.phase.loads(time)[0] - slip.front(time)) for slip in slips), default=0.0),
+        phases[-1],
+    )
 
 
 @pytest.mark.parametrize("load", LOADS)
 def test_fronts_and_the_memory_curve_straight_from_the_path(load):
-    """P_c to 1e-14 of P, M(eta) to 1e-15 f P. Just after a turn on harmonics P_c was 1.2e-11 off, 1/5,000 of what had slipped."""
+    """P_c to 1e-14 of P, M(eta) to 1e-15 f P. Just after a turn on harmonics P_c was 1.2e-11 off,
+    1/5,000 of what had slipped.
+    """
     scene = extreme("hertz", load)
     history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     work, top, checked = Work(scene, history.covered[-1]), 2.0, 0
     for span in history.cycles[-1]:
         for part in (1e-4, 0.1, 0.6, 0.999):
             time = LONG(span.begin.time + (span.end.time - span.begin.time) * part)
-            if time - span.begin.time < 1e-7:  # what brute force itself knows so soon after a turn has less digits
+            # what brute force itself knows so soon after a turn has less digits
+            if time - span.begin.time < 1e-7:
                 continue
             slipped, number = slipped_at(work, span, time)
-            assert abs(float(span.slipped(float(time))) - slipped) <= 1e-14 * top, (span.begin.time, part)
+            assert abs(float(span.slipped(float(time))) - slipped) <= 1e-14 * top, (
+                span.begin.time,
+                part,
+            )
             eta = float(span.leg.loads(float(time))[0]) * np.array([1e-3, 0.3, 0.9])
             exact = [float(memory(work.phases, number, time, each, 0.5)) for each in eta]
-            np.testing.assert_allclose(values(span.curve(float(time)), eta), exact, rtol=0, atol=1e-15 * 0.5 * top)
+            np.testing.assert_allclose(
+                values(span.curve(float(time)), eta), exact, rtol=0, atol=1e-15 * 0.5 * top
+            )
             checked += 1
     assert checked >= 12
 
 
-# -------------------------------------------------------------------------------------------------------------------- events
+# ------------------------------------------------------------------------------------------- events
 
 
 PAPER = make_scene(ellipse(3.0, 1.0, 1.1, 1.0, 90.0, "parabola"))
 ROOT = math.sqrt(0.5)
 
 
-# P = 3 + cos t, Q = 1.1 + sin t, f = 1: u = Q - P turns at 3 pi/4 and 7 pi/4, v = Q + P at pi/4 and 5 pi/4.
+# P = 3 + cos t, Q = 1.1 + sin t, f = 1: u = Q - P turns at 3 pi/4 and 7 pi/4, v = Q + P at pi/4 and
+# 5 pi/4.
 PLACES = {
     "A": (3.0, 0.1),
     "B": (3 + ROOT, 1.1 - ROOT),
@@ -145,21 +217,33 @@ PLACES = {
 
 @pytest.mark.parametrize("sense", [1, -1])
 def test_letters_stand_where_the_circle_says(sense):
-    """And clockwise at the mirror image. J comes after K, which the paper names after it: 2 t_I - t_G = 9 pi/4."""
+    """And clockwise at the mirror image. J comes after K, which the paper names after it: 2 t_I -
+    t_G = 9 pi/4.
+    """
     scene = PAPER if sense > 0 else make_scene(ellipse(3.0, 1.0, -1.1, 1.0, -90.0))
     for letter, (normal, tangential) in PLACES.items():
         found = event(scene, letter)
-        assert (found.normal_load, sense * found.tangential_load) == pytest.approx((normal, tangential), abs=1e-12), letter
-        assert scene.load.path().at(found.time) == pytest.approx((normal, sense * tangential), abs=1e-12)
+        assert (found.normal_load, sense * found.tangential_load) == pytest.approx(
+            (normal, tangential), abs=1e-12
+        ), letter
+        assert scene.load.path().at(found.time) == pytest.approx(
+            (normal, sense * tangential), abs=1e-12
+        )
     times = [one.time for one in events(PAPER)]
     assert "".join(one.letter for one in events(PAPER)) == "ABCDEFGHIKJLM"
     assert times == sorted(times)
 
 
 def test_events_have_the_names_and_edge_loads_of_the_paper():
-    """At E the transient edge load (its Z); at G and M the permanent stick load T; at J the load of G; in full stick P itself."""
+    """At E the transient edge load (its Z); at G and M the permanent stick load T; at J the load of
+    G; in full stick P itself.
+    """
     permanent = 3 - math.sqrt(2)
-    assert event(PAPER, "G").front_load == event(PAPER, "M").front_load == pytest.approx(permanent, rel=1e-14)
+    assert (
+        event(PAPER, "G").front_load
+        == event(PAPER, "M").front_load
+        == pytest.approx(permanent, rel=1e-14)
+    )
     assert event(PAPER, "E").front_load < permanent < event(PAPER, "L").front_load < 3 - ROOT
     assert event(PAPER, "J").front_load == pytest.approx(3 - ROOT)
     assert event(PAPER, "H").front_load == event(PAPER, "H").normal_load
@@ -172,18 +256,24 @@ def test_events_have_the_names_and_edge_loads_of_the_paper():
 def test_lines_polygons_and_series_have_events_without_letters():
     series = make_scene(TimeSeriesLoad(rows=[[0.0, 0.0, 0.0], [1.0, 1.0, 0.2], [2.0, 0.5, -0.1]]))
     assert [one.time for one in events(series)] == [0.0, 1.0, 2.0]
-    for scene in (load_scene("full-stick"), make_scene(polygon([(1.0, 0.0)], [(1.0, 0.4), (1.0, -0.4)])), series):
+    for scene in (
+        load_scene("full-stick"),
+        make_scene(polygon([(1.0, 0.0)], [(1.0, 0.4), (1.0, -0.4)])),
+        series,
+    ):
         assert all(one.letter == "" for one in events(scene))
         with pytest.raises(InputError, match="no event 'A'"):
             event(scene, "A")
 
 
-# --------------------------------------------------------------------------------------------- one path in several forms
+# ------------------------------------------------------------------------ one path in several forms
 def by_spans(scene, **options):
     """The answer by the engine of curved paths."""
     with pytest.MonkeyPatch.context() as patch:
         path, friction, cycles = scene.load.path(), scene.friction.coefficient, scene.cycles
-        patch.setattr(solution, "_path_of", lambda scene, time: history_of(path, friction, cycles, time))
+        patch.setattr(
+            solution, "_path_of", lambda scene, time: history_of(path, friction, cycles, time)
+        )
         return solve(scene, **options)
 
 
@@ -195,18 +285,30 @@ def test_rows_and_functions_with_corners_are_the_polygon():
     rows = [[float(k), *corner] for k, corner in enumerate(POLYGON)]
     plain = make_scene(polygon(POLYGON[:1], POLYGON[1:-1]), 0.5)
     series = make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5)
-    normal, tangential = (lambda t, k=k: np.interp(np.mod(t, 4), range(5), [corner[k] for corner in POLYGON]) for k in (0, 1))
-    function = make_scene(CallableLoad(normal_load=normal, tangential_load=tangential, duration=4.0, repeats=True), 0.5)
+    normal, tangential = (
+        lambda t, k=k: np.interp(np.mod(t, 4), range(5), [corner[k] for corner in POLYGON])
+        for k in (0, 1)
+    )
+    function = make_scene(
+        CallableLoad(normal_load=normal, tangential_load=tangential, duration=4.0, repeats=True),
+        0.5,
+    )
     x = np.linspace(0, 1.8, 7)
-    one, two = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33)), solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
+    one, two = (
+        solve(plain, x=x, time=np.linspace(1.0, 9.0, 33)),
+        solve(series, x=x, time=np.linspace(0.0, 8.0, 33)),
+    )
     for name in ("shear", "slip"):
         np.testing.assert_allclose(getattr(two, name), getattr(one, name), atol=1e-14)
     assert two.dissipation == pytest.approx(one.dissipation, rel=1e-13, abs=0)
     assert two.steady_from == one.steady_from
-    assert solve(function, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(one.dissipation, rel=1e-11, abs=0)
+    assert solve(function, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(
+        one.dissipation, rel=1e-11, abs=0
+    )
 
 
-SIZES = {"dissipation": 2, "cycle_dissipation": 2, "dissipation_density": 1}  # powers of the load that a field goes with
+# powers of the load that a field goes with
+SIZES = {"dissipation": 2, "cycle_dissipation": 2, "dissipation_density": 1}
 ROUNDING = {
     # |Q| = f P is reached and P_c was a last digit below 0: W(x) on a flat face was no number.
     "a front at no load": [
@@ -222,10 +324,19 @@ ROUNDING = {
     # However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less.
     "hardly slips": [(0.92, 0.644e-12), (0.5, 0.0), (0.92, 0.644e-12)],
     "hardly slips, four turns": [
-        *[(0.5, 0.0), (0.512062, 3.58e-10), (1.0, -7e-13), (0.05, 7e-18), (0.73, -5.11e-13), (0.5, 0.0)],
+        *[
+            (0.5, 0.0),
+            (0.512062, 3.58e-10),
+            (1.0, -7e-13),
+            (0.05, 7e-18),
+            (0.73, -5.11e-13),
+            (0.5, 0.0),
+        ],
     ],
 }
-SHARES = st.lists(st.tuples(st.floats(0.05, 1), st.floats(-0.97, 0.97)), min_size=2, max_size=25, unique=True)
+SHARES = st.lists(
+    st.tuples(st.floats(0.05, 1), st.floats(-0.97, 0.97)), min_size=2, max_size=25, unique=True
+)
 
 
 @pytest.mark.parametrize("repeats", [False, True])
@@ -237,17 +348,30 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(repeats, shares, flat):
     one, other = both_ways(loads + loads[:1] * repeats, repeats, flat)
     top = max(p for p, _ in loads)
     for name in (*FIELDS[:3], "tangential_displacement", "normal_approach", *SIZES):
-        close = 1e-11 * ((0.7 * top) ** 2 if SIZES.get(name) == 2 else top if name in SIZES else max(top, 1.0))
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-10, atol=close, err_msg=name)
+        close = 1e-11 * (
+            (0.7 * top) ** 2 if SIZES.get(name) == 2 else top if name in SIZES else max(top, 1.0)
+        )
+        np.testing.assert_allclose(
+            getattr(one, name), getattr(other, name), rtol=1e-10, atol=close, err_msg=name
+        )
     # c is the root of P_c: a last digit of P counts for 1e-8 there.
-    np.testing.assert_allclose(*(np.nan_to_num(each.stick_half_width, nan=flat) for each in (one, other)), atol=1e-7)
+    np.testing.assert_allclose(
+        *(np.nan_to_num(each.stick_half_width, nan=flat) for each in (one, other)), atol=1e-7
+    )
     assert np.max(one.record.certificates["tangential_balance"]) < 1e-13
 
 
 def both_ways(loads, repeats, flat):
-    """Rows at times 0, 1, ... as a series and by the engine of curved paths, at instants that are no rows; alike in when steady."""
-    scene = make_scene(TimeSeriesLoad(rows=[[k, *load] for k, load in enumerate(loads)], repeats=repeats), 0.7, flat)
-    time = 0.37 + np.arange(0.0, len(loads) - 1 + 0.9 * repeats * len(loads) - 0.37, 0.37)  # not at the middle of a step
+    """Rows at times 0, 1, ... as a series and by the engine of curved paths, at instants that are
+    no rows; alike in when steady.
+    """
+    scene = make_scene(
+        TimeSeriesLoad(rows=[[k, *load] for k, load in enumerate(loads)], repeats=repeats),
+        0.7,
+        flat,
+    )
+    # not at the middle of a step
+    time = 0.37 + np.arange(0.0, len(loads) - 1 + 0.9 * repeats * len(loads) - 0.37, 0.37)
     one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
     assert one.steady_from == other.steady_from
     return one, other
@@ -262,35 +386,59 @@ def test_rows_at_the_ends_of_friction_are_followed_alike_by_both_ways(name, flat
     if not hardly:  # which of them slips is rounding
         np.testing.assert_array_equal(one.state, other.state)
     for field in ("slip", "tangential_displacement", *SIZES):
-        np.testing.assert_allclose(getattr(one, field), getattr(other, field), rtol=0, atol=1e-13, err_msg=field)
+        np.testing.assert_allclose(
+            getattr(one, field), getattr(other, field), rtol=0, atol=1e-13, err_msg=field
+        )
     assert one.dissipation == pytest.approx(other.dissipation, rel=1e-3 if hardly else 1e-11, abs=0)
 
 
-@pytest.mark.parametrize(("share", "steady"), [(0.3, False), (1e-4, True), (1e-9, False), (1e-9, True)])
+@pytest.mark.parametrize(
+    ("share", "steady"), [(0.3, False), (1e-4, True), (1e-9, False), (1e-9, True)]
+)
 def test_what_slips_is_that_of_sixty_digits(share, steady):
-    """P - P_c at the ends of 120 steps, to four last digits of P, or 1e-14 of itself at constant P; 0.3 of a digit measured."""
+    """P - P_c at the ends of 120 steps, to four last digits of P, or 1e-14 of itself at constant P;
+    0.3 of a digit measured.
+    """
     t = 0.37 * np.arange(120)
     normal = 2 + (0 if steady else 0.3) * np.cos(t)
-    rows = [(0.0, 0.0), (2.4, 0.24), *np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist()]
+    rows = [
+        (0.0, 0.0),
+        (2.4, 0.24),
+        *np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist(),
+    ]
     ends = []
     with mp.workdps(60):
         for number in (float, mp.mpf):
             curve, numbers, slipped, last = None, [], [], (number(0), number(0))
-            for (p, q), side in zip(rows[1:], load_series.sides_of(np.array(rows), 0.5).tolist(), strict=True):
-                curve = load_series._step(curve, side, *last, number(p), number(q), number(0.5), (lambda _: None, numbers.extend))
+            for (p, q), side in zip(
+                rows[1:], load_series.sides_of(np.array(rows), 0.5).tolist(), strict=True
+            ):
+                curve = load_series._step(
+                    curve,
+                    side,
+                    *last,
+                    number(p),
+                    number(q),
+                    number(0.5),
+                    (lambda _: None, numbers.extend),
+                )
                 slipped.append(float(numbers[-7]))
                 last = (number(p), number(q))
             ends.append(np.array(slipped))
     found, exact = ends
     assert np.max(exact) > 0.3 * share
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16)
+    np.testing.assert_allclose(
+        found, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16
+    )
 
 
-# -------------------------------------------------------------------------------------------------- long series, and effort
+# -------------------------------------------------------------------------- long series, and effort
 
 
 def test_a_long_series_answers_what_is_asked_and_nothing_else():
-    """Counts of the work: no curve without a field, no quadrature without the dissipation, no field off the instants asked for."""
+    """Counts of the work: no curve without a field, no quadrature without the dissipation, no field
+    off the instants asked for.
+    """
     t = np.arange(1.0, 1202)
     rows = np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)
     scene = make_scene(TimeSeriesLoad(rows=rows))
@@ -302,26 +450,36 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else():
     work = solve(scene, fields=("dissipation",))
     assert work.work.counts["curves"] == 0
     assert work.work.counts["slip_quadratures"] == work.work.counts["slips"] > 1000
-    np.testing.assert_allclose(np.sum(work.record.energy["dissipation"]), work.dissipation, rtol=1e-12)
+    np.testing.assert_allclose(
+        np.sum(work.record.energy["dissipation"]), work.dissipation, rtol=1e-12
+    )
     assert np.all(work.record.energy["dissipation"] >= 0)
     two = solve(scene, x=X, time=[600.5, 3.0], fields=("shear",))
     assert (two.work.counts["curves"], two.work.counts["slip_quadratures"]) == (2, 0)
-    np.testing.assert_allclose(two.shear, by_spans(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13)
+    np.testing.assert_allclose(
+        two.shear, by_spans(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13
+    )
     whole = solve(scene, x=X, time=bare.time, fields=("shear",))
     for name in ("normal_load", "tangential_load", "stick_half_width"):  # the state needs no curve
         np.testing.assert_allclose(getattr(bare, name), getattr(whole, name), rtol=1e-12, atol=0)
     t = np.arange(2200.0)
-    scene = make_scene(TimeSeriesLoad(rows=np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)))
+    scene = make_scene(
+        TimeSeriesLoad(rows=np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1))
+    )
     thinned = solve(scene, x=X[:2], fields=("pressure",))
     assert thinned.time[-1] == 2199
     assert any(f"{2201 - len(thinned.time)} were left out" in note for note in thinned.record.notes)
 
 
 def test_what_is_alive_stays_small_however_many_steps_went_before():
-    """A larger swing erases the smaller ones, every knot comes and goes once; dying swings stay until one erases them."""
+    """A larger swing erases the smaller ones, every knot comes and goes once; dying swings stay
+    until one erases them.
+    """
     rng = np.random.default_rng(3)
     normal = rng.uniform(1.0, 3.0, 16000)
-    block = load_series.follow(None, np.stack([normal, rng.uniform(-0.9, 0.9, 16000) * normal], axis=1), 1.0)
+    block = load_series.follow(
+        None, np.stack([normal, rng.uniform(-0.9, 0.9, 16000) * normal], axis=1), 1.0
+    )
     assert (len(block.records.row) <= 2 * 16000, block.alive < 40) == (True, True)
     swings = [(1.0, (-1) ** k * 0.6 * (1 - k / 1001)) for k in range(1000)]
     for erased, low, high in ((False, 900, 1003), (True, 1, 3)):
@@ -331,9 +489,11 @@ def test_what_is_alive_stays_small_however_many_steps_went_before():
         assert low <= sum(1 for _ in pieces(final_curve(loads))) <= high
 
 
-# ------------------------------------------------------------------------------------------- memory at its own boundaries
+# --------------------------------------------------------------------- memory at its own boundaries
 def test_memory_at_joints_tops_and_no_load():
-    """M at both ends of each piece, unloading exactly to a joint, slip that reaches exactly a joint or all of the curve."""
+    """M at both ends of each piece, unloading exactly to a joint, slip that reaches exactly a joint
+    or all of the curve.
+    """
     leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
     pressed = load_in_stick(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
     back = StraightSegment(1.0, 2.0, (2.0, 1.0), (2.0, 0.4))

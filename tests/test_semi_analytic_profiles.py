@@ -1,7 +1,9 @@
-"""Normal contact of every profile: P(a), a(P), p, slip, logarithm and friction work of one load, against h'' alone in more digits.
+"""Normal contact of every profile: P(a), a(P), p, slip, logarithm and friction work of one load,
+against h'' alone in more digits.
 
-Measured quantities M of a superposition of flat punches are M = int m(alpha) dP; `law_of` has dP/d alpha of each profile from the
-numbers of the scene (its own test: 30 digits of h'), and the integrals are taken here in extended precision.
+Measured quantities M of a superposition of flat punches are M = int m(alpha) dP; `law_of` has dP/d
+alpha of each profile from the numbers of the scene (its own test: 30 digits of h'), and the
+integrals are taken here in extended precision.
 """
 
 import contextlib
@@ -53,7 +55,10 @@ def cosh_less_one(x):
 # Name to profile and the half-widths that are tried: next to its corners, far from them, and small.
 CASES = {
     "hertz": (Hertz(radius=2.0), (1e-6, 1.3, 40.0)),
-    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.044, 1.3, 40.0, 1e6)),
+    "flat and rounded": (
+        FlatRounded(radius=1.0, flat_half_length=1.0),
+        (1.01, 1.044, 1.3, 40.0, 1e6),
+    ),
     "compound, blunter": (
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.0),
         (0.9, 1 + 1e-5, 1.1, 1e4),
@@ -62,10 +67,16 @@ CASES = {
         Compound(inner_radius=3.0, outer_radius=0.5, inner_half_length=1.0),
         (1e-3, 0.9, 1 + 1e-5, 1.1, 3.0, 1e4),
     ),
-    "compound, flat": (Compound(inner_radius=1.0, outer_radius=1e4, inner_half_length=1.0), (0.9, 1 + 1e-5, 3.0, 1e4)),
+    "compound, flat": (
+        Compound(inner_radius=1.0, outer_radius=1e4, inner_half_length=1.0),
+        (0.9, 1 + 1e-5, 3.0, 1e4),
+    ),
     "wedge": (Wedge(tip_radius=2.0, tip_half_length=1.0), (1e-3, 0.9, 1 + 1e-8, 1.1, 3.0, 1e4)),
     "table": (table(cosh_less_one, 1.0, 5), (1e-6, 0.4, 0.9)),
-    "table with a flat": (table(lambda x: np.maximum(x - 0.5, 0) ** 2 + np.maximum(x - 1, 0) ** 2, 2.0, 9), (0.75, 1.01, 1.9)),
+    "table with a flat": (
+        table(lambda x: np.maximum(x - 0.5, 0) ** 2 + np.maximum(x - 1, 0) ** 2, 2.0, 9),
+        (0.75, 1.01, 1.9),
+    ),
     "table of a parabola": (table(lambda x: x * x / 4, 3.0, 13, 2), (0.2, 1.01, 2.9)),
     "function h": (CallableProfile(extent=3.0, height_function=cosh_less_one), (1e-6, 0.9, 2.9)),
     "function h'": (CallableProfile(extent=3.0, slope_function=np.sinh), (1e-6, 0.9, 2.9)),
@@ -75,21 +86,34 @@ CASES |= {
     for rises in ((0.5,), (0.0, 0.3), (0.5, 0.25, 0.1), (1.0, -0.9, 0.5))
 }
 CASES |= {
-    f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0)) for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
+    f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0))
+    for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
 }
 EVERY, BOUNDED = pytest.mark.parametrize("name", CASES), ("tabulated", "callable")
 
-# Relative errors admitted; measured 7e-13 of p at 0.999 a, where a last digit of a counts 500 times, 1e-12 by a derivative.
-LIMITS = {"pressure": 2e-12, "pressure_moment": 2e-12, "dissipation_kernel": 3e-11, "function h": 1e-11}
+# Relative errors admitted; measured 7e-13 of p at 0.999 a, where a last digit of a counts 500
+# times, 1e-12 by a derivative.
+LIMITS = {
+    "pressure": 2e-12,
+    "pressure_moment": 2e-12,
+    "dissipation_kernel": 3e-11,
+    "function h": 1e-11,
+}
 
 
 def kernels(contact, truth, a):
-    """(name, arguments of the contact, exact value) at one half-width, the moments, weighted by P(alpha), too."""
+    """(name, arguments of the contact, exact value) at one half-width, the moments, weighted by
+    P(alpha), too.
+    """
     load, a, least = float(contact.load(a)), LONG(a), truth.least
-    for x in (float(a) * part for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1 + 1e-9, 1 + 1e-6, 1 + 1e-3, 1.3, 4.0)):
+    for x in (
+        float(a) * part
+        for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1 + 1e-9, 1 + 1e-6, 1 + 1e-3, 1.3, 4.0)
+    ):
         at = LONG(x)
         for moment, weight in (("", None), ("_moment", truth.law.load)):
-            if x < a and (x > 0 or truth.law.rate(LONG(1e-9)) < 1e-7):  # p of the tip of a wedge is infinite
+            # p of the tip of a wedge is infinite
+            if x < a and (x > 0 or truth.law.rate(LONG(1e-9)) < 1e-7):
                 yield "pressure" + moment, (x, load), truth.traction(at, least, a, weight)
             if at > least:
                 yield "slip_integral" + moment, (x, load), truth.slip(at, least, a, weight)
@@ -99,7 +123,11 @@ def kernels(contact, truth, a):
         slipped = load - float(contact.load(float(least + part * (a - least))))
         if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
             c = LONG(float(contact.half_width(front)))
-            yield "dissipation_kernel", (load, slipped), truth.total(lambda alpha, c=c: np.log1p((alpha - c) / c), c, a)
+            yield (
+                "dissipation_kernel",
+                (load, slipped),
+                truth.total(lambda alpha, c=c: np.log1p((alpha - c) / c), c, a),
+            )
 
 
 @EVERY
@@ -107,7 +135,9 @@ def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(n
     profile, widths = CASES[name]
     contact, truth = contact_on(profile), Punches(profile)
     for a in widths:
-        assert float(contact.half_width(contact.load(a))) == pytest.approx(a, rel=3e-15 if profile.kind != "callable" else 1e-12)
+        assert float(contact.half_width(contact.load(a))) == pytest.approx(
+            a, rel=3e-15 if profile.kind != "callable" else 1e-12
+        )
         for kernel, arguments, true in kernels(contact, truth, a):
             moment = kernel.endswith("moment")
             if moment and profile.kind == "callable":
@@ -119,51 +149,93 @@ def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(n
                 estimate = float(contact.quadrature_error(kernel, *arguments))
                 close = arguments[0] / arguments[1] if kernel == "dissipation_kernel" else 1.0
                 of_truth = 1e-14
-                if kernel == "dissipation_kernel":  # the exact value is that between two half-widths of a last digit each
+                # the exact value is that between two half-widths of a last digit each
+                if kernel == "dissipation_kernel":
                     inner = float(contact.half_width(arguments[0] - arguments[1]))
                     of_truth += 8 * np.finfo(float).eps * float(a) / (float(a) - inner)
-                assert abs(value - exact) <= estimate + of_truth * abs(exact), (kernel, a, arguments)
-                assert estimate <= 1e-9 * close * abs(exact) * (1 + abs(math.log(a))), (kernel, a, arguments)
+                assert abs(value - exact) <= estimate + of_truth * abs(exact), (
+                    kernel,
+                    a,
+                    arguments,
+                )
+                assert estimate <= 1e-9 * close * abs(exact) * (1 + abs(math.log(a))), (
+                    kernel,
+                    a,
+                    arguments,
+                )
 
 
 @EVERY
 def test_half_width_inverts_load_over_sixteen_decades(name):
     contact, kind = contact_on(CASES[name][0]), CASES[name][0].kind
-    load = 10.0 ** np.linspace(-16, 0, 161) * (float(contact.load(0.996 * contact.extent)) if kind in BOUNDED else 1e8)
-    # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of the edge keeps all.
-    found = contact.law.load(contact.law.advance(load)) if contact.least else contact.load(contact.half_width(load))
+    load = 10.0 ** np.linspace(-16, 0, 161) * (
+        float(contact.load(0.996 * contact.extent)) if kind in BOUNDED else 1e8
+    )
+    # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of
+    # the edge keeps all.
+    found = (
+        contact.law.load(contact.law.advance(load))
+        if contact.least
+        else contact.load(contact.half_width(load))
+    )
     np.testing.assert_allclose(found, load, rtol=2e-14)
     assert np.all(np.diff(contact.half_width(load)) >= 0)
 
 
-@pytest.mark.parametrize("name", [name for name, (profile, _) in CASES.items() if profile.kind != "callable"])
+@pytest.mark.parametrize(
+    "name", [name for name, (profile, _) in CASES.items() if profile.kind != "callable"]
+)
 def test_close_half_widths_keep_their_digits(name):
-    """arccosh(x/a) and 1/sqrt(a^2 - x^2) from the difference of the loads, against their definitions."""
+    """arccosh(x/a) and 1/sqrt(a^2 - x^2) from the difference of the loads, against their
+    definitions.
+    """
     profile, widths = CASES[name]
     contact = contact_on(profile)
     for a in widths:
         load = float(contact.load(a))
         for part in (0.5, 1e-2, 1e-4, 1e-6):
-            if load * (1 + part) > (0.99 * float(contact.load(contact.extent)) if profile.kind == "tabulated" else np.inf):
+            if load * (1 + part) > (
+                0.99 * float(contact.load(contact.extent))
+                if profile.kind == "tabulated"
+                else np.inf
+            ):
                 continue
             excess, advance = part * load, contact.advance(load)
             outer, inner = (float(contact.half_width(load + sign * excess)) for sign in (1, -1))
-            reach = np.arccosh(outer / a) if part > 1e-3 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
+            reach = (
+                np.arccosh(outer / a)
+                if part > 1e-3
+                else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
+            )
             limit = 1e-11 + 4e-14 / part * a / max(a - contact.least, 1e-9 * a)
-            assert float(contact.arccosh_ratio(outer, excess, advance)) == pytest.approx(reach, rel=limit)
+            assert float(contact.arccosh_ratio(outer, excess, advance)) == pytest.approx(
+                reach, rel=limit
+            )
             root = np.sqrt(excess / ((a - inner) * (a + inner)))
-            assert float(np.sqrt(excess) * contact.inverse_root(inner, excess, advance)) == pytest.approx(root, rel=limit)
+            assert float(
+                np.sqrt(excess) * contact.inverse_root(inner, excess, advance)
+            ) == pytest.approx(root, rel=limit)
 
 
 @EVERY
 def test_the_law_of_the_oracle_is_that_of_the_slope_in_thirty_digits(name):
-    """E* int_0^a x h'/sqrt(a^2 - x^2) dx, h' by hand of each profile; and dP/da, whose integral is P."""
+    """E* int_0^a x h'/sqrt(a^2 - x^2) dx, h' by hand of each profile; and dP/da, whose integral is
+    P.
+    """
     profile, widths = CASES[name]
     law, a = law_of(profile), LONG(widths[1])
     with mp.workdps(34):
         slope, exact_a = slope_of(profile), mp.mpf(widths[1])
-        marks = sorted({mp.mpf(0), mp.pi / 2, *(mp.asin(mp.mpf(str(b)) / exact_a) for b in law.breaks if 0 < b < a)})
-        exact = mp.quad(lambda angle: exact_a * mp.sin(angle) * slope(exact_a * mp.sin(angle)), marks)
+        marks = sorted(
+            {
+                mp.mpf(0),
+                mp.pi / 2,
+                *(mp.asin(mp.mpf(str(b)) / exact_a) for b in law.breaks if 0 < b < a),
+            }
+        )
+        exact = mp.quad(
+            lambda angle: exact_a * mp.sin(angle) * slope(exact_a * mp.sin(angle)), marks
+        )
         digits = abs(mp.mpf(str(law.load(a))) / exact - 1)
     assert digits < 1e-16
     parts = [law.breaks[0], *(b for b in law.breaks if law.breaks[0] < b < a), a]
@@ -174,8 +246,13 @@ def slope_of(profile):
     """h'(x), x > 0, in the digits of mpmath."""
     if profile.kind == "tabulated":
         spline = profile.spline()
-        knots, bends = ([mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature))
-        return lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in zip(bends, knots[:-1], knots[1:], strict=True))
+        knots, bends = (
+            [mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature)
+        )
+        return lambda x: sum(
+            k * (min(max(x, a), b) - a)
+            for k, a, b in zip(bends, knots[:-1], knots[1:], strict=True)
+        )
     if profile.kind == "callable":
         return mp.sinh
     k = {
@@ -185,17 +262,22 @@ def slope_of(profile):
     return {
         "hertz": lambda x: x / k["radius"],
         "flat_rounded": lambda x: max(x - k["flat_half_length"], 0) / k["radius"],
-        "compound": lambda x: (min(x, k["inner_half_length"]) / k["inner_radius"]
-                               + max(x - k["inner_half_length"], 0) / k["outer_radius"]),
-        "wedge": lambda x: min(x, k["tip_half_length"]) / k["tip_radius"],
-        "power_law": lambda x: k["exponent"] * k["rise"] / k["length"] ** k["exponent"] * x ** (k["exponent"] - 1),
-        "polynomial": lambda x: sum(
-            2 * n * mp.mpf(c) * x ** (2 * n - 1) / k["length"] ** (2 * n) for n, c in enumerate(k["rises"], 1)
+        "compound": lambda x: (
+            min(x, k["inner_half_length"]) / k["inner_radius"]
+            + max(x - k["inner_half_length"], 0) / k["outer_radius"]
         ),
-    }[profile.kind]  # fmt: skip
+        "wedge": lambda x: min(x, k["tip_half_length"]) / k["tip_radius"],
+        "power_law": lambda x: (
+            k["exponent"] * k["rise"] / k["length"] ** k["exponent"] * x ** (k["exponent"] - 1)
+        ),
+        "polynomial": lambda x: sum(
+            2 * n * mp.mpf(c) * x ** (2 * n - 1) / k["length"] ** (2 * n)
+            for n, c in enumerate(k["rises"], 1)
+        ),
+    }[profile.kind]
 
 
-# ------------------------------------------------------------------------------------------ one shape in two forms
+# --------------------------------------------------------------------------- one shape in two forms
 def flattened(x, flat, bend):
     return np.sign(x) * np.maximum(np.abs(x) - flat, 0) * bend
 
@@ -205,7 +287,9 @@ BEND = float(KNEE.spline().curvature[np.flatnonzero(KNEE.spline().curvature)[0]]
 # One, the other, loads, relative error.
 SAME = {
     "a corner of the slope is found": (
-        CallableProfile(slope_function=lambda x: np.clip(x, -0.7, 0.7) + flattened(x, 0.7, 1 / 3), extent=5.0),
+        CallableProfile(
+            slope_function=lambda x: np.clip(x, -0.7, 0.7) + flattened(x, 0.7, 1 / 3), extent=5.0
+        ),
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=0.7),
         (0.1, 0.4, 3.0),
         1e-11,
@@ -223,7 +307,10 @@ SAME = {
         1e-11,
     ),
     "a function of single numbers": (
-        CallableProfile(height_function=lambda x: x * x / 2 if abs(x) < 0.3 else x * x / 2 + 0.0 * abs(x), extent=3.0),
+        CallableProfile(
+            height_function=lambda x: x * x / 2 if abs(x) < 0.3 else x * x / 2 + 0.0 * abs(x),
+            extent=3.0,
+        ),
         Hertz(radius=1.0),
         (0.1, 1.0),
         1e-10,
@@ -234,12 +321,19 @@ SAME = {
         (1e-3, 20.0),
         1e-8,
     ),
-    "far from the tip": (Wedge(tip_radius=2e-8, tip_half_length=1e-8), PowerLaw(exponent=1.0, length=1.0, rise=0.5), (0.5,), 1e-7),
+    "far from the tip": (
+        Wedge(tip_radius=2e-8, tip_half_length=1e-8),
+        PowerLaw(exponent=1.0, length=1.0, rise=0.5),
+        (0.5,),
+        1e-7,
+    ),
     # As much as the last digit of a leaves of a - b.
     "beside the flat of a table": (
         KNEE,
         FlatRounded(radius=1 / BEND, flat_half_length=contact_on(KNEE).least),
-        tuple(share * float(contact_on(KNEE).load(contact_on(KNEE).breaks[0])) for share in (1e-2,)),
+        tuple(
+            share * float(contact_on(KNEE).load(contact_on(KNEE).breaks[0])) for share in (1e-2,)
+        ),
         1e-10,
     ),
 }
@@ -262,7 +356,7 @@ def test_one_shape_in_two_forms(name):
             assert found == pytest.approx(wanted, rel=limit)
 
 
-# ---------------------------------------------------------------------------------------------- ends of single laws
+# ------------------------------------------------------------------------------ ends of single laws
 
 
 FLAT = contact_on(FlatRounded(radius=1.0, flat_half_length=1.0), 2.0)  # E* b^2/(2 R) = 1
@@ -297,8 +391,12 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
     contact = FLAT if flat else contact_on(Hertz(radius=2.0), 3.0)
     with mp.workdps(60):
         for part in (1e-14, 1e-7, 1e-3, 0.29, 0.31, 0.7, 0.999):
-            exact = float(area_in_many_digits(flat, mp.mpf(load), mp.mpf(load) - mp.mpf(load * part)))
-            assert float(contact.dissipation_kernel(load, load * part)) == pytest.approx(exact, rel=1e-13), part
+            exact = float(
+                area_in_many_digits(flat, mp.mpf(load), mp.mpf(load) - mp.mpf(load * part))
+            )
+            assert float(contact.dissipation_kernel(load, load * part)) == pytest.approx(
+                exact, rel=1e-13
+            ), part
         for ratio in (1e-18, 1e-12, 1e-5, 0.1, 0.3, 0.3001, 0.9, 1 - 1e-12):
             exact = float(-mp.log(1 - mp.mpf(ratio)) - mp.mpf(ratio))
             assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
@@ -315,9 +413,11 @@ def test_pressure_of_power_laws_to_the_very_middle(n):
     np.testing.assert_allclose(contact.pressure(xi, one) * np.pi / (n * one), exact, rtol=1e-11)
 
 
-# --------------------------------------------------------------------------------------------------------- tables
+# ------------------------------------------------------------------------------------------- tables
 def test_many_knots_cost_no_digits():
-    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; and rows of a circle come closer with the step's square."""
+    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; and rows of a circle come
+    closer with the step's square.
+    """
     contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
     half = contact.half_width(40.0)
     x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
@@ -325,27 +425,38 @@ def test_many_knots_cost_no_digits():
     np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
     half, circle = np.linspace(0.3, 0.75, 40), lambda x: 1 - np.sqrt(1 - x * x)
     fine = contact_on(table(circle, 0.8, 641)).load(half)
-    errors = [np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1)) for count in (11, 41, 161)]
+    errors = [
+        np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1))
+        for count in (11, 41, 161)
+    ]
     assert min(errors[0] / errors[1], errors[1] / errors[2]) > 12
     assert errors[2] < 1e-5
 
 
-# ------------------------------------------------------------------------------------------------- quantised rows
+# ----------------------------------------------------------------------------------- quantised rows
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_rows_that_bend_up_make_a_curve_that_does(seed):
-    """Random convex rows, half of them with stretches on a line, which had a knee bent into them: none is refused."""
+    """Random convex rows, half of them with stretches on a line, which had a knee bent into them:
+    none is refused.
+    """
     chance = np.random.default_rng(seed)
     for _ in range(20):
         count = int(chance.choice([4, 11, 31]))
-        bends = chance.exponential(size=count - 1) * (chance.random(count - 1) < chance.choice([0.3, 1.0]))
+        bends = chance.exponential(size=count - 1) * (
+            chance.random(count - 1) < chance.choice([0.3, 1.0])
+        )
         bends[-1] += 0.1
         x = np.append(0, np.cumsum(chance.uniform(0.2, 1, count - 1)))
-        profile = Tabulated(points=np.stack([x, np.append(0, np.cumsum(np.cumsum(bends) * np.diff(x)))], axis=1))
+        profile = Tabulated(
+            points=np.stack([x, np.append(0, np.cumsum(np.cumsum(bends) * np.diff(x)))], axis=1)
+        )
         contact_on(profile)
         if np.all(bends > 0):
-            assert np.min(profile.spline().curvature[1:]) > -1e-9 * np.max(profile.spline().curvature)
+            assert np.min(profile.spline().curvature[1:]) > -1e-9 * np.max(
+                profile.spline().curvature
+            )
 
 
 SHAPES = {
@@ -359,15 +470,21 @@ SHAPES = {
 
 
 def rows_of(chance):
-    """Rows of a shape with 2 to 6 decimals, evenly spaced or not, a third of them with noise that is made to rise: plateaus."""
+    """Rows of a shape with 2 to 6 decimals, evenly spaced or not, a third of them with noise that
+    is made to rise: plateaus.
+    """
     name = str(chance.choice(list(SHAPES)))
     count, decimals = int(chance.choice([5, 11, 31, 101, 301])), int(chance.integers(2, 7))
     x = np.linspace(0, 3, count)
     if chance.random() < 0.3:
-        x = np.unique(np.round(np.append(chance.uniform(0, 3, count), 0), int(chance.integers(2, 9))))
+        x = np.unique(
+            np.round(np.append(chance.uniform(0, 3, count), 0), int(chance.integers(2, 9)))
+        )
     h = SHAPES[name](x)
     if chance.random() < 0.3:
-        h = np.maximum.accumulate(np.maximum(h + 10.0**-decimals * chance.standard_normal(len(x)), h[0]))
+        h = np.maximum.accumulate(
+            np.maximum(h + 10.0**-decimals * chance.standard_normal(len(x)), h[0])
+        )
     return x, np.round(h - h[0], decimals)
 
 
@@ -382,11 +499,16 @@ def judged(x, h):
     try:
         contact = contact_on(profile)
     except InputError as refusal:
-        named = all(words in str(refusal) for words in ("row", "near a half-width of")) and "\n" not in str(refusal)
+        named = all(
+            words in str(refusal) for words in ("row", "near a half-width of")
+        ) and "\n" not in str(refusal)
         return "split" if named else f"refused in other words: {refusal}"
     loads = contact.load(np.linspace(contact.least, contact.extent, 3001)[1:])
     load = loads[-1] * np.geomspace(1e-4, 1, 40)
-    if np.min(np.diff(loads)) < -1e-13 * loads[-1] or np.max(np.abs(contact.load(contact.half_width(load)) / load - 1)) > 1e-10:
+    if (
+        np.min(np.diff(loads)) < -1e-13 * loads[-1]
+        or np.max(np.abs(contact.load(contact.half_width(load)) / load - 1)) > 1e-10
+    ):
         return "P falls, or a(P) is not its inverse"
     return "solved" if np.all(contact.pressure(x[:20], load[-2]) >= 0) else "no pressure"
 
@@ -407,9 +529,13 @@ def bounded(seconds):
         signal.signal(signal.SIGVTALRM, before)
 
 
-@pytest.mark.parametrize(("seed", "count"), [(14, 60), pytest.param(140, 1500, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("seed", "count"), [(14, 60), pytest.param(140, 1500, marks=pytest.mark.slow)]
+)
 def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
-    """Zero-width intervals, curvatures of 1e12 and a loop without end before; now rows either hold together or are refused."""
+    """Zero-width intervals, curvatures of 1e12 and a loop without end before; now rows either hold
+    together or are refused.
+    """
     chance = np.random.default_rng(seed)
     with bounded(300):
         found = [judged(*rows_of(chance)) for _ in range(count)]
@@ -417,35 +543,51 @@ def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
     assert min(found.count("solved"), found.count("split")) > count / 5
 
 
-# ------------------------------------------------------------------------------------------------------- refusals
+# ----------------------------------------------------------------------------------------- refusals
 def function(**given):
     return lambda: CallableProfile(extent=2.0, **given)
 
 
 X = np.linspace(0, 3, 301)
 REFUSED = {
-    "a parabola in steps": (  # of h, a step being up to 200 times what the parabola bends by between two rows
+    # of h, a step being up to 200 times what the parabola bends by between two rows
+    "a parabola in steps": (
         lambda: contact_on(Tabulated(points=np.stack([X, np.round(X * X / 2000, 5)], axis=1))),
         r"^profile\.points, row .*h is written in steps of 1e-05.*more digits",
     ),
     "lopsided": (function(height_function=lambda x: x), "not symmetric"),
-    "a step of the slope": (function(height_function=lambda x: np.maximum(np.abs(x) - 0.1, 0)), "no derivative"),
+    "a step of the slope": (
+        function(height_function=lambda x: np.maximum(np.abs(x) - 0.1, 0)),
+        "no derivative",
+    ),
     "a hollow": (function(height_function=lambda x: -x * x), "falls"),
-    "falls later": (function(height_function=lambda x: x * x * (1 - x * x / 3)), r"falls at x = 1\.2"),
-    "stairs": (function(height_function=lambda x: np.floor(100 * x * x)), "too rough|no derivative"),
+    "falls later": (
+        function(height_function=lambda x: x * x * (1 - x * x / 3)),
+        r"falls at x = 1\.2",
+    ),
+    "stairs": (
+        function(height_function=lambda x: np.floor(100 * x * x)),
+        "too rough|no derivative",
+    ),
     "flat": (function(height_function=lambda x: 0 * x), "flat from end to end"),
     "both": (function(height_function=lambda x: x * x, slope_function=lambda x: 2 * x), "not both"),
     "neither": (function(), "either height_function or slope_function"),
     "a word": (function(height_function="x*x"), "only be built in Python"),
     **{
-        f"polynomial {rises}": (lambda rises=rises: EvenPolynomial(length=1.0, rises=rises), "must rise|must be positive")
+        f"polynomial {rises}": (
+            lambda rises=rises: EvenPolynomial(length=1.0, rises=rises),
+            "must rise|must be positive",
+        )
         for rises in ((0.5, -0.6, 1 / 6), (-0.1, 1.0), (0.5, -0.1), (0.0, 0.0))
     },
     "close rows": (
         lambda: Tabulated(points=[[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]]),
         r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself",
     ),
-    "rows that fall": (lambda: Tabulated(points=[[0, 0], [1, 1], [2, 0.1]]), r"points, row 3: h = 0\.1 falls"),
+    "rows that fall": (
+        lambda: Tabulated(points=[[0, 0], [1, 1], [2, 0.1]]),
+        r"points, row 3: h = 0\.1 falls",
+    ),
     "many rows": (
         lambda: Tabulated(points=[[k, k * k] for k in range(2001)]),
         r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken",
@@ -456,7 +598,9 @@ REFUSED = {
         "split near a half-width of",
     ),
     "rows that split": (
-        lambda: contact_on(Tabulated(points=[[0, 0], [0.2, 0.2], [0.4, 0.4], [0.6, 0.4], [0.8, 0.4], [1.0, 0.41]])),
+        lambda: contact_on(
+            Tabulated(points=[[0, 0], [0.2, 0.2], [0.4, 0.4], [0.6, 0.4], [0.8, 0.4], [1.0, 0.41]])
+        ),
         "split near a half-width of",
     ),
     "beyond the function": (
@@ -467,9 +611,16 @@ REFUSED = {
         lambda: contact_on(table(lambda x: x * x / 2, 1.0, 11)).half_width(2.0),
         r"normal load 2 needs a contact wider than the table, whose last x = 1 carries 0\.785",
     ),
-    "unknown": (lambda: contact_on(type("Wedge", (), {"kind": "cone"})()), r"profile\.kind = 'cone'"),
+    "unknown": (
+        lambda: contact_on(type("Wedge", (), {"kind": "cone"})()),
+        r"profile\.kind = 'cone'",
+    ),
     "written down": (
-        lambda: load_scene("hertz-paper").vary(profile=CallableProfile(slope_function=lambda x: x, extent=1.0)).model_dump_json(),
+        lambda: (
+            load_scene("hertz-paper")
+            .vary(profile=CallableProfile(slope_function=lambda x: x, extent=1.0))
+            .model_dump_json()
+        ),
         "holds a Python function",
     ),
 }
@@ -483,23 +634,35 @@ def test_what_cannot_be_a_profile_is_refused_in_a_sentence(name):
 
 
 def test_unlike_bodies_have_a_modulus_and_a_coupling_constant():
-    soft, stiff = Elastic(young_modulus=1.0, poisson_ratio=0.25), Elastic(young_modulus=2.0, poisson_ratio=0.0)
-    assert composite_modulus(Materials(upper=soft, lower=stiff)) == pytest.approx(1 / (0.9375 + 0.5))
-    pairs = [coupling_constant(Materials(upper=one, lower=two)) for one, two in ((soft, stiff), (stiff, soft), (soft, soft))]
+    soft, stiff = (
+        Elastic(young_modulus=1.0, poisson_ratio=0.25),
+        Elastic(young_modulus=2.0, poisson_ratio=0.0),
+    )
+    assert composite_modulus(Materials(upper=soft, lower=stiff)) == pytest.approx(
+        1 / (0.9375 + 0.5)
+    )
+    pairs = [
+        coupling_constant(Materials(upper=one, lower=two))
+        for one, two in ((soft, stiff), (stiff, soft), (soft, soft))
+    ]
     # Dundurs' beta with k = 2 (1 - 2 nu)(1 + nu)/E of either body, over the two 4 (1 - nu^2)/E.
     beta = ((1 - 2 * 0.25) * 1.25 / 1.0 - 0.5) / (2 * (0.9375 + 0.5))
     assert np.abs(pairs) == pytest.approx([abs(beta), abs(beta), 0.0])
     assert pairs[0] == -pairs[1]
 
 
-# ------------------------------------------------------------------------------------------------------- at the boundaries
+# -------------------------------------------------------------------------------- at the boundaries
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
 
 
 def test_a_wedge_has_no_pressure_before_first_touch_and_an_infinite_one_after():
-    """At the tip, x = 0: 0 at P = 0, the logarithm's pole at any P > 0, beside it a finite pressure."""
+    """At the tip, x = 0: 0 at P = 0, the logarithm's pole at any P > 0, beside it a finite
+    pressure.
+    """
     wedge = contact_of(PowerLaw(exponent=1.0, length=1.0, rise=0.5), MATERIAL)
-    np.testing.assert_array_equal(wedge.pressure([0.0, 0.0, 0.1], [0.0, 1e-12, 0.0]), [0.0, np.inf, 0.0])
+    np.testing.assert_array_equal(
+        wedge.pressure([0.0, 0.0, 0.1], [0.0, 1e-12, 0.0]), [0.0, np.inf, 0.0]
+    )
     assert 0 < wedge.pressure(0.1, 1.0) < np.inf
 
 
@@ -511,7 +674,10 @@ def test_a_tip_blunter_than_a_wedge_has_a_finite_pressure_at_any_load():
         assert 0 < at_tip[1] < np.inf
 
 
-@pytest.mark.parametrize("profile", [FlatRounded(radius=1.0, flat_half_length=0.7), Wedge(tip_radius=1.0, tip_half_length=0.7)])
+@pytest.mark.parametrize(
+    "profile",
+    [FlatRounded(radius=1.0, flat_half_length=0.7), Wedge(tip_radius=1.0, tip_half_length=0.7)],
+)
 def test_the_very_edge_of_contact_and_no_load_have_no_pressure(profile):
     """At |x| = a, at the corner itself while the edge is there, and at P = 0 on the flat."""
     contact = contact_of(profile, MATERIAL)
@@ -522,8 +688,13 @@ def test_the_very_edge_of_contact_and_no_load_have_no_pressure(profile):
 
 
 def test_kernels_at_no_load_and_at_no_slip():
-    """Lam = 0 where nothing has slipped; Lam = P ln(a/c) - ... is finite where the slip front has reached no load."""
-    for profile in (PowerLaw(exponent=1.0, length=1.0, rise=0.5), FlatRounded(radius=1.0, flat_half_length=0.7)):
+    """Lam = 0 where nothing has slipped; Lam = P ln(a/c) - ... is finite where the slip front has
+    reached no load.
+    """
+    for profile in (
+        PowerLaw(exponent=1.0, length=1.0, rise=0.5),
+        FlatRounded(radius=1.0, flat_half_length=0.7),
+    ):
         contact = contact_of(profile, MATERIAL)
         kernel = contact.dissipation_kernel([0.0, 1.0, 1.0], [0.0, 0.0, 1.0])
         assert kernel[:2].tolist() == [0.0, 0.0]
@@ -534,7 +705,9 @@ def test_kernels_at_no_load_and_at_no_slip():
 
 
 def test_two_curvatures_and_flat_at_their_corners_are_continuous():
-    """P, dP/da and their inverse from both sides of b: 1e-9 of b apart they differ by 1e-3 at most (roots), never jump."""
+    """P, dP/da and their inverse from both sides of b: 1e-9 of b apart they differ by 1e-3 at most
+    (roots), never jump.
+    """
     for profile in (
         Wedge(tip_radius=1.0, tip_half_length=0.7),
         Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=0.7),

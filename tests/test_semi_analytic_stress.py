@@ -1,4 +1,6 @@
-"""Stress in the half-planes: closed forms of the literature, quadrature of the tractions, laws of elasticity, refusals."""
+"""Stress in the half-planes: closed forms of the literature, quadrature of the tractions, laws of
+elasticity, refusals.
+"""
 
 import math
 
@@ -15,7 +17,9 @@ from semi_analytic_cases import extreme
 
 
 def mcewen(x, depth, a, p0):
-    """s_xx, s_yy, s_xy (y upwards) below a Hertz contact: McEwen (1949), as Johnson (1985), (4.49), has it."""
+    """s_xx, s_yy, s_xy (y upwards) below a Hertz contact: McEwen (1949), as Johnson (1985), (4.49),
+    has it.
+    """
     b = a * a - x * x + depth * depth
     root = np.hypot(b, 2 * x * depth)
     # The smaller of the two squares from their product, (x z)^2, without cancellation.
@@ -24,15 +28,24 @@ def mcewen(x, depth, a, p0):
     m2, n2 = np.where(b >= 0, larger, smaller), np.where(b >= 0, smaller, larger)
     m, n, share = np.sqrt(m2), np.sign(x) * np.sqrt(n2), (depth**2 + n2) / (m2 + n2)
     return np.stack(
-        [-p0 / a * (m * (1 + share) - 2 * depth), -p0 / a * m * (1 - share), p0 / a * n * (m2 - depth**2) / (m2 + n2)], -1
+        [
+            -p0 / a * (m * (1 + share) - 2 * depth),
+            -p0 / a * m * (1 - share),
+            p0 / a * n * (m2 - depth**2) / (m2 + n2),
+        ],
+        -1,
     )
 
 
 def places(a):
     """Points at the face, next to it, next to the edges and deep, (n,) each."""
     rng = np.random.default_rng(7)
-    x = np.concatenate([rng.uniform(-3, 3, 200), 1 + rng.uniform(-1e-3, 1e-3, 50), np.full(12, -1.0)])
-    return a * x, -a * np.concatenate([10 ** rng.uniform(-9, 0.7, 200), 10 ** rng.uniform(-9, -3, 50), 10.0 ** -np.arange(12)])
+    x = np.concatenate(
+        [rng.uniform(-3, 3, 200), 1 + rng.uniform(-1e-3, 1e-3, 50), np.full(12, -1.0)]
+    )
+    return a * x, -a * np.concatenate(
+        [10 ** rng.uniform(-9, 0.7, 200), 10 ** rng.uniform(-9, -3, 50), 10.0 ** -np.arange(12)]
+    )
 
 
 def test_hertz_is_mcewen():
@@ -46,7 +59,9 @@ def test_hertz_is_mcewen():
 
 @pytest.mark.parametrize("share", [0.1, 0.6, 0.95])
 def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
-    """2 f p0 sqrt(Q/(f P)) at the left edge of the lower body and the right edge of the upper one; pressed by as much opposite."""
+    """2 f p0 sqrt(Q/(f P)) at the left edge of the lower body and the right edge of the upper one;
+    pressed by as much opposite.
+    """
     scene = load_scene("cattaneo-mindlin")
     load, f = scene.load.cycle[0][0], scene.friction.coefficient
     scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
@@ -55,21 +70,37 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     wanted = 2 * f * p0 * math.sqrt(share)
     values, uncertain = edge_tension(scene, [2.0, 3.0])
     turned = wanted * np.array([[1, -1], [-1, 1]])
-    np.testing.assert_allclose(values, [turned, -turned], rtol=1e-12)  # after the reversal slip goes the other way
+    # after the reversal slip goes the other way
+    np.testing.assert_allclose(values, [turned, -turned], rtol=1e-12)
     assert np.all(uncertain < 2e-11 * p0)
     np.testing.assert_array_equal(edge_tension(pressed, 2.0)[0], values[:1])
     for body, sign in (("lower", 1), ("upper", -1)):
         edges = stress(scene, [-a, a], 0.0, 2.0, body=body)[0]
-        np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)  # a itself is rounded
+        # a itself is rounded
+        np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)
 
 
-CASES = [("hertz", "ellipse"), ("hertz", "polygon"), ("long flat", "polygon"), ("polynomial", "rows")]
-SLOW = [("short flat", "ellipse"), ("|x|^3.5", "harmonics"), ("compound", "harmonics"), ("table", "ellipse")]
+CASES = [
+    ("hertz", "ellipse"),
+    ("hertz", "polygon"),
+    ("long flat", "polygon"),
+    ("polynomial", "rows"),
+]
+SLOW = [
+    ("short flat", "ellipse"),
+    ("|x|^3.5", "harmonics"),
+    ("compound", "harmonics"),
+    ("table", "ellipse"),
+]
 
 
-@pytest.mark.parametrize(("profile", "load"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW)])
+@pytest.mark.parametrize(
+    ("profile", "load"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW)]
+)
 def test_stress_is_the_integral_of_the_tractions(profile, load):
-    """Flamant's point forces below, principal value on the face: p and q by another route, quadrature graded to their roots."""
+    """Flamant's point forces below, principal value on the face: p and q by another route,
+    quadrature graded to their roots.
+    """
     scene = extreme(profile, load)
     whole = semi_analytic.solve(scene, x=[0.0], fields=())
     for time in whole.time[[len(whole.time) // 5, len(whole.time) * 4 // 7, len(whole.time) - 9]]:
@@ -84,26 +115,38 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
             marks = np.unique(np.clip([-a, a, point, *knots, *(-knot for knot in knots)], -a, a))
             t, weight = (part.ravel() for part in graded(marks[:-1], marks[1:]))
             t, weight = t[weight > 0], weight[weight > 0]
-            at = semi_analytic.solve(scene, x=np.unique([*t, point]), time=time, fields=("pressure", "shear"))
+            at = semi_analytic.solve(
+                scene, x=np.unique([*t, point]), time=time, fields=("pressure", "shear")
+            )
             p, q = (np.interp(t, at.x, values[0]) for values in (at.pressure, at.shear))
             here = [float(np.interp(point, at.x, values[0])) for values in (at.pressure, at.shear)]
             size = float(at.pressure.max())
             across = point - t
             r2 = across**2 + height**2
             radial = -2 / math.pi * (-p * height + q * across) / r2**2 * weight
-            wanted = [np.sum(radial * across**2), np.sum(radial * height**2), np.sum(radial * across * height)]
+            wanted = [
+                np.sum(radial * across**2),
+                np.sum(radial * height**2),
+                np.sum(radial * across * height),
+            ]
             assert np.abs(found[k, :3] - wanted).max() < 1e-10 * size
             inside = abs(point) < a
-            tangential = np.sum(weight * (q - here[1] * inside) / np.where(across == 0, np.inf, -across))
+            tangential = np.sum(
+                weight * (q - here[1] * inside) / np.where(across == 0, np.inf, -across)
+            )
             tangential += here[1] * math.log((a - point) / (a + point)) if inside else 0.0
             wanted = [-here[0] + 2 / math.pi * tangential, -here[0], here[1]]
-            assert np.abs(face[k, :3] - wanted).max() < 2e-9 * size  # the quotient of the principal value keeps no more
+            # the quotient of the principal value keeps no more
+            assert np.abs(face[k, :3] - wanted).max() < 2e-9 * size
 
 
 def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
     scene = load_scene("hertz-paper")
     x, y = places(1.0)
-    lower, upper = stress(scene, x, y, [9.0, 11.0]), stress(scene, -x, -y, [9.0, 11.0], body="upper")
+    lower, upper = (
+        stress(scene, x, y, [9.0, 11.0]),
+        stress(scene, -x, -y, [9.0, 11.0], body="upper"),
+    )
     # Turned by half a circle the pair is itself again, loads included.
     np.testing.assert_allclose(upper, lower, atol=1e-12 * np.abs(lower).max())
 
@@ -117,23 +160,38 @@ def test_out_of_contact_there_is_none_and_far_below_it_is_that_of_a_force():
     assert deep[1] == pytest.approx(-2 * load / (math.pi * 1e4), rel=1e-7)
 
 
-@pytest.mark.parametrize("name", ["hertz-paper", pytest.param("flat-rounded-paper", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", ["hertz-paper", pytest.param("flat-rounded-paper", marks=pytest.mark.slow)]
+)
 def test_stress_from_tractions_is_that_of_the_memory_curve(name):
-    """The way of bulk stress and tilt, on scenes that do not need it: the tension within its uncertainty, 1e-2 at most."""
+    """The way of bulk stress and tilt, on scenes that do not need it: the tension within its
+    uncertainty, 1e-2 at most.
+    """
     scene = load_scene(name)
     time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
     pairs = _with_tractions(scene, time)
-    x, y = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5]), np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
-    exact, inside, profile = edge_tension(scene, time)[0], stress(scene, x, y, time), leaning_profile(scene)[1]
+    x, y = (
+        np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5]),
+        np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0]),
+    )
+    exact, inside, profile = (
+        edge_tension(scene, time)[0],
+        stress(scene, x, y, time),
+        leaning_profile(scene)[1],
+    )
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
         found, uncertain = _tensions(answer, row)
         assert np.abs(found - exact[k, 0]).max() < uncertain < 1e-2 * p0
-        np.testing.assert_allclose(_from_sines(answer, row, profile, x, y, 1.0), inside[k, :, :3], atol=2e-4 * p0)
+        np.testing.assert_allclose(
+            _from_sines(answer, row, profile, x, y, 1.0), inside[k, :, :3], atol=2e-4 * p0
+        )
 
 
 def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
-    """q = f p(x; a) less the pressure of the stick zone, moved by e = eps R/f: by hand; above it bulk stress alone."""
+    """q = f p(x; a) less the pressure of the stick zone, moved by e = eps R/f: by hand; above it
+    bulk stress alone.
+    """
     load, shear, eps, f = 3.0, 1.8, 0.2, 1.0
     scene = Scene.model_validate(
         {
@@ -149,12 +207,20 @@ def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
     )
     a = math.sqrt(4 * load / math.pi)
     c, p0, e = a * math.sqrt(1 - shear / (f * load)), 2 * load / (math.pi * a), eps / f
-    left, right = (2 * f * p0 / a * (a - (far - math.sqrt(far**2 - c**2))) for far in (a + e, a - e))
+    left, right = (
+        2 * f * p0 / a * (a - (far - math.sqrt(far**2 - c**2))) for far in (a + e, a - e)
+    )
     values, uncertain = edge_tension(scene, [1.0, 2.0])
     assert np.all(uncertain < 2e-3 * p0)
     np.testing.assert_allclose(values[0], 0, atol=1e-12)
-    np.testing.assert_allclose(values[1], [[left + 2 * eps, -right + 2 * eps], [-left, right]], atol=2e-4)
-    few = semi_analytic.solve(scene, x=0.0, time=[1.0, 2.0])  # too few places to take the answer's own tractions
+    np.testing.assert_allclose(
+        values[1], [[left + 2 * eps, -right + 2 * eps], [-left, right]], atol=2e-4
+    )
+    # too few places to take the answer's own tractions
+    few = semi_analytic.solve(scene, x=0.0, time=[1.0, 2.0])
     np.testing.assert_allclose(edge_tension(few, [1.0, 2.0])[0], values, rtol=1e-12, atol=1e-12)
-    deep = [stress(scene, [5.0], [depth], 2.0, body=body)[0, 0, 0] for body, depth in (("lower", -1e3), ("upper", 1e3))]
+    deep = [
+        stress(scene, [5.0], [depth], 2.0, body=body)[0, 0, 0]
+        for body, depth in (("lower", -1e3), ("upper", 1e3))
+    ]
     np.testing.assert_allclose(deep, [2 * eps, 0], atol=1e-4)

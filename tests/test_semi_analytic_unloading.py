@@ -1,4 +1,6 @@
-"""Polygons that unload fully, P = Q = 0, on every kind of profile: theory takes them all, and W is that of brute force."""
+"""Polygons that unload fully, P = Q = 0, on every kind of profile: theory takes them all, and W is
+that of brute force.
+"""
 
 from functools import cache
 
@@ -49,9 +51,12 @@ def require_answer(scene: Scene) -> None:
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-11 + stated, abs=1e-300)
 
 
-@pytest.mark.parametrize("number", range(0, 400, 37))  # as far apart as to meet all profiles but one
+# as far apart as to meet all profiles but one
+@pytest.mark.parametrize("number", range(0, 400, 37))
 def test_full_unloading_has_an_answer(number):
-    """It was refused, or not a number, where the lengths of the slipped lines add up to a last digit more than P."""
+    """It was refused, or not a number, where the lengths of the slipped lines add up to a last
+    digit more than P.
+    """
     scene = random_polygons(400)[number]
     if scene.profile.kind == "callable":
         pytest.skip("a function takes seconds: in the slow suite")
@@ -65,28 +70,43 @@ def test_four_hundred_polygons_that_unload_fully_have_an_answer():
 
 
 def test_the_front_stays_within_the_contact():
-    """0 <= P_c <= P to the last digit, and a memory that is gone at P = 0: no profile is needed to see that."""
+    """0 <= P_c <= P to the last digit, and a memory that is gone at P = 0: no profile is needed to
+    see that.
+    """
     for scene in random_polygons(400):
-        points = [(0.0, 0.0), *scene.load.initial_loading, *scene.load.cycle, scene.load.initial_loading[-1]]
+        points = [
+            (0.0, 0.0),
+            *scene.load.initial_loading,
+            *scene.load.cycle,
+            scene.load.initial_loading[-1],
+        ]
         block = follow(None, np.array(points), scene.friction.coefficient)
         records = block.records
         assert np.all(records.slipped <= records.load)
         assert np.all(records.slipped_after <= records.load_after)
         unloaded = points.index((0.0, 0.0), 1)
-        assert follow(None, np.array(points[: unloaded + 1]), scene.friction.coefficient).curve is None
+        assert (
+            follow(None, np.array(points[: unloaded + 1]), scene.friction.coefficient).curve is None
+        )
 
 
-@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in COSTLY)])
+@pytest.mark.parametrize(
+    "name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in COSTLY)]
+)
 def test_work_of_full_unloading_by_brute_force(name):
     scene = next(scene for scene in random_polygons(400) if scene.profile == PROFILES[name])
     exact = float(np.sum(Work(scene, 1, parts=PARTS.get(name, 1)).whole()))
-    assert solve(scene, x=[0.0], fields="dissipation").dissipation == pytest.approx(exact, rel=1e-12)
+    assert solve(scene, x=[0.0], fields="dissipation").dissipation == pytest.approx(
+        exact, rel=1e-12
+    )
 
 
 def test_each_engine_says_whether_it_takes_full_unloading():
     scene = make_scene(polygon([(3.51, 0.02)], [(1.66, 0.77), (0.0, 0.0)]), friction=0.6)
     assert solve(scene, x=[0.0], fields="dissipation").dissipation > 0
-    with pytest.raises(InadmissibleLoadError, match=r"finite elements need P > 0 .* theory takes full unloading"):
+    with pytest.raises(
+        InadmissibleLoadError, match=r"finite elements need P > 0 .* theory takes full unloading"
+    ):
         halfplane_fe.require_solvable(scene)
     engines = engines_for(scene, "unload.toml")
     assert not engines.half_plane

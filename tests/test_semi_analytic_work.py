@@ -1,4 +1,6 @@
-"""Friction work W and W(x): 30-digit references, brute force, closed forms, independent routes; stiffness and damping from it."""
+"""Friction work W and W(x): 30-digit references, brute force, closed forms, independent routes;
+stiffness and damping from it.
+"""
 
 import cmath
 import json
@@ -23,15 +25,29 @@ from semi_analytic.friction_work import CONVERGED, by_halving, pointwise_dissipa
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
 from semi_analytic.quadrature import crowded, graded
-from semi_analytic_cases import LOADS, PROFILES, REFERENCE, ellipse, extreme, make_scene, mindlin, polygon, reference_scene
+from semi_analytic_cases import (
+    LOADS,
+    PROFILES,
+    REFERENCE,
+    ellipse,
+    extreme,
+    make_scene,
+    mindlin,
+    polygon,
+    reference_scene,
+)
 from semi_analytic_oracle import Work
 
 ONLY = ("dissipation",)
 
 
-# -------------------------------------------------------------------------------------------------------- thirty digits
+# ------------------------------------------------------------------------------------ thirty digits
 @pytest.mark.parametrize(
-    "row", REFERENCE, ids=lambda row: f"b{row['flat']}-{row['phase']:.0f}-f{row['friction']:g}-{row['tangential']:.2g}"
+    "row",
+    REFERENCE,
+    ids=lambda row: (
+        f"b{row['flat']}-{row['phase']:.0f}-f{row['friction']:g}-{row['tangential']:.2g}"
+    ),
 )
 def test_dissipation_is_that_of_thirty_digits(row):
     """Worst measured 7e-13 relative of W, 1e-12 of max W(x)."""
@@ -42,7 +58,9 @@ def test_dissipation_is_that_of_thirty_digits(row):
     assert len(REFERENCE) == 41
 
 
-NASTY = json.loads((Path(__file__).parents[1] / "benchmarks" / "exact_history.json").read_text(encoding="utf-8"))
+NASTY = json.loads(
+    (Path(__file__).parents[1] / "benchmarks" / "exact_history.json").read_text(encoding="utf-8")
+)
 
 
 def nasty_scene(name):
@@ -58,24 +76,33 @@ def nasty_scene(name):
 
 @pytest.mark.parametrize("name", NASTY)
 def test_nasty_harmonics_against_thirty_digits(name):
-    """Odd harmonics up to the eleventh, 1e-6 from gross sliding: W to 1e-12, W(x) to 1e-11 of its largest.
+    """Odd harmonics up to the eleventh, 1e-6 from gross sliding: W to 1e-12, W(x) to 1e-11 of its
+    largest.
 
-    Measured 1e-15 and 1e-15; one pass of the rule without halving leaves 4e-8 in W(x) here, 3e-4 with harmonics up to the 23rd.
+    Measured 1e-15 and 1e-15; one pass of the rule without halving leaves 4e-8 in W(x) here, 3e-4
+    with harmonics up to the 23rd.
     """
     case = NASTY[name]
     solution = solve(nasty_scene(name), x=case["x"], fields=("dissipation", "dissipation_density"))
     exact = np.array([float(value) for value in case["density"]])
     assert solution.dissipation == pytest.approx(float(case["dissipation"]), rel=1e-12, abs=0)
     assert solution.loop_work == pytest.approx(float(case["dissipation"]), rel=1e-11, abs=0)
-    np.testing.assert_allclose(solution.dissipation_density, exact, rtol=0, atol=1e-11 * np.max(exact))
+    np.testing.assert_allclose(
+        solution.dissipation_density, exact, rtol=0, atol=1e-11 * np.max(exact)
+    )
     assert solution.record.notes == ()
 
 
 def test_error_of_pointwise_work_is_honest(monkeypatch):
-    """Halved once only, W(x) is out by 3e-13 and the estimate says 4e-8, what the first pass was out by; left to itself, 1e-15."""
+    """Halved once only, W(x) is out by 3e-13 and the estimate says 4e-8, what the first pass was
+    out by; left to itself, 1e-15.
+    """
     case, scene = NASTY["square wave"], nasty_scene("square wave")
     spans = history_of(scene.load.path(), scene.friction.coefficient, 6).cycles[-1]
-    contact, exact = contact_of(scene.profile, scene.material), np.array([float(value) for value in case["density"]])
+    contact, exact = (
+        contact_of(scene.profile, scene.material),
+        np.array([float(value) for value in case["density"]]),
+    )
     for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
         monkeypatch.setattr(friction_work, "_HALVINGS", halvings)
         found = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
@@ -83,7 +110,7 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
         assert least < np.max(found.error) / np.max(exact) < most
 
 
-# ---------------------------------------------------------------------------------------------------------- brute force
+# -------------------------------------------------------------------------------------- brute force
 
 
 # Parts of a span, where P(a) hardly grows or harmonics drive the front.
@@ -107,7 +134,11 @@ ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, lo
 def edges_of(work):
     """Half-widths of contact and of stick at the ends of all spans of slip, ascending."""
     ends = [(slip, time) for slip in work.slips for time in (slip.begin, slip.end)]
-    return np.unique(work.half([load for slip, time in ends for load in (slip.front(time), slip.phase.loads(time)[0])]))
+    return np.unique(
+        work.half(
+            [load for slip, time in ends for load in (slip.front(time), slip.phase.loads(time)[0])]
+        )
+    )
 
 
 def points_of(work):
@@ -119,9 +150,13 @@ def points_of(work):
     return np.array([*spread, high * (1 - 1e-6), edges[len(edges) // 2], *corners], dtype=float)
 
 
-@pytest.mark.parametrize(("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)])
+@pytest.mark.parametrize(
+    ("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)]
+)
 def test_work_by_brute_force(profile, load):
-    """W to 1e-12, W(x) to 2e-12 of its largest, or to what the record says; it was 4.2e-8 off where P hardly grows."""
+    """W to 1e-12, W(x) to 2e-12 of its largest, or to what the record says; it was 4.2e-8 off where
+    P hardly grows.
+    """
     scene = extreme(profile, load)
     history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     work = Work(scene, history.covered[-1], parts=max(PARTS.get(profile, 1), PARTS.get(load, 1)))
@@ -134,7 +169,9 @@ def test_work_by_brute_force(profile, load):
 
 
 def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
-    """Of a Python function the load turns at 1e-11, not at 0; by their last digits both loads fell there, and W(x) lacked 9e-12."""
+    """Of a Python function the load turns at 1e-11, not at 0; by their last digits both loads fell
+    there, and W(x) lacked 9e-12.
+    """
     load = CallableLoad(
         normal_load=lambda t: 0.34 + 0.34 * 0.3 * math.cos(t),
         tangential_load=lambda t: 0.8 * 2.0 * 0.7 * 0.34 * math.cos(t - 0.5),
@@ -147,7 +184,7 @@ def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13 * np.max(exact))
 
 
-# --------------------------------------------------------------------------------------------------------- closed forms
+# ------------------------------------------------------------------------------------- closed forms
 def to_and_fro(use):
     """Q between +-use f P at constant P, by straight lines and as a wave."""
     q = use * 0.5 * 90.0
@@ -155,14 +192,27 @@ def to_and_fro(use):
 
 
 def swinging(size):
-    """P that swings by less than any number holds still: amplitudes without an inverse were a warning of overflow."""
-    return HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(size, 20.0)], tangential_harmonics=[[0.2, 30.0]])
+    """P that swings by less than any number holds still: amplitudes without an inverse were a
+    warning of overflow.
+    """
+    return HarmonicLoad(
+        mean_normal_load=1.0, normal_harmonics=[(size, 20.0)], tangential_harmonics=[[0.2, 30.0]]
+    )
 
 
 def in_phase(phase):
-    """Initial loading slips farther in than the cycle does, whose loop closes at a turning point inside a leg."""
-    line = {"mean_normal_load": 3, "normal_amplitude": 0.3, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
-    return EllipseLoad(**line, phase_degrees=0, bulk_stress_lower={"amplitude": 0.3, "phase_degrees": phase})
+    """Initial loading slips farther in than the cycle does, whose loop closes at a turning point
+    inside a leg.
+    """
+    line = {
+        "mean_normal_load": 3,
+        "normal_amplitude": 0.3,
+        "mean_tangential_load": 0.2,
+        "tangential_amplitude": 1.4,
+    }
+    return EllipseLoad(
+        **line, phase_degrees=0, bulk_stress_lower={"amplitude": 0.3, "phase_degrees": phase}
+    )
 
 
 # Scene, W, relative error.
@@ -176,14 +226,25 @@ CLOSED = {
     for load in to_and_fro(use)
 }
 CLOSED |= {
-    f"swings by {p}": (make_scene(swinging(p), 0.5), mindlin(0.4, 0.5, 1.0), 1e-13) for p in (1e-17, 1e-280, 2.2e-311, 5e-324)
+    f"swings by {p}": (make_scene(swinging(p), 0.5), mindlin(0.4, 0.5, 1.0), 1e-13)
+    for p in (1e-17, 1e-280, 2.2e-311, 5e-324)
 }
-CLOSED |= {f"bulk at {phase}": (make_scene(in_phase(phase)), 0.3095379341715581, 1e-8) for phase in (0, 180)}  # by quadrature
+# by quadrature
+CLOSED |= {
+    f"bulk at {phase}": (make_scene(in_phase(phase)), 0.3095379341715581, 1e-8)
+    for phase in (0, 180)
+}
 # P_min/P0 = 1e-12: sixty digits by integrals over ever shorter parts, given here to twenty.
-CLOSED["all but leaves"] = make_scene(ellipse(1.0, 1 - 1e-12, 0.0, 0.2e-12), 0.5, radius=100.0), 5.0929581788030931689e-26, 1e-14
+CLOSED["all but leaves"] = (
+    make_scene(ellipse(1.0, 1 - 1e-12, 0.0, 0.2e-12), 0.5, radius=100.0),
+    5.0929581788030931689e-26,
+    1e-14,
+)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * ("bulk" in name)) for name in CLOSED])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * ("bulk" in name)) for name in CLOSED]
+)
 def test_work_has_its_closed_form(name):
     scene, exact, close = CLOSED[name]
     answer = solve(scene, x=[0.0], fields=ONLY)
@@ -196,19 +257,30 @@ def test_work_has_its_closed_form(name):
 def test_what_sticks_for_ever_on_loads_next_to_a_line(phase, load):
     """P_T = P0 - (u + v)/2.
 
-    P turns an instant before slip does, and the front stands on a knot: only rounding would take it beyond.
+    P turns an instant before slip does, and the front stands on a knot: only rounding would take it
+    beyond.
     """
-    for ratio, use, friction in ((0.06, 0.25, 1.0), (0.12965094225905563, 0.6364538540831083, 1.0), (0.25, 0.63, 0.3)):
+    for ratio, use, friction in (
+        (0.06, 0.25, 1.0),
+        (0.12965094225905563, 0.6364538540831083, 1.0),
+        (0.25, 0.63, 0.3),
+    ):
         q1 = use * friction * (1 - ratio)
         found = solve(
-            make_scene(ellipse(load, ratio * load, 0.0, q1 * load, phase), friction, 0.0, 1 / load, 1.0), x=[0.0], fields=ONLY
+            make_scene(
+                ellipse(load, ratio * load, 0.0, q1 * load, phase), friction, 0.0, 1 / load, 1.0
+            ),
+            x=[0.0],
+            fields=ONLY,
         )
         r = q1 / friction * cmath.exp(-1j * math.radians(phase))
         permanent = 1 - (abs(r - ratio) + abs(r + ratio)) / 2
-        assert found.permanent_stick_half_width == pytest.approx(math.sqrt(4 * permanent / math.pi), rel=1e-9)
+        assert found.permanent_stick_half_width == pytest.approx(
+            math.sqrt(4 * permanent / math.pi), rel=1e-9
+        )
 
 
-# ------------------------------------------------------------------------------------------------- corners of the profile
+# --------------------------------------------------------------------------- corners of the profile
 def table(count):
     x = np.linspace(0, 4, count)
     return Tabulated(points=np.column_stack([x, np.cosh(x) - 1]).tolist())
@@ -224,7 +296,9 @@ CORNERED = {
 
 @pytest.mark.parametrize("profile", CORNERED.values(), ids=CORNERED)
 def test_an_arc_that_passes_corners_of_the_profile_keeps_its_digits(profile):
-    """Q dU takes the logarithm along the arc, tractions and slips its kernels: 1e-12 and 4e-13; 2e-6 and 2e-5 if not cut."""
+    """Q dU takes the logarithm along the arc, tractions and slips its kernels: 1e-12 and 4e-13;
+    2e-6 and 2e-5 if not cut.
+    """
     scene = make_scene(ellipse(1.0, 0.6, 0.1, 0.3, -70.0)).vary(profile=profile)
     answer = solve(scene, x=np.linspace(0.0, 1.6, 9), time=np.linspace(2.0, 20.0, 7))
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-11, abs=0)
@@ -232,24 +306,31 @@ def test_an_arc_that_passes_corners_of_the_profile_keeps_its_digits(profile):
     assert max(answer.record.errors[name] for name in ("shear", "slip")) < 1e-11
 
 
-# ----------------------------------------------------------------------------------------------------- the rule of halving
+# ------------------------------------------------------------------------------ the rule of halving
 @pytest.mark.parametrize(("width", "settles"), [(0.3, True), (1e-6, True), (0.0, False)])
 def test_integrals_by_halving_and_what_they_say_of_themselves(width, settles):
-    """int dx/(x^2 + w^2) and int sign(x - 1/3) dx over [-1, 1]; only the step is left unsettled, and says so."""
+    """int dx/(x^2 + w^2) and int sign(x - 1/3) dx over [-1, 1]; only the step is left unsettled,
+    and says so.
+    """
 
     def work(_, low, high):
         x, weights = graded(low, high)
-        return np.sum(weights * (1 / (x * x + width * width) if width else np.sign(x - 1 / 3)), axis=-1)
+        return np.sum(
+            weights * (1 / (x * x + width * width) if width else np.sign(x - 1 / 3)), axis=-1
+        )
 
     exact = 2 / width * math.atan(1 / width) if width else -2 / 3
     found = by_halving(work, [-1.0], [1.0], CONVERGED * abs(exact))
-    # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot see.
+    # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot
+    # see.
     assert abs(found.value[0] - exact) <= found.error[0] + 3e-11 * abs(exact)
     assert bool(found.error[0] <= 1e-10 * abs(exact)) is settles
 
 
 def test_a_corner_next_to_an_end_does_not_pass_for_halving():
-    """A part cut off by the last digit changes nothing: W(x) at a knot of a table was 4e-9 off, stated 2e-13."""
+    """A part cut off by the last digit changes nothing: W(x) at a knot of a table was 4e-9 off,
+    stated 2e-13.
+    """
 
     def rough(_, low, high):
         nodes, weights = crowded(low, high)
@@ -263,7 +344,9 @@ def test_a_corner_next_to_an_end_does_not_pass_for_halving():
 
 @pytest.mark.parametrize(("value", "end", "rounds"), [(1.0, 1.0 + 1e-13, 11), (np.nan, 2.0, 2)])
 def test_halving_ends(value, end, rounds):
-    """A range of 450 last digits was halved for ever: at so many parts at once it ends; and what is not finite is not halved."""
+    """A range of 450 last digits was halved for ever: at so many parts at once it ends; and what is
+    not finite is not halved.
+    """
     asked = []
 
     def rough(which, low, high):
@@ -276,10 +359,12 @@ def test_halving_ends(value, end, rounds):
     assert found.error[0] > 0 or np.isnan(found.value[0])
 
 
-@pytest.mark.parametrize(("lag", "work", "most"), [(3.1415926535897927, 1e-28, 1000), (1e-9, 1e-20, 20_000)])
+@pytest.mark.parametrize(
+    ("lag", "work", "most"), [(3.1415926535897927, 1e-28, 1000), (1e-9, 1e-20, 20_000)]
+)
 def test_rounding_ends_the_halving(monkeypatch, lag, work, most):
-    """A path that sticks slips by the last digits of its loads: halved to the end, that took 130,000 parts, and 8 GB. Of Q in phase
-    but for 1e-9 nothing came for minutes.
+    """A path that sticks slips by the last digits of its loads: halved to the end, that took
+    130,000 parts, and 8 GB. Of Q in phase but for 1e-9 nothing came for minutes.
     """
     parts = []
     rule = friction_work.crowded
@@ -296,18 +381,24 @@ def test_rounding_ends_the_halving(monkeypatch, lag, work, most):
         duration=2 * math.pi,
         repeats=True,
     )
-    answer = solve(make_scene(load, 0.4).vary(profile=EvenPolynomial(length=1.0, rises=(0.5, 0.4))), x=[0.0])
+    answer = solve(
+        make_scene(load, 0.4).vary(profile=EvenPolynomial(length=1.0, rises=(0.5, 0.4))), x=[0.0]
+    )
     assert 0 <= answer.dissipation < work
     assert parts
 
 
-# ------------------------------------------------------------------------------------------------------ stiffness and damping
+# ---------------------------------------------------------------------------- stiffness and damping
 def test_tangent_compliance_is_the_slope_of_the_loop_at_constant_load():
-    """Central differences over 2e-4 of a leg, in slip both ways: 1e-7; and right after a reversal, in full stick."""
+    """Central differences over 2e-4 of a leg, in slip both ways: 1e-7; and right after a reversal,
+    in full stick.
+    """
     scene = load_scene("cattaneo-mindlin")
     for time, direction in ((1.5, 1), (2.5, -1), (3.7, 1)):
         near = solve(scene, x=[0.0], time=[time - 1e-4, time, time + 1e-4])
-        slope = np.diff(near.tangential_displacement[[0, 2]]) / np.diff(near.tangential_load[[0, 2]])
+        slope = np.diff(near.tangential_displacement[[0, 2]]) / np.diff(
+            near.tangential_load[[0, 2]]
+        )
         assert slope[0] == pytest.approx(compliance(near)[0][1], rel=1e-6)
         assert np.sign(np.diff(near.tangential_load)[0]) == direction
     near = solve(scene, x=[0.0], time=[2.0, 2.0 + 1e-6])
@@ -318,10 +409,14 @@ def test_tangent_compliance_is_the_slope_of_the_loop_at_constant_load():
 def test_damping_ratio_is_that_of_the_linear_oscillator():
     answer = solve(load_scene("hertz-paper"), x=[0.0])
     loop = hysteresis(answer)
-    assert loop.damping_ratio == pytest.approx(answer.dissipation / (2 * math.pi * loop.force_amplitude * loop.shift_amplitude))
+    assert loop.damping_ratio == pytest.approx(
+        answer.dissipation / (2 * math.pi * loop.force_amplitude * loop.shift_amplitude)
+    )
     assert loop.force_amplitude == pytest.approx(answer.scene.load.tangential_amplitude, rel=1e-12)
     cycle = answer.last_cycle
-    assert loop.shift_amplitude == pytest.approx(np.ptp(answer.tangential_displacement[cycle]) / 2, rel=1e-3)
+    assert loop.shift_amplitude == pytest.approx(
+        np.ptp(answer.tangential_displacement[cycle]) / 2, rel=1e-3
+    )
     assert loop.secant_stiffness * loop.shift_amplitude == pytest.approx(loop.force_amplitude)
     assert 0.001 < loop.damping_ratio < 0.1
     assert hysteresis(solve(load_scene("full-stick"), x=[0.0])).damping_ratio == 0

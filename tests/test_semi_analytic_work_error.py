@@ -1,4 +1,6 @@
-"""The stated error of the friction work of steady ellipses covers the true one, against seventy digits, and is not far above it."""
+"""The stated error of the friction work of steady ellipses covers the true one, against seventy
+digits, and is not far above it.
+"""
 
 from functools import cache
 from itertools import pairwise
@@ -14,12 +16,15 @@ from semi_analytic_cases import ellipse, make_scene
 
 # Lam at a slip of 1e-18 P is 1e-36 P^2, a difference of larger numbers.
 DIGITS = 70
-# The rounding of what is compared, and how far above the larger of it and the true error a stated one may be.
+# The rounding of what is compared, and how far above the larger of it and the true error a stated
+# one may be.
 ROUNDING, ABOVE = 1e-13, 1e4
 
 
 class Arcs:
-    """P(a) for E* = 1 and h'' = `inner` up to x = b, `outer` beyond, and int_b^a P/alpha d alpha."""
+    """P(a) for E* = 1 and h'' = `inner` up to x = b, `outer` beyond, and int_b^a P/alpha d
+    alpha.
+    """
 
     def __init__(self, inner, outer, b):
         self.inner, self.outer, self.b = mp.mpf(inner), mp.mpf(outer), mp.mpf(b)
@@ -85,7 +90,11 @@ def law_of(profile):
         case Wedge():
             return Arcs(1 / mp.mpf(profile.tip_radius), 0, profile.tip_half_length)
         case Compound():
-            return Arcs(1 / mp.mpf(profile.inner_radius), 1 / mp.mpf(profile.outer_radius), profile.inner_half_length)
+            return Arcs(
+                1 / mp.mpf(profile.inner_radius),
+                1 / mp.mpf(profile.outer_radius),
+                profile.inner_half_length,
+            )
         case FlatRounded():
             return Arcs(0, 1 / mp.mpf(profile.radius), profile.flat_half_length)
     return Power(profile.exponent)
@@ -106,7 +115,9 @@ def crossings(function, length):
 
 @cache
 def double_exponential(level):
-    """Ways from the lower end (t < 0) or the upper one over the length, and weights, of a rule for singular ends."""
+    """Ways from the lower end (t < 0) or the upper one over the length, and weights, of a rule for
+    singular ends.
+    """
     rule, step = [], mp.mpf(2) ** (1 - level)
     with mp.workdps(30):
         for k in range(-int(4.2 / step), int(4.2 / step) + 1):
@@ -127,12 +138,30 @@ def exact_work(profile, friction, mean, amplitude, tangential, phase):
         turn, start = mp.atan2(2 * r * p1 * mp.sin(angle), p1**2 - r**2), -mp.arg(least / u)
         start = abs(start)
         phases = (  # rate over f, P - P_c and P at an angle s
-            (turn, lambda s: (v * mp.sin(turn - s), u * mp.sin(s / 2) ** 2, p0 + p1 * mp.cos(start + s))),
+            (
+                turn,
+                lambda s: (
+                    v * mp.sin(turn - s),
+                    u * mp.sin(s / 2) ** 2,
+                    p0 + p1 * mp.cos(start + s),
+                ),
+            ),
             (
                 mp.pi - turn,
-                lambda s: (u * mp.sin(s), 2 * p1 * mp.sin(start) * mp.sin(s), p0 + p1 * mp.cos(start + mp.pi + s)),
+                lambda s: (
+                    u * mp.sin(s),
+                    2 * p1 * mp.sin(start) * mp.sin(s),
+                    p0 + p1 * mp.cos(start + mp.pi + s),
+                ),
             ),
-            (turn, lambda s: (u * mp.sin(s), v * mp.sin((turn + s) / 2) ** 2, p0 + p1 * mp.cos(start - s))),
+            (
+                turn,
+                lambda s: (
+                    u * mp.sin(s),
+                    v * mp.sin((turn + s) / 2) ** 2,
+                    p0 + p1 * mp.cos(start - s),
+                ),
+            ),
         )
         pieces = []
         for length, at in phases:
@@ -161,7 +190,9 @@ def exact_work(profile, friction, mean, amplitude, tangential, phase):
 
 
 def random_loop(chance):
-    """A profile, f, P0, P1, Q1 and the phase in degrees of a loop without gross sliding that slips somewhere."""
+    """A profile, f, P0, P1, Q1 and the phase in degrees of a loop without gross sliding that slips
+    somewhere.
+    """
     b = 10 ** chance.uniform(-1, 0.5)
     profiles = (
         Wedge(tip_radius=1.0, tip_half_length=b),
@@ -172,7 +203,9 @@ def random_loop(chance):
     profile = profiles[chance.integers(len(profiles))]
     friction, mean = chance.uniform(0.1, 1), 10 ** chance.uniform(-1, 1)
     nearly_unloads = chance.random() < 0.3
-    share = 1 - 10 ** chance.uniform(-7, -0.01) if nearly_unloads else 10 ** chance.uniform(-4, -0.05)
+    share = (
+        1 - 10 ** chance.uniform(-7, -0.01) if nearly_unloads else 10 ** chance.uniform(-4, -0.05)
+    )
     while True:
         phase = float(chance.choice([30.0, 60.0, 90.0, 120.0, chance.uniform(1, 179)]))
         ratio = mean * 10 ** chance.uniform(-11, -0.02)
@@ -192,8 +225,22 @@ LOOPS = {
 }
 SLOWER = {
     "a wedge, next to no slip, nearly unloads": (TIP, 0.5, 3.0, 3 * (1 - 1e-7), 1.5e-11, 90.0),
-    "next to no slip": (Compound(inner_radius=1.0, outer_radius=0.3, inner_half_length=0.5), 0.5, 1.0, 0.3, 1e-11, 90.0),
-    "next to no slip, P hardly moves": (FlatRounded(radius=1.0, flat_half_length=0.5), 0.3, 1.0, 1e-4, 1e-10, 70.0),
+    "next to no slip": (
+        Compound(inner_radius=1.0, outer_radius=0.3, inner_half_length=0.5),
+        0.5,
+        1.0,
+        0.3,
+        1e-11,
+        90.0,
+    ),
+    "next to no slip, P hardly moves": (
+        FlatRounded(radius=1.0, flat_half_length=0.5),
+        0.3,
+        1.0,
+        1e-4,
+        1e-10,
+        70.0,
+    ),
     "near gross sliding": (TIP, 0.5, 1.0, 0.0, 0.5 * (1 - 1e-5), 90.0),
 }
 
@@ -201,13 +248,17 @@ SLOWER = {
 def judged(loop):
     """True and stated relative error of W."""
     profile, friction, mean, amplitude, tangential, phase = loop
-    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction).vary(profile=profile)
+    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction).vary(
+        profile=profile
+    )
     answer = solve(scene, x=[0.0], fields=("dissipation",), cycles="steady")
     error = float(abs(answer.dissipation / exact_work(*loop) - 1))
     return error, answer.record.errors.get("dissipation", 0.0)
 
 
-@pytest.mark.parametrize("name", [*LOOPS, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOWER)])
+@pytest.mark.parametrize(
+    "name", [*LOOPS, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOWER)]
+)
 def test_the_stated_error_of_the_work_covers_and_is_of_its_size(name):
     """Of 300 random loops 53 stated more than 1 %, up to 6e3 times W, for true errors of 1e-13."""
     error, stated = judged((LOOPS | SLOWER)[name])
@@ -219,7 +270,9 @@ def test_next_to_no_slip_on_a_wedge_states_no_more_than_its_kernel_loses():
     """Before, 6e3 times W."""
     profile, friction, *loads = SLOWER["a wedge, next to no slip, nearly unloads"]
     mean, amplitude, tangential, phase = loads
-    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction).vary(profile=profile)
+    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction).vary(
+        profile=profile
+    )
     answer = solve(scene, x=[0.0], fields=("dissipation",), cycles="steady")
     assert 0 < answer.record.errors["dissipation"] <= ABOVE * ROUNDING
 
@@ -237,8 +290,12 @@ def test_so_it_is_of_random_loops(seed):
 
 
 def test_what_the_kernel_loses_is_stated(monkeypatch):
-    """Of the slip area by a rule of two nodes, not twelve: the two routes to W differ, and that counts."""
+    """Of the slip area by a rule of two nodes, not twelve: the two routes to W differ, and that
+    counts.
+    """
     monkeypatch.setattr("semi_analytic.punch_superposition._BETWEEN", 2)
-    monkeypatch.setattr(PunchSuperposition, "_is_far", lambda self, load, slipped: np.zeros(load.shape, dtype=bool))
+    monkeypatch.setattr(
+        PunchSuperposition, "_is_far", lambda self, load, slipped: np.zeros(load.shape, dtype=bool)
+    )
     error, stated = judged(LOOPS["a corner within"])
     assert 1e-9 < error <= stated < 1.0

@@ -1,6 +1,8 @@
-"""Every tolerance of the finite-element tests in one table: what was measured, what is admitted, and why there is any error at all.
+"""Every tolerance of the finite-element tests in one table: what was measured, what is admitted,
+and why there is any error at all.
 
-`check(name, value)` is the only door. An order of convergence has a floor and a ceiling: too fast is as suspect as too slow.
+`check(name, value)` is the only door. An order of convergence has a floor and a ceiling: too fast
+is as suspect as too slow.
 """
 
 from collections.abc import Sequence
@@ -22,14 +24,17 @@ class Order(NamedTuple):
     reason: str
 
 
-EDGE = "the contact or stick edge lies somewhere inside an element, where p or q falls like a square root"
+EDGE = (
+    "the contact or stick edge lies somewhere inside an element, where p or q falls like a square"
+    " root"
+)
 FLAT = "at b the pressure has a steep flank (a logarithm's derivative) and no node stands there"
 MESH = "elements of a/16 and a/12, quadratic"
 ALGEBRA = "an identity of the discrete problem: rounding, of sums over a few hundred nodes"
 
 TOLERANCES = {
-    # Coarse mesh (problems.COARSE), the largest of all problems. Moving the nodes by a part of an element changes the errors at the
-    # edges by a factor of up to two, hence the room.
+    # Coarse mesh (problems.COARSE), the largest of all problems. Moving the nodes by a part of an
+    # element changes the errors at the edges by a factor of up to two, hence the room.
     "hertz pressure": Tolerance(6.3e-3, 1.2e-2, EDGE),
     "hertz shear": Tolerance(2.2e-2, 3.2e-2, EDGE + "; over f ||p||"),
     "hertz contact_half_width": Tolerance(2.8e-3, 5e-3, EDGE + "; over a, an element being 0.06"),
@@ -43,32 +48,57 @@ TOLERANCES = {
     "flat and rounded pressure": Tolerance(8.4e-3, 1.3e-2, FLAT),
     "flat and rounded shear": Tolerance(1.9e-2, 2.8e-2, FLAT + "; " + EDGE),
     "flat and rounded contact_half_width": Tolerance(1.5e-3, 3e-3, EDGE),
-    "flat and rounded stick_half_width": Tolerance(5.3e-3, 3.2e-2, EDGE + "; found to half an element"),
+    "flat and rounded stick_half_width": Tolerance(
+        5.3e-3, 3.2e-2, EDGE + "; found to half an element"
+    ),
     # Cycles on the coarse mesh.
     "certificates": Tolerance(1.8e-12, 1e-9, "promised: 1e-9; " + ALGEBRA),
-    "open pressure": Tolerance(5.6e-8, 1e-7, "a node counts as let go once 1e-9 of the load is left on it, over its small weight"),
-    "fields": Tolerance(
-        2.1e-6, 1e-5, "the arc carries tractions in the interface's compliance and moves as prescribed in the fields"
+    "open pressure": Tolerance(
+        5.6e-8,
+        1e-7,
+        "a node counts as let go once 1e-9 of the load is left on it, over its small weight",
     ),
-    "stress": Tolerance(2.2e-3, 4e-3, "linear in each element and averaged at its nodes, a/24 and larger below; over p0"),
+    "fields": Tolerance(
+        2.1e-6,
+        1e-5,
+        "the arc carries tractions in the interface's compliance and moves as prescribed in the"
+        " fields",
+    ),
+    "stress": Tolerance(
+        2.2e-3,
+        4e-3,
+        "linear in each element and averaged at its nodes, a/24 and larger below; over p0",
+    ),
     "stress on the face": Tolerance(4.6e-4, 1e-3, "the same, all elements below it; over p0"),
     "shear stress": Tolerance(1.8e-3, 3.5e-3, "half the difference of two of those; over p0"),
     "tension at the trailing edge": Tolerance(
         2.3e-3, 2.5e-3, "at Q = 0.1 f P, whose slip zone has four nodes at a/40; of theory's"
     ),
     "initial loading": Tolerance(
-        2.3e-16, 1e-9, "the first revolution wipes the initial loading out, to the last digit of every node's state"
+        2.3e-16,
+        1e-9,
+        "the first revolution wipes the initial loading out, to the last digit of every node's"
+        " state",
     ),
     # One condensed body under a uniform traction.
-    "compliance": Tolerance(6.6e-5, 1e-4, "elements of a/16, nu = 0.49; 1e-5 at nu = 0.3; over the largest displacement"),
+    "compliance": Tolerance(
+        6.6e-5, 1e-4, "elements of a/16, nu = 0.49; 1e-5 at nu = 0.3; over the largest displacement"
+    ),
     "asymmetry": Tolerance(8e-16, 1e-12, "the coupling on the arc has an energy; " + ALGEBRA),
     # nu = 0.45 to 0.4999, coarse mesh. At 0.4999 plain quadratic elements have 7e-3, 7e-2, 7e-2.
     "incompressible dissipation": Tolerance(3.2e-3, 6e-3, EDGE),
     "incompressible pressure": Tolerance(3.2e-3, 6e-3, EDGE),
-    "incompressible rocking": Tolerance(6.4e-4, 1.5e-3, MESH + "; worst node of the inner half, over p0"),
-    # What is said of the edges' uncertainty, median over the path, in elements of a/60 (nodes stand half an element apart).
-    "contact edge uncertainty": Tolerance(0.19, 0.3, "three tenths of the distance of two nodes, and the second estimate"),
-    "stick edge uncertainty": Tolerance(0.5, 0.7, "the distance of two nodes, less where the edge is fitted"),
+    "incompressible rocking": Tolerance(
+        6.4e-4, 1.5e-3, MESH + "; worst node of the inner half, over p0"
+    ),
+    # What is said of the edges' uncertainty, median over the path, in elements of a/60 (nodes stand
+    # half an element apart).
+    "contact edge uncertainty": Tolerance(
+        0.19, 0.3, "three tenths of the distance of two nodes, and the second estimate"
+    ),
+    "stick edge uncertainty": Tolerance(
+        0.5, 0.7, "the distance of two nodes, less where the edge is fitted"
+    ),
     # A layer on a rigid base, coarse mesh, against Fourier integrals.
     "layer, half-width": Tolerance(2.0e-3, 5e-3, EDGE),
     "layer, pressure": Tolerance(4.9e-3, 8e-3, EDGE),
@@ -83,25 +113,57 @@ TOLERANCES = {
 }
 
 ORDERS = {
-    "hertz middle, quadratic": Order(1.87, 1.5, 2.3, "nodal pressure of quadratic elements away from the edges: 2"),
+    "hertz middle, quadratic": Order(
+        1.87, 1.5, 2.3, "nodal pressure of quadratic elements away from the edges: 2"
+    ),
     "hertz L2, quadratic": Order(0.94, 0.7, 1.4, "a square root inside an element: 1"),
-    "hertz edge, quadratic": Order(0.72, 0.5, 1.2, "the edge is found to a share of the element that holds it: 1"),
+    "hertz edge, quadratic": Order(
+        0.72, 0.5, 1.2, "the edge is found to a share of the element that holds it: 1"
+    ),
     "hertz approach, quadratic": Order(2.03, 1.7, 2.5, "a mean of p against a logarithm: 2"),
     "hertz L2, linear": Order(1.4, 1.1, 1.8, "3/2 between the middle's 2 and the edge's 1"),
     "hertz approach, linear": Order(1.87, 1.5, 2.3, "energy of linear triangles: 2"),
     "mindlin shear": Order(1.11, 0.8, 1.6, "square roots at c and a inside elements: 1"),
     "mindlin stick edge": Order(0.85, 0.5, 1.3, "by node status, to half an element: 1"),
-    "mindlin dissipation": Order(3.0, 2.3, 3.7, "W is stationary in the stick edge: 2; more without what edges between nodes add"),
-    "moving edges": Order(2.2, 1.8, 2.6, "N - T without the mesh's part: 2; it scatters with where edges stand in their elements"),
-    "step": Order(3.3, 3.0, 4.6, "friction work in two parts where nodes start to slide, along the curve of the loads: 3 at least"),
-    "step, edges between nodes": Order(1.7, 1.5, 2.3, "the edge of contact goes evenly along an increment, where P is curved: 2"),
-    "end_of_step work": Order(0.91, 0.8, 1.2, "half dq ds of an increment: 1; landing on touches adds increments, so less"),
-    "external_end_of_step work": Order(0.95, 0.8, 1.2, "half dP d(delta) + dQ dU of an increment: 1, as above"),
+    "mindlin dissipation": Order(
+        3.0,
+        2.3,
+        3.7,
+        "W is stationary in the stick edge: 2; more without what edges between nodes add",
+    ),
+    "moving edges": Order(
+        2.2,
+        1.8,
+        2.6,
+        "N - T without the mesh's part: 2; it scatters with where edges stand in their elements",
+    ),
+    "step": Order(
+        3.3,
+        3.0,
+        4.6,
+        "friction work in two parts where nodes start to slide, along the curve of the loads: 3 at"
+        " least",
+    ),
+    "step, edges between nodes": Order(
+        1.7, 1.5, 2.3, "the edge of contact goes evenly along an increment, where P is curved: 2"
+    ),
+    "end_of_step work": Order(
+        0.91, 0.8, 1.2, "half dq ds of an increment: 1; landing on touches adds increments, so less"
+    ),
+    "external_end_of_step work": Order(
+        0.95, 0.8, 1.2, "half dP d(delta) + dQ dU of an increment: 1, as above"
+    ),
     "penalty": Order(1.0, 0.9, 1.1, "the layer gives initial loading proportion to its compliance"),
-    "stiff punch": Order(1.02, 0.9, 1.1, "what the punch gives way by is in proportion to its compliance"),
+    "stiff punch": Order(
+        1.02, 0.9, 1.1, "what the punch gives way by is in proportion to its compliance"
+    ),
     "idealisation, peak pressure": Order(2.09, 1.7, 2.3, "far fields of finite bodies: (a/size)^2"),
-    "idealisation, dissipation": Order(1.99, 1.7, 2.3, "the same far fields, (a/size)^2, act on the slip"),
-    "compliance, linear elements": Order(1.87, 1.6, 2.2, "displacement of linear triangles: 2, less where the bulk mesh is rough"),
+    "idealisation, dissipation": Order(
+        1.99, 1.7, 2.3, "the same far fields, (a/size)^2, act on the slip"
+    ),
+    "compliance, linear elements": Order(
+        1.87, 1.6, 2.2, "displacement of linear triangles: 2, less where the bulk mesh is rough"
+    ),
     "compliance, quadratic elements": Order(
         3.5, 3.0, 4.0, "quadratic triangles: 4 at nodes of a smooth load, the ends' logarithm costs"
     ),
@@ -119,7 +181,11 @@ def order_of(sizes: Sequence[float], errors: Sequence[float]) -> float:
 
 
 def check_order(name: str, sizes: Sequence[float], errors: Sequence[float]) -> None:
-    """Fail where the order of convergence lies outside its range on either side, or an error is no positive number."""
+    """Fail where the order of convergence lies outside its range on either side, or an error is no
+    positive number.
+    """
     assert np.all(np.asarray(errors) > 0), f"{name}: not an error sequence: {errors}"
     found, wanted = order_of(sizes, errors), ORDERS[name]
-    assert wanted.least <= found <= wanted.most, f"{name}: order {found:.2f} from {errors} is outside {wanted}"
+    assert wanted.least <= found <= wanted.most, (
+        f"{name}: order {found:.2f} from {errors} is outside {wanted}"
+    )

@@ -1,11 +1,14 @@
-"""Figures as values, and their SVG: on pages (light, dark, live, on a phone) and as files that stand alone.
+"""Figures as values, and their SVG: on pages (light, dark, live, on a phone) and as files that
+stand alone.
 
-A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. What they look like stands
-once, in templates/charts.css. Nothing here knows a metric or an engine.
+A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows.
+What they look like stands once, in templates/charts.css. Nothing here knows a metric or an engine.
 
 Offered to the rest of reports:
 
-    plate.py       `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `labels` `limits`; `Arrow` `Band` `Bitmap` `Block` `Curve`
-                   `Dot` `Group` `Mark` `Note` `Rule` `Segments`; `STATE_KEYS` `colour_scale` `worded`
-    templating.py  `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades` `table_text` `template`
+    plate.py       `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `labels` `limits`; `Arrow`
+                   `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note` `Rule` `Segments`;
+                   `STATE_KEYS` `colour_scale` `worded`
+    templating.py  `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades`
+    `table_text` `template`
 """

@@ -1,7 +1,8 @@
-"""A figure as a value: axes and marks in their units, panels, the key to its lines, its words and numbers; and its form as SVG.
+"""A figure as a value: axes and marks in their units, panels, the key to its lines, its words and
+numbers; and its form as SVG.
 
-On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries its colours. Words are escaped
-in `_element` and `_Pen.words` and nowhere else.
+On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries
+its colours. Words are escaped in `_element` and `_Pen.words` and nowhere else.
 """
 
 from __future__ import annotations
@@ -17,15 +18,25 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reports.charts.templating import STATE_NAMES, Table, pieces, shades, style_of, table_text, template
+from reports.charts.templating import (
+    STATE_NAMES,
+    Table,
+    pieces,
+    shades,
+    style_of,
+    table_text,
+    template,
+)
 
-# ------------------------------------------------------------------------------------------------------ places and ticks
+# --------------------------------------------------------------------------------- places and ticks
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Scale:
-    """An axis: numbers from `low` to `high` lie on places from `start` to `end`; `log` for a logarithmic one."""
+    """An axis: numbers from `low` to `high` lie on places from `start` to `end`; `log` for a
+    logarithmic one.
+    """
 
     low: float
     high: float
@@ -34,9 +45,13 @@ class Scale:
     log: bool = False
 
     def place(self, values: ArrayLike) -> Array:
-        """Places of `values`; NaN where there is none, a logarithm of what is not positive among them.
+        """Places of `values`; NaN where there is none, a logarithm of what is not positive among
+        them.
 
-        >>> Scale(0.0, 2.0, 0.0, 100.0).place([0.5]), Scale(1.0, 100.0, 0.0, 1.0, log=True).place([10.0])
+        >>> (
+        ...     Scale(0.0, 2.0, 0.0, 100.0).place([0.5]),
+        ...     Scale(1.0, 100.0, 0.0, 1.0, log=True).place([10.0]),
+        ... )
         (array([25.]), array([0.5]))
         """
         numbers, low, high = np.asarray(values, dtype=float), self.low, self.high
@@ -52,7 +67,8 @@ class Scale:
 
 
 def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list[float]:
-    """Round numbers from low to high, about `count` of them; powers of ten on a logarithmic axis, 1, 2, 5 on a short one.
+    """Round numbers from low to high, about `count` of them; powers of ten on a logarithmic axis,
+    1, 2, 5 on a short one.
 
     >>> _ticks(-1.2, 1.2), _ticks(1e-4, 1.0, log=True), _ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
@@ -71,13 +87,20 @@ def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> lis
     power = 10.0 ** np.floor(np.log10(rough))
     steps = [s * power for s in (1, 2, 2.5, 5, 10)]
     coarse = next(k for k, step in enumerate(steps) if step >= 0.999 * rough)
-    # One number says nothing of an axis' scale: then the next finer step, which is below `rough` and has more than one.
-    numbers = next(n for n in (_multiples(low, high, steps[k]) for k in (coarse, max(coarse - 1, 0))) if len(n) > 1 or not coarse)
+    # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
+    # and has more than one.
+    numbers = next(
+        n
+        for n in (_multiples(low, high, steps[k]) for k in (coarse, max(coarse - 1, 0)))
+        if len(n) > 1 or not coarse
+    )
     return [float(f"{n:.12g}") + 0.0 for n in numbers]
 
 
 def _multiples(low: float, high: float, step: float) -> Array:
-    return np.asarray(np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step)
+    return np.asarray(
+        np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    )
 
 
 def labels(numbers: Sequence[float]) -> list[str]:
@@ -99,7 +122,9 @@ def _label(number: float) -> str:
     return text.replace("-", "−")
 
 
-def limits(*values: ArrayLike, margin: float = 0.06, least: float = 0.0, zero: bool = False) -> tuple[float, float]:
+def limits(
+    *values: ArrayLike, margin: float = 0.06, least: float = 0.0, zero: bool = False
+) -> tuple[float, float]:
     """From the least to the largest finite value with a margin on both sides; never empty.
 
     Parameters
@@ -120,7 +145,9 @@ def limits(*values: ArrayLike, margin: float = 0.06, least: float = 0.0, zero: b
 
 @dataclass(frozen=True)
 class Axis:
-    """What an axis shows: from `low` to `high`, its words, whether it is logarithmic, about how many ticks (0: none), or which."""
+    """What an axis shows: from `low` to `high`, its words, whether it is logarithmic, about how
+    many ticks (0: none), or which.
+    """
 
     low: float
     high: float
@@ -162,9 +189,11 @@ _GRAIN = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same ones under one `name`.
+    """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same
+    ones under one `name`.
 
-    There they are whole numbers of `GRAIN`; a panel that uses those of another has "again" after the name.
+    There they are whole numbers of `GRAIN`; a panel that uses those of another has "again" after
+    the name.
     """
 
     ends: NDArray[np.float64]
@@ -174,7 +203,9 @@ class Segments:
 
 @dataclass(frozen=True)
 class Dot:
-    """A round mark, `radius` in units of the drawing; `fill` where its colour stands for a number."""
+    """A round mark, `radius` in units of the drawing; `fill` where its colour stands for a
+    number.
+    """
 
     x: float
     y: float
@@ -196,7 +227,9 @@ class Rule:
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle between two x and two y; `fill` where its colour stands for a number; `hatched` for what is not resolved."""
+    """A rectangle between two x and two y; `fill` where its colour stands for a number; `hatched`
+    for what is not resolved.
+    """
 
     x: tuple[float, float]
     y: tuple[float, float]
@@ -208,7 +241,9 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Bitmap:
-    """A map over the whole area, first row on top: (n, m) numbers of `colours` (#rrggbb each), or (n, m, 3) colours themselves."""
+    """A map over the whole area, first row on top: (n, m) numbers of `colours` (#rrggbb each), or
+    (n, m, 3) colours themselves.
+    """
 
     pixels: NDArray[np.uint8]
     colours: Sequence[str] = ()
@@ -216,7 +251,9 @@ class Bitmap:
 
 @dataclass(frozen=True)
 class Note:
-    """A text that starts, ends or has its middle at a place, moved by `shift` units of the drawing (right, down)."""
+    """A text that starts, ends or has its middle at a place, moved by `shift` units of the drawing
+    (right, down).
+    """
 
     x: float
     y: float
@@ -263,11 +300,13 @@ class Frame:
         return self.x.start, self.y.end, self.x.end, self.y.start
 
 
-# -------------------------------------------------------------------------------------------------------------- panels
-# Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
+# ------------------------------------------------------------------------------------------- panels
+# Room around the area of the curves for words and numbers [units of a drawing, in which letters are
+# 12 high].
 _LEFT, RIGHT, _TOP, _BOTTOM, _LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
-# Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
+# Of a line of more places only those that show stay: in each strip so wide the first, the last, the
+# highest and the lowest.
 _LONG_LINE, _STRIP = 2000, 1.0
 DOWN = "3.5"  # how far a subscript stands below its line [units of a drawing]
 _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
@@ -288,26 +327,40 @@ class Panel:
     # title, notes: lines above the area; notes hold the numbers of a plot
     title: str = ""
     notes: Sequence[str] = ()
-    time: str = ""  # "x" or "y" where that axis is the time, so that the instant shown is marked on it
+    # "x" or "y" where that axis is the time, so that the instant shown is marked on it
+    time: str = ""
     css: str = ""
-    equal: bool = False  # one scale for both axes, the one with room to spare showing more on both sides
+    # one scale for both axes, the one with room to spare showing more on both sides
+    equal: bool = False
     bare: bool = False  # no axes at all
-    room: tuple[float, float, float, float] | None = None  # left, top, right, bottom of it beside the area, automatic if None
+    # left, top, right, bottom of it beside the area, automatic if None
+    room: tuple[float, float, float, float] | None = None
 
     @property
     def frame(self) -> Frame:
         """The area that the marks lie in."""
         above = _TOP + _LINE * (len(self.notes) + bool(self.title))
-        left, top, right, bottom = self.room or (_LEFT, above, RIGHT, _BOTTOM if self.x.words else 24.0)
+        left, top, right, bottom = self.room or (
+            _LEFT,
+            above,
+            RIGHT,
+            _BOTTOM if self.x.words else 24.0,
+        )
         (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
         across, up = self.width - left - right, self.height - top - bottom
         if self.equal:
             unit = max((x1 - x0) / across, (y1 - y0) / up)
             (x0, x1), (y0, y1) = (
-                ((a + b - unit * size) / 2, (a + b + unit * size) / 2) for a, b, size in ((x0, x1, across), (y0, y1, up))
+                ((a + b - unit * size) / 2, (a + b + unit * size) / 2)
+                for a, b, size in ((x0, x1, across), (y0, y1, up))
             )
         horizontal = Scale(x0, x1, left, self.width - right, self.x.log)
-        return Frame(horizontal, Scale(y0, y1, self.height - bottom, top, self.y.log), self.width, self.height)
+        return Frame(
+            horizontal,
+            Scale(y0, y1, self.height - bottom, top, self.y.log),
+            self.width,
+            self.height,
+        )
 
     def __html__(self) -> str:
         """The panel on a page."""
@@ -316,14 +369,20 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """Panels that belong together, one under the other; where it has an `event`, a click shows that instant of the cycle."""
+    """Panels that belong together, one under the other; where it has an `event`, a click shows that
+    instant of the cycle.
+    """
 
     panels: tuple[Panel, ...]
     event: int | None
 
     def __html__(self) -> str:
         inside = "".join(panel.__html__() for panel in self.panels)
-        return f"<div>{inside}</div>" if self.event is None else f'<div class="cell" data-event="{self.event:d}">{inside}</div>'
+        return (
+            f"<div>{inside}</div>"
+            if self.event is None
+            else f'<div class="cell" data-event="{self.event:d}">{inside}</div>'
+        )
 
 
 @dataclass(frozen=True)
@@ -335,7 +394,9 @@ class Key:
     patch: bool = False
 
 
-STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
+STATE_KEYS = tuple(
+    Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items()
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,18 +414,35 @@ class Plate:
     columns: int = 2
 
     def svg(self) -> str:
-        """The whole figure as a document of its own: its legend in rows, beneath it its panels in columns, with their colours."""
+        """The whole figure as a document of its own: its legend in rows, beneath it its panels in
+        columns, with their colours.
+        """
         parts = stacks(self)
         columns = min(self.columns, len(parts))
         across = [max(stack[0].width for stack in parts[c::columns]) for c in range(columns)]
-        width, left, top, pen, drawn = sum(across), 10.0, 6.0, _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True), []
+        width, left, top, pen, drawn = (
+            sum(across),
+            10.0,
+            6.0,
+            _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True),
+            [],
+        )
         for key in self.keys:
             size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
             if left > 10.0 and left + size > width:
                 left, top = 10.0, top + 18.0
-            line = _element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
-            patch = _element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
-            drawn += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
+            line = _element(
+                "path",
+                d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}",
+                **pen.look(f"curve {key.css}"),
+            )
+            patch = _element(
+                "rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch")
+            )
+            drawn += [
+                patch if key.patch else line,
+                pen.words(left + 30, top + 11, key.text, "word"),
+            ]
             left += size
         top = top + 22.0 if self.keys else 0.0
         for k in range(0, len(parts), columns):
@@ -372,17 +450,27 @@ class Plate:
             for column, stack in enumerate(parts[k : k + columns]):
                 place = top
                 for panel in stack:
-                    box = {"x": sum(across[:column]), "y": place, "width": panel.width, "height": panel.height}
+                    box = {
+                        "x": sum(across[:column]),
+                        "y": place,
+                        "width": panel.width,
+                        "height": panel.height,
+                    }
                     drawn.append(_panel_svg(panel, alone=True, **box))
                     place += panel.height
                 lowest = max(lowest, place)
             top = lowest
         ground = _element("rect", width=width, height=top, fill="#ffffff")
         return _element(
-            "svg", f"<title>{escape(self.title)}</title>{ground}{''.join(drawn)}", xmlns="http://www.w3.org/2000/svg",
-            width=f"{width:g}", height=f"{top:g}", viewBox=f"0 0 {width:g} {top:g}",
-            font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
-        )  # fmt: skip
+            "svg",
+            f"<title>{escape(self.title)}</title>{ground}{''.join(drawn)}",
+            xmlns="http://www.w3.org/2000/svg",
+            width=f"{width:g}",
+            height=f"{top:g}",
+            viewBox=f"0 0 {width:g} {top:g}",
+            font_family="DejaVu Sans, Segoe UI, sans-serif",
+            font_size="12",
+        )
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -403,7 +491,9 @@ def worded(
     words: str = "",
     **numbers: object,
 ) -> Plate:
-    """A figure of the page: its title, its caption and what it shows are in templates/figures.txt under `words`, or its name."""
+    """A figure of the page: its title, its caption and what it shows are in templates/figures.txt
+    under `words`, or its name.
+    """
     written = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, alt = str(written).strip().split("\n")
     return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
@@ -427,10 +517,23 @@ def colour_scale(
 ) -> Panel:
     """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
     high = high if high > low else low + (abs(low) or 1.0)
-    row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades((np.arange(64) + 0.5) / 64, colours))
-    numbers = [value for value in own if low <= value <= high] if own else _ticks(low, high, 4, log=log)
+    row = Bitmap(
+        np.arange(64, dtype=np.uint8)[None, :], shades((np.arange(64) + 0.5) / 64, colours)
+    )
+    numbers = (
+        [value for value in own if low <= value <= high] if own else _ticks(low, high, 4, log=log)
+    )
     axis = Axis(low, high, words, log, ticks=tuple(zip(numbers, labels(numbers), strict=True)))
-    return Panel(name, axis, Axis(0.0, 1.0, "", count=0), [row], f"Colours: {words}", width, 74.0, css="colours")
+    return Panel(
+        name,
+        axis,
+        Axis(0.0, 1.0, "", count=0),
+        [row],
+        f"Colours: {words}",
+        width,
+        74.0,
+        css="colours",
+    )
 
 
 def _attributes(given: Mapping[str, object]) -> str:
@@ -439,8 +542,14 @@ def _attributes(given: Mapping[str, object]) -> str:
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
     """
-    parts = ((name.rstrip("_").replace("_", "-"), f"{v:.2f}".rstrip("0").rstrip(".") if isinstance(v, float) else str(v))
-             for name, v in given.items() if v is not None and v != "")  # fmt: skip
+    parts = (
+        (
+            name.rstrip("_").replace("_", "-"),
+            f"{v:.2f}".rstrip("0").rstrip(".") if isinstance(v, float) else str(v),
+        )
+        for name, v in given.items()
+        if v is not None and v != ""
+    )
     return "".join(f' {name}="{escape(value)}"' for name, value in parts)
 
 
@@ -448,15 +557,24 @@ def _element(name: str, content: str = "", /, **given: object) -> str:
     """An element; `content` is SVG already. A place that is no number draws nothing."""
     if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
         return ""
-    return f"<{name}{_attributes(given)}>{content}</{name}>" if content else f"<{name}{_attributes(given)}/>"
+    return (
+        f"<{name}{_attributes(given)}>{content}</{name}>"
+        if content
+        else f"<{name}{_attributes(given)}/>"
+    )
 
 
 def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
-    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out, and see `_LONG_LINE`.
+    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are
+    left out, and see `_LONG_LINE`.
 
-    In each of `passes` every other place goes that lies within `off` of the straight line between its neighbours.
+    In each of `passes` every other place goes that lies within `off` of the straight line between
+    its neighbours.
 
-    >>> _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), _path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2)
+    >>> (
+    ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
+    ...     _path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2),
+    ... )
     ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
     A place that stands alone is a line to itself, which round ends make a dot.
@@ -464,11 +582,15 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
     >>> _path_of([0, np.nan, 2], [0, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
-    across, down = np.round(np.asarray(horizontal, dtype=float), 2), np.round(np.asarray(vertical, dtype=float), 2)
+    across, down = (
+        np.round(np.asarray(horizontal, dtype=float), 2),
+        np.round(np.asarray(vertical, dtype=float), 2),
+    )
     good = np.isfinite(across) & np.isfinite(down)
     if len(across) > _LONG_LINE:
         strips = np.where(good, np.floor(across / _STRIP), np.nan)
-        strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])  # of places that follow each other
+        # of places that follow each other
+        strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])
         by_height = np.lexsort((np.where(good, down, 0.0), strip))
         first = np.flatnonzero(np.diff(strip, prepend=-1))
         last = np.append(first[1:], len(strip)) - 1
@@ -481,15 +603,21 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
     rows = np.flatnonzero(good & moved)
     for _ in range(passes):
         before, here, after = (rows[k : len(rows) - 2 + k : 2] for k in range(3))
-        chord, apart = (np.array([across[to] - across[before], down[to] - down[before]]) for to in (after, here))
+        chord, apart = (
+            np.array([across[to] - across[before], down[to] - down[before]]) for to in (after, here)
+        )
         away = np.abs(chord[0] * apart[1] - chord[1] * apart[0]) <= off * np.hypot(*chord)
         rows = rows[~np.isin(rows, here[away & ~starts[here] & ~starts[after]])]
     places = {k: f"{across[k]:g} {down[k]:g}" for k in rows.tolist()}
-    return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
+    return "".join(
+        f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}"
+        for k, at in places.items()
+    )
 
 
 def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
-    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept unless `whole`.
+    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are
+    kept unless `whole`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -516,7 +644,11 @@ class _Pen:
         """Classes on a page, declarations in a document of its own."""
         if not self.alone:
             return {"class_": css}
-        kept = {name: value for name, value in style_of(css, text=text).items() if name not in ("vector-effect", "cursor")}
+        kept = {
+            name: value
+            for name, value in style_of(css, text=text).items()
+            if name not in ("vector-effect", "cursor")
+        }
         return {"style": ";".join(f"{name}:{value}" for name, value in kept.items())}
 
     def words(self, x: float, y: float, text: str, css: str, /, **given: object) -> str:
@@ -528,9 +660,15 @@ class _Pen:
             for part, low in parts:
                 shift = {"dy": DOWN if low else f"-{DOWN}"} if low is not down else {}
                 size: dict[str, object] = self.look("sub") if low else {}
-                content += _element("tspan", escape(part), **shift, **size) if shift or size else escape(part)
+                content += (
+                    _element("tspan", escape(part), **shift, **size)
+                    if shift or size
+                    else escape(part)
+                )
                 down = low
-        return _element("text", content, x=float(x), y=float(y), **self.look(css, text=True), **given)
+        return _element(
+            "text", content, x=float(x), y=float(y), **self.look(css, text=True), **given
+        )
 
     def data(self, given: Mapping[str, object]) -> dict[str, object]:
         return {} if self.alone else {f"data_{name}": value for name, value in given.items()}
@@ -541,37 +679,60 @@ class _Pen:
         left, top, right, bottom = frame.box
         match mark:
             case Curve():
-                thin = (0.1, 8) if self.alone else (0.02, 1)  # a pointer on a page needs points everywhere
+                # a pointer on a page needs points everywhere
+                thin = (0.1, 8) if self.alone else (0.02, 1)
                 d = _path_of(frame.x.place(mark.x), frame.y.place(mark.y), *thin) or "M0 0"
                 given = self.data({"label": mark.label} | dict(mark.data))
-                return _element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
+                return _element(
+                    "path",
+                    d=d + ("Z" if mark.closed else ""),
+                    **self.look(f"curve {mark.css}"),
+                    **given,
+                )
             case Band():
-                along, low, high = (np.asarray(values, dtype=float) for values in (mark.x, mark.low, mark.high))
+                along, low, high = (
+                    np.asarray(values, dtype=float) for values in (mark.x, mark.low, mark.high)
+                )
                 known, d = np.isfinite(low) & np.isfinite(high), ""
                 for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
-                    if len(run) and known[run[0]]:  # a gap ends one outline, and the next begins behind it
+                    # a gap ends one outline, and the next begins behind it
+                    if len(run) and known[run[0]]:
                         there, back = along[run], np.concatenate([low[run], high[run][::-1]])
-                        d += _path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back)) + "Z"
+                        d += (
+                            _path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back))
+                            + "Z"
+                        )
                 return _element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
             case Segments():
                 return self.segments(mark)
             case Dot():
                 x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
-                given = {"fill": mark.fill or None} | self.data({"label": mark.label} | dict(mark.data))
+                given = {"fill": mark.fill or None} | self.data(
+                    {"label": mark.label} | dict(mark.data)
+                )
                 return _element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
             case Rule():
                 place = float((frame.x if mark.upright else frame.y).place(mark.at))
-                x1, y1, x2, y2 = (place, top, place, bottom) if mark.upright else (left, place, right, place)
+                x1, y1, x2, y2 = (
+                    (place, top, place, bottom) if mark.upright else (left, place, right, place)
+                )
                 return _element("line", x1=x1, x2=x2, y1=y1, y2=y2, **self.look(mark.css))
             case Block():
                 return self.block(mark)
             case Bitmap():
-                address = "data:image/png;base64," + base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone)).decode()
+                address = (
+                    "data:image/png;base64,"
+                    + base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone)).decode()
+                )
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-                return _element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
+                return _element(
+                    "image", **box, href=address, preserveAspectRatio="none", **self.look("map")
+                )
             case Note():
                 x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
-                given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)
+                given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(
+                    mark.data
+                )
                 anchor = None if mark.anchor == "start" else mark.anchor
                 return "".join(
                     self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
@@ -584,33 +745,55 @@ class _Pen:
                 return _element("g", inside, **self.look(mark.css), **self.data(mark.data))
 
     def segments(self, mark: Segments) -> str:
-        """All of them as one path: on a page in whole numbers, so that another window can use it again."""
+        """All of them as one path: on a page in whole numbers, so that another window can use it
+        again.
+        """
         frame, look = self.frame, self.look(mark.css)
         if self.alone or not mark.name:
             x, y = frame.x.place(mark.ends[..., 0]), frame.y.place(mark.ends[..., 1])
             seen = (x.max(axis=1) >= frame.x.start) & (x.min(axis=1) <= frame.x.end)
             seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
             lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
-            return _element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
+            return _element(
+                "path",
+                d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0",
+                **look,
+            )
         zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * _GRAIN
         x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
         transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         if "again" in mark.name.split():
-            return _element("g", _element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
+            return _element(
+                "g", _element("use", href=f"#{mark.name.split()[0]}"), transform=transform
+            )
         whole = np.rint(mark.ends / _GRAIN).astype(int)
         moves = (whole[:, 1] - whole[:, 0]).tolist()
-        d = "".join(f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True))
+        d = "".join(
+            f"M{x} {y}l{dx} {dy}"
+            for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True)
+        )
         return _element("g", _element("path", d=d, id=mark.name, **look), transform=transform)
 
     def block(self, mark: Block) -> str:
-        (left, right), (low, high) = np.sort(self.frame.x.place(mark.x)), np.sort(self.frame.y.place(mark.y))
-        place = {"x": float(left), "y": float(low), "width": float(right - left), "height": float(high - low)}
+        (left, right), (low, high) = (
+            np.sort(self.frame.x.place(mark.x)),
+            np.sort(self.frame.y.place(mark.y)),
+        )
+        place = {
+            "x": float(left),
+            "y": float(low),
+            "width": float(right - left),
+            "height": float(high - low),
+        }
         given = {"fill": mark.fill or None} | self.data({"label": mark.label})
         filled = _element("rect", **place, **self.look(mark.css), **given)
         if not mark.hatched:
             return filled
         # Lines of slope 1: x + y is constant along each.
-        sums = np.arange(np.ceil((left + low) / _HATCH), np.floor((right + high) / _HATCH) + 1) * _HATCH
+        sums = (
+            np.arange(np.ceil((left + low) / _HATCH), np.floor((right + high) / _HATCH) + 1)
+            * _HATCH
+        )
         begin, end = np.maximum(left, sums - high), np.minimum(right, sums - low)
         lines = zip(begin.tolist(), end.tolist(), sums.tolist(), strict=True)
         d = "".join(f"M{a:.1f} {s - a:.1f}L{b:.1f} {s - b:.1f}" for a, b, s in lines if b > a)
@@ -619,31 +802,60 @@ class _Pen:
     def arrow(self, mark: Arrow) -> str:
         """A line from the first to the second place with a head at the second."""
         places = np.array([mark.start, mark.end])
-        first, tip = np.column_stack([self.frame.x.place(places[:, 0]), self.frame.y.place(places[:, 1])])
+        first, tip = np.column_stack(
+            [self.frame.x.place(places[:, 0]), self.frame.y.place(places[:, 1])]
+        )
         along = (tip - first) / np.hypot(*(tip - first))
         across = np.array([-along[1], along[0]])
         head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
         end = tip - 9 * along
-        line = _element("path", d=_path_of([first[0], end[0]], [first[1], end[1]]), **self.look(f"curve {mark.css}"))
-        return line + _element("path", d=_path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}"))
+        line = _element(
+            "path",
+            d=_path_of([first[0], end[0]], [first[1], end[1]]),
+            **self.look(f"curve {mark.css}"),
+        )
+        return line + _element(
+            "path", d=_path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}")
+        )
 
     def axes(self, x: Axis, y: Axis) -> str:
         """Grid lines, numbers beside the axes, and what the axes show."""
         frame = self.frame
         left, top, right, bottom = frame.box
         parts = []
-        for place, text in ((float(frame.x.place(number)), text) for number, text in _tick_pairs(x, frame.x)):
-            parts.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across")))
+        for place, text in (
+            (float(frame.x.place(number)), text) for number, text in _tick_pairs(x, frame.x)
+        ):
+            parts.append(
+                _element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across"))
+            )
             if frame.height - bottom > 16:
-                parts.append(self.words(place, bottom + 15, text, "tick across", text_anchor="middle"))
-        for place, text in ((float(frame.y.place(number)), text) for number, text in _tick_pairs(y, frame.y)):
-            parts.append(_element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright")))
+                parts.append(
+                    self.words(place, bottom + 15, text, "tick across", text_anchor="middle")
+                )
+        for place, text in (
+            (float(frame.y.place(number)), text) for number, text in _tick_pairs(y, frame.y)
+        ):
+            parts.append(
+                _element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright"))
+            )
             parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
         middle = (top + bottom) / 2
         if x.words and frame.height - bottom > 30:
-            parts.append(self.words((left + right) / 2, bottom + 36, x.words, "name", text_anchor="middle"))
+            parts.append(
+                self.words((left + right) / 2, bottom + 36, x.words, "name", text_anchor="middle")
+            )
         if y.words:
-            parts.append(self.words(12, middle, y.words, "name", text_anchor="middle", transform=f"rotate(-90 12 {middle:g})"))
+            parts.append(
+                self.words(
+                    12,
+                    middle,
+                    y.words,
+                    "name",
+                    text_anchor="middle",
+                    transform=f"rotate(-90 12 {middle:g})",
+                )
+            )
         return "".join(parts)
 
 
@@ -656,11 +868,17 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
 
 
 def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
-    """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height) there."""
+    """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height)
+    there.
+    """
     frame, pen = panel.frame, _Pen(panel.frame, alone)
     left, top, right, bottom = frame.box
     area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-    marks = _element("g", "".join(pen.draw(mark) for mark in panel.marks) or " ", **({} if alone else {"class_": "marks"}))
+    marks = _element(
+        "g",
+        "".join(pen.draw(mark) for mark in panel.marks) or " ",
+        **({} if alone else {"class_": "marks"}),
+    )
     parts = [marks]
     if not panel.bare:
         corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
@@ -674,15 +892,41 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     lines = [(panel.title, "title")] if panel.title else []
     lines += [(note, "measure") for note in panel.notes]
     first = top - 9.0 - _LINE * (len(lines) - 1)
-    parts += [pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css) for k, (text, css) in enumerate(lines)]
+    parts += [
+        pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css)
+        for k, (text, css) in enumerate(lines)
+    ]
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)
     custom = " ".join(f"{number:g}={text}" for number, text in panel.x.ticks)
-    scales = {} if panel.bare and not panel.css else {"data_x": frame.x.words, "data_y": frame.y.words}
-    names = {"data_x_words": panel.x.words, "data_y_words": panel.y.words, "data_time": panel.time, "data_x_ticks": custom}
-    names |= {"data_counts": f"{panel.x.count} {panel.y.count}"} if (panel.x.count, panel.y.count) != (5, 5) else {}
-    kind = "sketch" if panel.bare and not panel.css else " ".join(["panel", *panel.css.split(), *["equal"] * panel.equal])
+    scales = (
+        {} if panel.bare and not panel.css else {"data_x": frame.x.words, "data_y": frame.y.words}
+    )
+    names = {
+        "data_x_words": panel.x.words,
+        "data_y_words": panel.y.words,
+        "data_time": panel.time,
+        "data_x_ticks": custom,
+    }
+    names |= (
+        {"data_counts": f"{panel.x.count} {panel.y.count}"}
+        if (panel.x.count, panel.y.count) != (5, 5)
+        else {}
+    )
+    kind = (
+        "sketch"
+        if panel.bare and not panel.css
+        else " ".join(["panel", *panel.css.split(), *["equal"] * panel.equal])
+    )
     return _element(
-        "svg", "".join(parts), **box, role="img", aria_label=panel.alt, class_=kind, id=f"panel-{panel.name}", **scales, **names
+        "svg",
+        "".join(parts),
+        **box,
+        role="img",
+        aria_label=panel.alt,
+        class_=kind,
+        id=f"panel-{panel.name}",
+        **scales,
+        **names,
     )

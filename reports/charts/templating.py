@@ -1,4 +1,5 @@
-"""The text of pages: templates, what marks look like by the page's style sheet, words with subscripts, tables as CSV and Markdown.
+"""The text of pages: templates, what marks look like by the page's style sheet, words with
+subscripts, tables as CSV and Markdown.
 
 Every word from outside is escaped, a name that is missing is an error.
 """
@@ -23,14 +24,15 @@ from numpy.typing import ArrayLike, NDArray
 from reports.units import minus, number, signed
 from scenes import SurfaceState
 
-# ----------------------------------------------------------------------------------------------------------------- looks
+# -------------------------------------------------------------------------------------------- looks
 STATE_NAMES = {
     SurfaceState.OPEN: "open",
     SurfaceState.STICK: "stick",
     SurfaceState.SLIP_FORWARD: "forward slip",
     SurfaceState.SLIP_REVERSE: "reverse slip",
 }
-# Eleven points of matplotlib's maps of these names; between them by straight lines the largest error of a channel is 6 of 255.
+# Eleven points of matplotlib's maps of these names; between them by straight lines the largest
+# error of a channel is 6 of 255.
 _MAPS = {
     "viridis": "440154 482475 414487 355f8d 2a788e 21918c 22a884 44bf70 7ad151 bddf26 fde725",
     "RdBu_r": "053061 2166ac 4393c3 92c5de d1e5f0 f7f7f7 fddbc7 f4a582 d6604d b2182b 67001f",
@@ -45,7 +47,9 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
     """
     ends = np.array([[int(code[k : k + 2], 16) for k in (0, 2, 4)] for code in _MAPS[name].split()])
     at = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(ends) - 1)
-    channels = np.stack([np.interp(at, np.arange(len(ends)), ends[:, k]) for k in range(3)], axis=-1)
+    channels = np.stack(
+        [np.interp(at, np.arange(len(ends)), ends[:, k]) for k in range(3)], axis=-1
+    )
     return ["#" + "".join(f"{int(c):02x}" for c in colour) for colour in channels.reshape(-1, 3)]
 
 
@@ -80,7 +84,9 @@ def marked(text: object) -> Markup:
 
 @cache
 def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
-    """Classes that a rule asks for, whether it is for texts, and what it declares; colours are those of light pages."""
+    """Classes that a rule asks for, whether it is for texts, and what it declares; colours are
+    those of light pages.
+    """
     sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
@@ -88,9 +94,19 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
     found = []
     for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
         resolved = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
-        declared = {name: value.removesuffix("px") for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)}
-        asked = (re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip()) for selector in selectors.split(","))
-        found += [(frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared) for plain in asked if plain]
+        declared = {
+            name: value.removesuffix("px")
+            for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)
+        }
+        asked = (
+            re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip())
+            for selector in selectors.split(",")
+        )
+        found += [
+            (frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared)
+            for plain in asked
+            if plain
+        ]
     return sorted(found, key=lambda rule: len(rule[0]))
 
 
@@ -117,7 +133,13 @@ def _pages() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    pages.filters |= {"minus": minus, "number": number, "signed": signed, "marked": marked, "contents": _contents}
+    pages.filters |= {
+        "minus": minus,
+        "number": number,
+        "signed": signed,
+        "marked": marked,
+        "contents": _contents,
+    }
     return pages
 
 
@@ -138,24 +160,34 @@ def _contents(page: str) -> Markup:
     Markup('<ul><li><a href="#mesh">The mesh</a></li></ul>')
     """
     found = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<h2>(.*?)</h2>', page, re.DOTALL)
-    return Markup("<ul>" + "".join(f'<li><a href="#{place}">{words}</a></li>' for place, words in found) + "</ul>")
+    return Markup(
+        "<ul>"
+        + "".join(f'<li><a href="#{place}">{words}</a></li>' for place, words in found)
+        + "</ul>"
+    )
 
 
 def script() -> tuple[Markup, str]:
-    """The script of all pages without its indents and notes, and what a page's policy calls it: no other may run."""
+    """The script of all pages without its indents and notes, and what a page's policy calls it: no
+    other may run.
+    """
     text = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
     text = re.sub(r"^ +(// .*\n|/\*.*\*/\n)?", "", text, flags=re.MULTILINE)
-    return Markup(text), "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+    return (
+        Markup(text),
+        "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode(),
+    )
 
 
-# ---------------------------------------------------------------------------------------------------------------- tables
+# ------------------------------------------------------------------------------------------- tables
 # Column heading (with unit) -> values, all of one length.
 Table: TypeAlias = Mapping[str, Sequence[Any] | NDArray[Any]]
 _FORMULA = ("=", "+", "-", "@", "\t")
 
 
 def harmless(cell: str) -> str:
-    """The text of a CSV cell; with an apostrophe before it where a spreadsheet would compute it. Numbers stay as they are.
+    """The text of a CSV cell; with an apostrophe before it where a spreadsheet would compute it.
+    Numbers stay as they are.
 
     >>> harmless("=HYPERLINK(A1)"), harmless("-1e-3"), harmless("pad"), harmless(" @SUM(A1)")
     ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
@@ -171,7 +203,8 @@ def harmless(cell: str) -> str:
 
 
 def table_text(table: Table) -> str:
-    """Columns of equal length as CSV text, numbers to the last digit; an empty cell stands for "no such thing".
+    """Columns of equal length as CSV text, numbers to the last digit; an empty cell stands for "no
+    such thing".
 
     >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
     'x,state\\n0.5,stick\\n,open\\n'
@@ -208,4 +241,6 @@ def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     | 0 | 1 |
     """
     lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+    return "\n".join(
+        f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines
+    )

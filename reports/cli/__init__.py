@@ -1,7 +1,8 @@
-"""The command line `halfplane`: a command is a function of what it is about and of one frozen value of options.
+"""The command line `halfplane`: a command is a function of what it is about and of one frozen value
+of options.
 
-    application.py   the tables of options and of commands, and commands made of them; exit codes, what is said of a fault, the
-                     one place that prints answers; streams and signals
+    application.py   the tables of options and of commands, and commands made of them; exit codes,
+                     what is said of a fault, the one place that prints answers; streams and signals
     solving.py       run, exact, fe, export, paper
     field_output.py  fields: files for ParaView, pictures
     results.py       score, diff, advise
@@ -9,7 +10,8 @@
     scene_files.py   init, check, scenes, schema
     machine.py       doctor
 
-The modules of commands are imported when one of their commands is called: `halfplane --help` loads nothing heavy.
+The modules of commands are imported when one of their commands is called: `halfplane --help` loads
+nothing heavy.
 """
 
 from reports.cli.application import main

@@ -1,6 +1,8 @@
-"""The command line `halfplane`: the tables of options and of commands, exit codes, what is said of a fault, streams and signals.
+"""The command line `halfplane`: the tables of options and of commands, exit codes, what is said of
+a fault, streams and signals.
 
-A command is a row of `_COMMANDS`, and a function in a module of its own that is imported when the command is called.
+A command is a row of `_COMMANDS`, and a function in a module of its own that is imported when the
+command is called.
 """
 
 # Annotations are evaluated here: no `from __future__`.
@@ -43,9 +45,11 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-# ------------------------------------------------------------------------------------------------------------- the tables
+# --------------------------------------------------------------------------------------- the tables
 FORMAT = "halfplane answer 2"
-_MESH = Group("Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2)
+_MESH = Group(
+    "Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2
+)
 _SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
 
 
@@ -53,7 +57,8 @@ def _whole(_: type, tokens: Sequence[Token]) -> int:
     try:
         return int(tokens[0].value)
     except ValueError:
-        raise ValueError(f"{tokens[0].value!r} is no whole number") from None  # what reads options would round it
+        # what reads options would round it
+        raise ValueError(f"{tokens[0].value!r} is no whole number") from None
 
 
 # A number of things: nothing is rounded.
@@ -84,9 +89,13 @@ def _solver(words: str) -> Words:
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """Every option; one that is left out, or that the command does not take, has its default, None being the engine's own."""
+    """Every option; one that is left out, or that the command does not take, has its default, None
+    being the engine's own.
+    """
 
-    out: Annotated[Path | None, _says("Folder for the results; out/<scene name> if left out.")] = None
+    out: Annotated[Path | None, _says("Folder for the results; out/<scene name> if left out.")] = (
+        None
+    )
     json: Annotated[bool, _flag("As JSON on stdout, and nothing else there.")] = False
     quiet: Annotated[bool, _flag("No progress on stderr.")] = False
     # finite elements
@@ -94,75 +103,154 @@ class Options:
         Literal["default", "coarse", "fine"],
         _mesh("Mesh to start from: coarse for a first look, fine for a result to rely on."),
     ] = "default"
-    element_size: Annotated[float | None, _mesh("Surface elements where the tractions are smooth.")] = None
-    edge_element_size: Annotated[float | None, _mesh("Surface elements where the contact and stick edges travel.")] = None
-    far_radius: Annotated[float | None, _mesh("Radius of the half-disc that stands for a half-plane.")] = None
+    element_size: Annotated[
+        float | None, _mesh("Surface elements where the tractions are smooth.")
+    ] = None
+    edge_element_size: Annotated[
+        float | None, _mesh("Surface elements where the contact and stick edges travel.")
+    ] = None
+    far_radius: Annotated[
+        float | None, _mesh("Radius of the half-disc that stands for a half-plane.")
+    ] = None
     growth: Annotated[float | None, _mesh("Growth of the elements away from the contact.")] = None
     order: Annotated[_Count | None, _mesh("Order of the elements, 1 or 2.")] = None
     method: Annotated[
         Literal["augmented_lagrangian", "penalty"] | None,
         _solver("The contact law met exactly, or an elastic layer between the faces."),
     ] = None
-    steps_per_cycle: Annotated[_Count | None, _solver("Steps of a revolution; turning points come on top.")] = None
-    step_tolerance: Annotated[float | None, _solver("Error of a revolution's steps over W above which steps are halved.")] = None
-    max_iterations: Annotated[_Count | None, _solver("Of one step, before it counts as not converged.")] = None
+    steps_per_cycle: Annotated[
+        _Count | None, _solver("Steps of a revolution; turning points come on top.")
+    ] = None
+    step_tolerance: Annotated[
+        float | None, _solver("Error of a revolution's steps over W above which steps are halved.")
+    ] = None
+    max_iterations: Annotated[
+        _Count | None, _solver("Of one step, before it counts as not converged.")
+    ] = None
     # run, score, diff
     tolerance: Annotated[
-        tuple[str, ...], _several("5%: of dissipation, peak pressure and both half-widths; KEY=VALUE: of one metric.")
+        tuple[str, ...],
+        _several(
+            "5%: of dissipation, peak pressure and both half-widths; KEY=VALUE: of one metric."
+        ),
     ] = ()
-    budget: Annotated[bool | None, _says("Measure where the difference comes from: coarser meshes, other far fields.")] = None
-    vtu: Annotated[tuple[str, ...], _several('Write both bodies for ParaView at these times, or at "events".')] = ()
-    stress: Annotated[tuple[str, ...], _several('Show von Mises stress on the page at these times, or at "events".')] = ()
-    third: Annotated[Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")] = None
-    scene: Annotated[str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")] = None
+    budget: Annotated[
+        bool | None,
+        _says("Measure where the difference comes from: coarser meshes, other far fields."),
+    ] = None
+    vtu: Annotated[
+        tuple[str, ...], _several('Write both bodies for ParaView at these times, or at "events".')
+    ] = ()
+    stress: Annotated[
+        tuple[str, ...],
+        _several('Show von Mises stress on the page at these times, or at "events".'),
+    ] = ()
+    third: Annotated[
+        Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")
+    ] = None
+    scene: Annotated[
+        str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")
+    ] = None
     as_: Annotated[
         Literal["tractions", "loop"],
-        _says("What the file holds: tractions, or a rig's loop of tangential load over displacement.", "--as"),
+        _says(
+            "What the file holds: tractions, or a rig's loop of tangential load over displacement.",
+            "--as",
+        ),
     ] = "tractions"
     rig_compliance: Annotated[
-        float | None, _says("Of a loop: displacement of the rig per tangential load, 1/stress; fitted if left out.")
+        float | None,
+        _says(
+            "Of a loop: displacement of the rig per tangential load, 1/stress; fitted if left out."
+        ),
     ] = None
-    mapping: Annotated[Path | None, _says("TOML file: names of columns, units, signs. Usual ones need none.")] = None
-    against: Annotated[Literal["exact", "fe"], _says("Half-plane theory, or the project's own finite elements.")] = "exact"
+    mapping: Annotated[
+        Path | None, _says("TOML file: names of columns, units, signs. Usual ones need none.")
+    ] = None
+    against: Annotated[
+        Literal["exact", "fe"], _says("Half-plane theory, or the project's own finite elements.")
+    ] = "exact"
     mapping_example: Annotated[bool, _flag("Print a commented mapping file and stop.")] = False
-    accept: Annotated[bool, _flag("Make B a baseline of A; the tolerances given are kept in it.")] = False
-    limit: Annotated[str, _says("Error of dissipation up to which half-plane theory may be used: 5% or 0.05.")] = "5%"
-    # fields, export
-    at: Annotated[tuple[str, ...], _several('Times of the path, or "events" of the last cycle, the default without a series.')] = ()
-    every: Annotated[_Count | None, _says("A series over the last cycle: every Nth stored step.")] = None
-    frames: Annotated[_Count | None, _says("A series over the last cycle: N instants evenly in time.")] = None
-    pictures: Annotated[bool, _says("Draw the meshes and the von Mises stress at the instants of --at as SVG.")] = True
-    fatigue: Annotated[
-        bool, _flag("Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland; fields/fatigue.csv.")
+    accept: Annotated[
+        bool, _flag("Make B a baseline of A; the tolerances given are kept in it.")
     ] = False
-    fatemi_socie: Annotated[tuple[float, float] | None, _says("k and yield stress: Fatemi and Socie's measure too.")] = None
+    limit: Annotated[
+        str, _says("Error of dissipation up to which half-plane theory may be used: 5% or 0.05.")
+    ] = "5%"
+    # fields, export
+    at: Annotated[
+        tuple[str, ...],
+        _several('Times of the path, or "events" of the last cycle, the default without a series.'),
+    ] = ()
+    every: Annotated[
+        _Count | None, _says("A series over the last cycle: every Nth stored step.")
+    ] = None
+    frames: Annotated[
+        _Count | None, _says("A series over the last cycle: N instants evenly in time.")
+    ] = None
+    pictures: Annotated[
+        bool, _says("Draw the meshes and the von Mises stress at the instants of --at as SVG.")
+    ] = True
+    fatigue: Annotated[
+        bool,
+        _flag(
+            "Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland;"
+            " fields/fatigue.csv."
+        ),
+    ] = False
+    fatemi_socie: Annotated[
+        tuple[float, float] | None, _says("k and yield stress: Fatemi and Socie's measure too.")
+    ] = None
     findley: Annotated[float | None, _says("k: Findley too.")] = None
-    critical_distance: Annotated[float | None, _says("Depth over which the stress is averaged for --fatigue.")] = None
+    critical_distance: Annotated[
+        float | None, _says("Depth over which the stress is averaged for --fatigue.")
+    ] = None
     cycles: Annotated[_Count | None, _says("Revolutions at most.")] = None
     # sweep, map
-    executor: Annotated[Literal["processes", "dask"], _says("Processes of this machine, or a dask cluster.")] = "processes"
-    scheduler: Annotated[str, _says("Address of your dask scheduler; without one a cluster starts on this machine.")] = ""
-    workers: Annotated[_Count | None, _says("Processes, or tasks at once; all cores if left out.")] = None
-    resume: Annotated[bool, _flag("What every run does: the results that the folder holds are used.")] = False
+    executor: Annotated[
+        Literal["processes", "dask"], _says("Processes of this machine, or a dask cluster.")
+    ] = "processes"
+    scheduler: Annotated[
+        str, _says("Address of your dask scheduler; without one a cluster starts on this machine.")
+    ] = ""
+    workers: Annotated[
+        _Count | None, _says("Processes, or tasks at once; all cores if left out.")
+    ] = None
+    resume: Annotated[
+        bool, _flag("What every run does: the results that the folder holds are used.")
+    ] = False
     stores: Annotated[Path, _says("Folder of the sweeps' stores.")] = Path("out/maps")
     remake: Annotated[bool, _flag("Start afresh: drop the sweeps' results first.")] = False
-    pages: Annotated[bool, _flag("Laws, figures and pages alone, from the tables that are there.")] = False
+    pages: Annotated[
+        bool, _flag("Laws, figures and pages alone, from the tables that are there.")
+    ] = False
     # init, scenes, schema
     start: Annotated[
-        str, _says("Copy this library scene, with the files it reads, instead of the commented example.", "--from")
+        str,
+        _says(
+            "Copy this library scene, with the files it reads, instead of the commented example.",
+            "--from",
+        ),
     ] = ""
-    bodies: Annotated[bool, _flag("The example with a block and a pad in place of half-planes.")] = False
+    bodies: Annotated[
+        bool, _flag("The example with a block and a pad in place of half-planes.")
+    ] = False
     profile: Annotated[
-        Literal["hertz", "flat_rounded"], _says("Profile of the example: a parabola, or flat with rounded edges.")
+        Literal["hertz", "flat_rounded"],
+        _says("Profile of the example: a parabola, or flat with rounded edges."),
     ] = "hertz"
-    tag: Annotated[tuple[str, ...], _says("Only scenes that have this tag; again for scenes that have all of them.")] = ()
+    tag: Annotated[
+        tuple[str, ...],
+        _says("Only scenes that have this tag; again for scenes that have all of them."),
+    ] = ()
 
     def given(self, names: Iterable[str]) -> dict[str, Any]:
         """Name -> value, of those that are not None."""
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     def command(self, name: str, operand: str, out: Path) -> str:
-        """The command line that repeats this: every option that differs from its default but --json and --quiet.
+        """The command line that repeats this: every option that differs from its default but --json
+        and --quiet.
 
         >>> Options(order=1, quiet=True).command("run", "hertz-paper", Path("out/first"))
         'halfplane run hertz-paper --order 1 --out out/first'
@@ -175,7 +263,10 @@ class Options:
             if isinstance(value, bool):
                 words.append(f"--{option}" if value else f"--no-{option}")
             else:
-                words += [f"--{option}", *(map(str, value) if isinstance(value, tuple) else [str(value)])]
+                words += [
+                    f"--{option}",
+                    *(map(str, value) if isinstance(value, tuple) else [str(value)]),
+                ]
         return shlex.join([*words, "--out", str(out)])
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
@@ -188,19 +279,26 @@ class Options:
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
-        mesh, solver = (self.given(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys()) for kind in (MeshSettings, SolverSettings))
+        mesh, solver = (
+            self.given(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys())
+            for kind in (MeshSettings, SolverSettings)
+        )
         return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)
 
 
 _NAMES = [one.name for one in fields(Options)]
 _OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
-_FINITE_ELEMENTS = dict.fromkeys(_NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]).keys()
+_FINITE_ELEMENTS = dict.fromkeys(
+    _NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]
+).keys()
 WORKERS = ("executor", "scheduler", "workers")
 
 
 class _Operand(NamedTuple):
-    """What a command is about: its name, kind, words and default (... where it must be given); `alone`: never as an option."""
+    """What a command is about: its name, kind, words and default (... where it must be given);
+    `alone`: never as an option.
+    """
 
     name: str
     kind: Any
@@ -221,7 +319,8 @@ class _Command:
     # operands, options: what it takes; an option with "!" must be given
     operands: tuple[_Operand, ...]
     options: tuple[str, ...]
-    words: Mapping[str, str] = field(default_factory=dict)  # of options that mean something else than in the table
+    # of options that mean something else than in the table
+    words: Mapping[str, str] = field(default_factory=dict)
     silent: bool = False  # what --quiet prints: nothing at all
 
 
@@ -231,96 +330,208 @@ _SILENT = {"quiet": "Print nothing: the exit code is the answer."}
 # The list of commands by use, and within a group in this order.
 _COMMANDS = (
     _Command(
-        "Solve", "run", "Both engines on one scene: verdict, page and data.",
-        "solving:run", (_SCENE_NAME,),
+        "Solve",
+        "run",
+        "Both engines on one scene: verdict, page and data.",
+        "solving:run",
+        (_SCENE_NAME,),
         (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "third", *_FINITE_ELEMENTS),
     ),
     _Command(
-        "Solve", "exact", "Half-plane theory alone: summary, NetCDF and CSV, no page.", "solving:exact", (_SCENE_NAME,), _OUTPUT
+        "Solve",
+        "exact",
+        "Half-plane theory alone: summary, NetCDF and CSV, no page.",
+        "solving:exact",
+        (_SCENE_NAME,),
+        _OUTPUT,
     ),
     _Command(
-        "Solve", "fe", "Finite elements alone: summary, NetCDF and CSV, no page.",
-        "solving:fe", (_SCENE_NAME,), (*_OUTPUT, *_FINITE_ELEMENTS),
+        "Solve",
+        "fe",
+        "Finite elements alone: summary, NetCDF and CSV, no page.",
+        "solving:fe",
+        (_SCENE_NAME,),
+        (*_OUTPUT, *_FINITE_ELEMENTS),
     ),
     _Command(
-        "Solve", "fields", "Displacement, stress and tractions in both bodies: files for ParaView, pictures.",
-        "field_output:fields", (_SCENE_NAME,),
-        (*_OUTPUT, "at", "every", "frames", "pictures", "fatigue", "fatemi_socie", "findley", "critical_distance",
-         *_FINITE_ELEMENTS),
+        "Solve",
+        "fields",
+        "Displacement, stress and tractions in both bodies: files for ParaView, pictures.",
+        "field_output:fields",
+        (_SCENE_NAME,),
+        (
+            *_OUTPUT,
+            "at",
+            "every",
+            "frames",
+            "pictures",
+            "fatigue",
+            "fatemi_socie",
+            "findley",
+            "critical_distance",
+            *_FINITE_ELEMENTS,
+        ),
     ),
     _Command(
-        "Solve", "sweep", "Run a study: a scene over axes of its keys, into a store; a later run resumes it.",
-        "studies:sweep", (_Operand("study", str, "A study file, .toml or .json; see docs/sweeps.md."),),
-        (*_OUTPUT, *WORKERS, "resume"), {"out": "Folder of the store; out/<study file> if left out."},
+        "Solve",
+        "sweep",
+        "Run a study: a scene over axes of its keys, into a store; a later run resumes it.",
+        "studies:sweep",
+        (_Operand("study", str, "A study file, .toml or .json; see docs/sweeps.md."),),
+        (*_OUTPUT, *WORKERS, "resume"),
+        {"out": "Folder of the store; out/<study file> if left out."},
     ),
     _Command(
-        "Solve", "sweep status", "How far a sweep is: done, failed, running, time left.",
-        "studies:status", (_FOLDER,), ("json",),
+        "Solve",
+        "sweep status",
+        "How far a sweep is: done, failed, running, time left.",
+        "studies:status",
+        (_FOLDER,),
+        ("json",),
     ),
     _Command(
-        "Solve", "sweep report", "The page of a sweep: its table and a figure of each quantity, also while it runs.",
-        "studies:report", (_FOLDER,), ("json",),
+        "Solve",
+        "sweep report",
+        "The page of a sweep: its table and a figure of each quantity, also while it runs.",
+        "studies:report",
+        (_FOLDER,),
+        ("json",),
     ),
     _Command(
-        "Solve", "export", "The bodies and the load history as an input deck for CalculiX.",
-        "solving:export", (_SCENE_NAME,), (*_OUTPUT, "steps_per_cycle", "cycles"),
+        "Solve",
+        "export",
+        "The bodies and the load history as an input deck for CalculiX.",
+        "solving:export",
+        (_SCENE_NAME,),
+        (*_OUTPUT, "steps_per_cycle", "cycles"),
         {"steps_per_cycle": "Instants of a revolution; turning points come on top."},
     ),
     _Command(
-        "Judge", "score", "Compare an external result with the reference: verdict, likely causes, page.",
+        "Judge",
+        "score",
+        "Compare an external result with the reference: verdict, likely causes, page.",
         "results:score",
-        (_Operand("result", str | None, "An external result: a table (.csv, .txt, .rpt), fields, a solution (.nc); or a folder of "
-                 "meshes.", None),),
-        (*_OUTPUT, "scene", "as_", "rig_compliance", "mapping", "against", "tolerance", "mapping_example"),
+        (
+            _Operand(
+                "result",
+                str | None,
+                "An external result: a table (.csv, .txt, .rpt), fields, a solution (.nc); or a"
+                " folder of meshes.",
+                None,
+            ),
+        ),
+        (
+            *_OUTPUT,
+            "scene",
+            "as_",
+            "rig_compliance",
+            "mapping",
+            "against",
+            "tolerance",
+            "mapping_example",
+        ),
         {"out": "Folder for the results; out/score-<result> if left out."},
     ),
     _Command(
-        "Judge", "diff", "Two runs, or a run and a baseline, value by value: 0 the same within tolerance, 1 not.",
+        "Judge",
+        "diff",
+        "Two runs, or a run and a baseline, value by value: 0 the same within tolerance, 1 not.",
         "results:diff",
-        (_Operand("a", str, "Folder of a run, its comparison.json, a solution (.nc), or a baseline."),
-         _Operand("b", str, "The same; with --accept the baseline to write.")),
+        (
+            _Operand(
+                "a", str, "Folder of a run, its comparison.json, a solution (.nc), or a baseline."
+            ),
+            _Operand("b", str, "The same; with --accept the baseline to write."),
+        ),
         ("tolerance", "accept", "json", "quiet"),
-        {"tolerance": 'KEY=VALUE of one value, or of many: "metric.*=1e-4".', **_SILENT}, silent=True,
+        {"tolerance": 'KEY=VALUE of one value, or of many: "metric.*=1e-4".', **_SILENT},
+        silent=True,
     ),
     _Command(
-        "Judge", "advise",
-        "May half-plane theory be used? Read off the published maps, without finite elements; exit code 1: better not.",
-        "results:advise", (_SCENE_NAME,), ("limit", "json"),
+        "Judge",
+        "advise",
+        "May half-plane theory be used? Read off the published maps, without finite elements; exit"
+        " code 1: better not.",
+        "results:advise",
+        (_SCENE_NAME,),
+        ("limit", "json"),
     ),
     _Command(
-        "Judge", "map", "Run the studies of a map of the idealisation error, or resume them, and write its page.",
-        "studies:make_map", (_Operand("name", str, "Name of a map (docs/maps.md), or all."),),
+        "Judge",
+        "map",
+        "Run the studies of a map of the idealisation error, or resume them, and write its page.",
+        "studies:make_map",
+        (_Operand("name", str, "Name of a map (docs/maps.md), or all."),),
         (*_OUTPUT, "stores", "workers", "remake", "pages"),
-        {"out": "Folder of tables and pages; a checkout's reports/published/maps if left out.",
-         "workers": "Processes; all cores if left out."},
+        {
+            "out": "Folder of tables and pages; a checkout's reports/published/maps if left out.",
+            "workers": "Processes; all cores if left out.",
+        },
     ),
     _Command(
-        "Judge", "paper", "The paper again from half-plane theory: its figures, statements and misprints.",
-        "solving:paper", (), _OUTPUT, {"out": "Folder for the results; out/paper if left out."},
+        "Judge",
+        "paper",
+        "The paper again from half-plane theory: its figures, statements and misprints.",
+        "solving:paper",
+        (),
+        _OUTPUT,
+        {"out": "Folder for the results; out/paper if left out."},
     ),
     _Command(
-        "Scenes", "init", "Write a commented scene to start from, never over a file that exists.",
-        "scene_files:init", (_Operand("file", Path, "New file, ending in .toml."),), ("start", "bodies", "profile", "quiet"),
-        {"quiet": "Print nothing."}, silent=True,
+        "Scenes",
+        "init",
+        "Write a commented scene to start from, never over a file that exists.",
+        "scene_files:init",
+        (_Operand("file", Path, "New file, ending in .toml."),),
+        ("start", "bodies", "profile", "quiet"),
+        {"quiet": "Print nothing."},
+        silent=True,
     ),
     _Command(
-        "Scenes", "check", "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
-        "scene_files:check", (_SCENE_NAME,), ("json", "quiet"), _SILENT, silent=True,
+        "Scenes",
+        "check",
+        "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
+        "scene_files:check",
+        (_SCENE_NAME,),
+        ("json", "quiet"),
+        _SILENT,
+        silent=True,
     ),
     _Command(
-        "Scenes", "scenes", "The library of scenes, or all about one scene.",
+        "Scenes",
+        "scenes",
+        "The library of scenes, or all about one scene.",
         "scene_files:show",
-        (_Operand("name", str, "Show this scene in detail: a name of the library, or a .toml or .json file.", "", alone=True),),
+        (
+            _Operand(
+                "name",
+                str,
+                "Show this scene in detail: a name of the library, or a .toml or .json file.",
+                "",
+                alone=True,
+            ),
+        ),
         ("tag", "json"),
     ),
     _Command(
-        "Scenes", "schema", "The JSON schema of a scene file, for editors.", "scene_files:schema", (), (),
+        "Scenes",
+        "schema",
+        "The JSON schema of a scene file, for editors.",
+        "scene_files:schema",
+        (),
+        (),
     ),
     _Command(
-        "Machine", "doctor", "Can this machine do the work?", "machine:doctor", (), _OUTPUT,
-        {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT}, silent=True,
+        "Machine",
+        "doctor",
+        "Can this machine do the work?",
+        "machine:doctor",
+        (),
+        _OUTPUT,
+        {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT},
+        silent=True,
     ),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -329,7 +540,8 @@ class Answer:
 
     code: int  # exit code
     shown: Iterable[Part] = ()  # lines and tables for the terminal, made when they are printed
-    # what --json prints as "result", not finite numbers among it, made when it is printed; None: there is no JSON of it
+    # what --json prints as "result", not finite numbers among it, made when it is printed; None:
+    # there is no JSON of it
     result: Callable[[], Mapping[str, Any]] | None = None
     scene: str | None = None  # name of the scene; None where a command is about none
     command: str = ""  # whose answer it is, where not that of the command given
@@ -348,17 +560,20 @@ def share_of(text: str) -> float:
 
 
 def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
-    """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance KEY=VALUE`, the last of a key.
+    """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance
+    KEY=VALUE`, the last of a key.
 
     `KEY=none` is an infinite one: the metric is not judged.
 
     Raises
     ------
     InputError
-        For a key that is none, for what is no share above 0, and for 1 or more without the sign %: 5 may be meant as 5 %.
+        For a key that is none, for what is no share above 0, and for 1 or more without the sign %:
+        5 may be meant as 5 %.
 
     >>> requested_tolerances(["5%", "dissipation=0.03"])
-    {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick': 0.05}
+    {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick':
+    0.05}
     """
     if not words:
         return {}
@@ -371,29 +586,45 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
         key, equals, text = word.rpartition("=")
         if equals and key not in METRICS:
             known = list(METRICS)
-            raise InputError(f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are {', '.join(known)}")
+            raise InputError(
+                f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are"
+                f" {', '.join(known)}"
+            )
         unjudged = bool(equals) and text.strip() == "none"
         value = math.inf if unjudged else share_of(text)
         if not unjudged and not 0 < value < math.inf:
             raise InputError(
-                f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%; "
-                "dissipation=none leaves it unjudged"
+                f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a"
+                " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
         if not unjudged and value >= 1 and not text.endswith("%"):
             ways = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
-            raise InputError(f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %; write {ways}")
+            raise InputError(
+                f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %;"
+                f" write {ways}"
+            )
         found |= dict.fromkeys([key] if equals else _COMMON, value)
     return found
 
 
-# ------------------------------------------------------------------------------------------- streams, signals, exit codes
-# 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 + SIGINT, 141 128 + SIGPIPE.
-WITHIN, OUTSIDE, _BAD_INPUT, NOT_CONVERGED, _INTERNAL, INTERRUPTED, _UNREAD = 0, 1, 2, 3, 70, 130, 141
+# --------------------------------------------------------------------- streams, signals, exit codes
+# 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 +
+# SIGINT, 141 128 + SIGPIPE.
+WITHIN, OUTSIDE, _BAD_INPUT, NOT_CONVERGED, _INTERNAL, INTERRUPTED, _UNREAD = (
+    0,
+    1,
+    2,
+    3,
+    70,
+    130,
+    141,
+)
 
 
 @contextmanager
 def ended_by_signals() -> Generator[list[int], None, None]:
-    """SIGTERM and SIGHUP end the program as Ctrl-C does; yields the signals received, in their order.
+    """SIGTERM and SIGHUP end the program as Ctrl-C does; yields the signals received, in their
+    order.
 
     A signal that was to be ignored (nohup) stays ignored.
     """
@@ -403,7 +634,11 @@ def ended_by_signals() -> Generator[list[int], None, None]:
         received.append(number)
         raise KeyboardInterrupt
 
-    numbers = [number for name in ("SIGINT", "SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
+    numbers = [
+        number
+        for name in ("SIGINT", "SIGTERM", "SIGHUP")
+        if (number := getattr(signal, name, None)) is not None
+    ]
     for number in numbers:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, end)
@@ -415,7 +650,7 @@ def ended_by_signals() -> Generator[list[int], None, None]:
                 signal.signal(number, signal.SIG_DFL)  # nothing is left to keep
 
 
-# -------------------------------------------------------------------------------------------------------- the application
+# ---------------------------------------------------------------------------------- the application
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version
 
@@ -425,7 +660,10 @@ def _version() -> str:
         return "not installed: run from a checkout"
 
 
-_GROUPS = {name: Group(name, sort_key=k) for k, name in enumerate(dict.fromkeys(row.group for row in _COMMANDS))}
+_GROUPS = {
+    name: Group(name, sort_key=k)
+    for k, name in enumerate(dict.fromkeys(row.group for row in _COMMANDS))
+}
 app = App(
     name="halfplane",
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
@@ -443,20 +681,31 @@ app = App(
 
 
 def _taken(row: _Command) -> Callable[..., int]:
-    """The function that the application calls for a command: with its operands, and its options one by one."""
+    """The function that the application calls for a command: with its operands, and its options one
+    by one.
+    """
     table, parameters = {one.name: one for one in fields(Options)}, []
     for operand in row.operands:
         kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
         default = Parameter.empty if operand.default is ... else operand.default
         words = Words(help=operand.words)
-        parameters.append(Parameter(operand.name, kind, default=default, annotation=Annotated[operand.kind, words]))
+        parameters.append(
+            Parameter(
+                operand.name, kind, default=default, annotation=Annotated[operand.kind, words]
+            )
+        )
     for marked in row.options:
         one = table[marked.rstrip("!")]
-        other = Words(help=row.words[one.name], group="Parameters") if one.name in row.words else None
+        other = (
+            Words(help=row.words[one.name], group="Parameters") if one.name in row.words else None
+        )
         default = Parameter.empty if marked.endswith("!") else one.default
         parameters.append(
             Parameter(
-                one.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[one.type, other] if other else one.type
+                one.name,
+                Parameter.KEYWORD_ONLY,
+                default=default,
+                annotation=Annotated[one.type, other] if other else one.type,
             )
         )
     signature = Signature(parameters)
@@ -468,14 +717,18 @@ def _taken(row: _Command) -> Callable[..., int]:
         about = [given.pop(operand.name) for operand in row.operands]
         module, _, name = row.does.partition(":")
         asked = Options(**given)
-        return _told(row, getattr(import_module(f"reports.cli.{module}"), name)(*about, asked), asked)
+        return _told(
+            row, getattr(import_module(f"reports.cli.{module}"), name)(*about, asked), asked
+        )
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
 
 
 def _told(row: _Command, found: Answer, options: Options) -> int:
-    """The one place where commands print: lines and tables, or with --json one document whose numbers are finite or null."""
+    """The one place where commands print: lines and tables, or with --json one document whose
+    numbers are finite or null.
+    """
     if options.json and found.result is not None:
         from reports.comparison.words import strict
 
@@ -494,23 +747,33 @@ def _told(row: _Command, found: Answer, options: Options) -> int:
 
 for _order, _row in enumerate(_COMMANDS):
     _above, _, _name = _row.name.rpartition(" ")
-    _place: dict[str, Any] = {"help": _row.help, "group": _GROUPS[_row.group], "sort_key": _order, "help_epilogue": ""}
+    _place: dict[str, Any] = {
+        "help": _row.help,
+        "group": _GROUPS[_row.group],
+        "sort_key": _order,
+        "help_epilogue": "",
+    }
     if _above:
         app[_above].command(_taken(_row), name=_name, help=_row.help, help_epilogue="")
     elif any(one.name.startswith(f"{_name} ") for one in _COMMANDS):  # with commands of its own
-        app.command(_own := App(name=_name, group_commands=Group(f"Of a {_name} that is there"), **_place))
+        app.command(
+            _own := App(name=_name, group_commands=Group(f"Of a {_name} that is there"), **_place)
+        )
         _own.default(_taken(_row))
     else:
         app.command(_taken(_row), name=_name, **_place)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code; without `arguments` the process is ours, its streams and signals too."""
+    """Run the command line and return its exit code; without `arguments` the process is ours, its
+    streams and signals too.
+    """
     if arguments is not None:
         return Context().run(_run, list(arguments))
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # of signs that the terminal's encoding lacks
+            # of signs that the terminal's encoding lacks
+            stream.reconfigure(errors="backslashreplace")
     with ended_by_signals() as received:
         code = WITHIN
         try:
@@ -522,22 +785,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except OSError as reason:
             _drop_unwritten()
             if code == WITHIN:  # nothing has been reported yet
-                code = _refused(f"the answer could not be written to stdout: {reason.strerror}; see to that and ask again")
+                code = _refused(
+                    f"the answer could not be written to stdout: {reason.strerror}; see to that and"
+                    " ask again"
+                )
         except KeyboardInterrupt:  # a second one, while the first was reported
             code = INTERRUPTED
         return 128 + received[0] if code == INTERRUPTED and received else code
 
 
 def _drop_unwritten() -> None:
-    """What could not be written to stdout goes nowhere: the end of the process would try it again."""
+    """What could not be written to stdout goes nowhere: the end of the process would try it
+    again.
+    """
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
-    """The exit code of a command line; whatever is refused or goes wrong, in a sentence. `received`: signals until now."""
+    """The exit code of a command line; whatever is refused or goes wrong, in a sentence.
+    `received`: signals until now.
+    """
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
-            return _refused("one of the arguments is empty: is a variable of the shell not set? Give a value, or leave it out")
+            return _refused(
+                "one of the arguments is empty: is a variable of the shell not set? Give a value,"
+                " or leave it out"
+            )
         with _warnings_in_sentences():
             return int(app(tokens) or WITHIN)
     except KeyboardInterrupt as stop:
@@ -550,7 +823,9 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
 
 @contextmanager
 def _warnings_in_sentences() -> Generator[None, None, None]:
-    """Each warning of a library once, as one line on stderr, without the path and the line of its source."""
+    """Each warning of a library once, as one line on stderr, without the path and the line of its
+    source.
+    """
     shown: set[str] = set()
 
     def show(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
@@ -582,10 +857,14 @@ def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
         cure = "ask for a coarser mesh, fewer steps or fewer instants"
         return _refused(f"there is not enough memory for this{why}; {cure}{_notes_of(fault)}")
     if isinstance(fault, OSError):  # that no door has words for
-        where = f"{_one_line(os.fsdecode(fault.filename))}: " if isinstance(fault.filename, str | bytes) else "a file: "
+        where = (
+            f"{_one_line(os.fsdecode(fault.filename))}: "
+            if isinstance(fault.filename, str | bytes)
+            else "a file: "
+        )
         return _refused(
-            f"cannot read or write {where}{fault.strerror or _one_line(str(fault))}; mend that and run the command again"
-            f"{_notes_of(fault)}"
+            f"cannot read or write {where}{fault.strerror or _one_line(str(fault))}; mend that and"
+            f" run the command again{_notes_of(fault)}"
         )
     # Compiled modules and locks make another error of Ctrl-C.
     return _interrupted("") if received else _internal(fault, tokens)
@@ -598,20 +877,38 @@ def _interrupted(what: str) -> int:
 
 def _internal(fault: Exception, tokens: Sequence[str]) -> int:
     """A fault of the program: one sentence, and where its traceback is."""
-    lines = [time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]), *traceback.format_exception(fault)]
+    lines = [
+        time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]),
+        *traceback.format_exception(fault),
+    ]
     place = _kept("\n".join(line.rstrip("\n") for line in lines) + "\n")
-    what = ": ".join(filter(None, (type(fault).__name__, textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip("."))))
-    _refused(f"internal error, a fault of halfplane: {what}{_notes_of(fault)}; the traceback is {place}: please report it")
+    what = ": ".join(
+        filter(
+            None,
+            (
+                type(fault).__name__,
+                textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip("."),
+            ),
+        )
+    )
+    _refused(
+        f"internal error, a fault of halfplane: {what}{_notes_of(fault)}; the traceback is {place}:"
+        " please report it"
+    )
     return _INTERNAL
 
 
 def _notes_of(fault: Exception) -> str:
-    """What was saved before a fault, as notes of it say, to end a sentence with; empty without any."""
+    """What was saved before a fault, as notes of it say, to end a sentence with; empty without
+    any.
+    """
     return "".join(f"; {_one_line(note)}" for note in getattr(fault, "__notes__", ()))
 
 
 def _kept(text: str) -> str:
-    """Keep a traceback in run.log of the output folder, else in the temporary folder, else on stderr; where that is, in words."""
+    """Keep a traceback in run.log of the output folder, else in the temporary folder, else on
+    stderr; where that is, in words.
+    """
     with suppress(Exception):  # where the folder can't take it, the next place does
         from reports.folder import add_to_log, output_folder
 
@@ -637,7 +934,9 @@ def _one_line(text: str) -> str:
 
 
 def _misspelt(fault: CycloptsError) -> str:
-    """What a command line that can't be read has wrong: one sentence, with the nearest known word and what to do."""
+    """What a command line that can't be read has wrong: one sentence, with the nearest known word
+    and what to do.
+    """
     from scenes.frozen import did_you_mean
 
     def nearest(word: str, known: Iterable[str]) -> str:
@@ -647,22 +946,43 @@ def _misspelt(fault: CycloptsError) -> str:
         words = list(fault.unused_tokens or [""])
         option = words[0].startswith("-")
         hint = nearest(words[0], [name for name in app if name.startswith("-") is option])
-        return f"there is no {'option' if option else 'command'} {words[0]!r}; {hint}`halfplane --help` lists them"
+        return (
+            f"there is no {'option' if option else 'command'} {words[0]!r}; {hint}`halfplane"
+            " --help` lists them"
+        )
     chain = list(fault.command_chain or ())
     command, shown = " ".join(chain) or "halfplane", f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
         word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
-        options = {name for argument in fault.argument_collection for name in argument.names if name.startswith("--")}
+        options = {
+            name
+            for argument in fault.argument_collection
+            for name in argument.names
+            if name.startswith("--")
+        }
         return f"{command} has no option {word}; {nearest(word, options)}{shown} lists them"
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first = (fault.root_input_tokens or [])[len(chain) :][:1]
         left = " ".join(fault.unused_tokens or [])
-        hint = nearest(first[0], [name for name in fault.app or () if not name.startswith("-")]) if first else ""
-        if first and not hint and left.endswith((".toml", ".json")) and not first[0].endswith((".toml", ".json")):
+        hint = (
+            nearest(first[0], [name for name in fault.app or () if not name.startswith("-")])
+            if first
+            else ""
+        )
+        if (
+            first
+            and not hint
+            and left.endswith((".toml", ".json"))
+            and not first[0].endswith((".toml", ".json"))
+        ):
             hint = f"write `halfplane {command} {left}`; "
         return f"{command}: unexpected argument {left!r}; {hint}{shown} shows what it takes"
-    if isinstance(fault, MissingArgumentError) and fault.argument is not None and not fault.argument.tokens:
+    if (
+        isinstance(fault, MissingArgumentError)
+        and fault.argument is not None
+        and not fault.argument.tokens
+    ):
         # A word of its own in capitals, as in the help; an option as it is written.
         in_place = fault.argument.field_info.kind is not fault.argument.field_info.KEYWORD_ONLY
         wanted = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name

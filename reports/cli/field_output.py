@@ -1,4 +1,6 @@
-"""`halfplane fields`: both bodies at chosen instants or over the last cycle, as files for ParaView and pictures."""
+"""`halfplane fields`: both bodies at chosen instants or over the last cycle, as files for ParaView
+and pictures.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.cli.application import WITHIN, Answer, Options
-from reports.cli.solving import Job, at_work, load_engines, require_drawing, require_times, solve_finite_elements
+from reports.cli.solving import (
+    Job,
+    at_work,
+    load_engines,
+    require_drawing,
+    require_times,
+    solve_finite_elements,
+)
 from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
@@ -58,13 +67,19 @@ def fields(job: Job) -> Answer:
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
     chosen = files.instants_of(options.at, solution, "--at")
-    series, notes = files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
-    instants = sorted({one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time)
+    series, notes = (
+        files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
+    )
+    instants = sorted(
+        {one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time
+    )
     rows: list[dict[str, Any]] = []
     stills: list[tuple[Instant, Snapshot]] = []
 
     def passing() -> Generator[Snapshot, None, None]:
-        """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
+        """Snapshots on their way to disk: what is stated of each is noted, those of named instants
+        are kept for stills.
+        """
         wanted = {one.time for one in chosen}
         for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
             rows.append(files.stated(instant, snapshot))
@@ -74,9 +89,15 @@ def fields(job: Job) -> Answer:
 
     with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
         with stages.stage("files for ParaView", "instants") as report:
-            names = files.write_fields(solution, passing(), staging / "fields", report, len(instants))
+            names = files.write_fields(
+                solution, passing(), staging / "fields", report, len(instants)
+            )
         written = [f"fields/{name}" for name in names]
-        drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
+        drawn = (
+            _draw(solution, stills, staging / "pictures", stages)
+            if options.pictures and stills
+            else []
+        )
         measured = {}
         if criteria is not None:
             with stages.stage("measures of fatigue"):
@@ -96,10 +117,20 @@ def fields(job: Job) -> Answer:
         )
         text = json.dumps(strict(content), allow_nan=False, indent=1)
         (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
-    whole, file = ["fields/fields.json", *written, *drawn], str(job.folder / "fields" / "fields.pvd")
+    whole, file = (
+        ["fields/fields.json", *written, *drawn],
+        str(job.folder / "fields" / "fields.pvd"),
+    )
     more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
-    result = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)} | more
-    return Answer(WITHIN, _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file), lambda: result, scene.name)
+    result = {
+        key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)
+    } | more
+    return Answer(
+        WITHIN,
+        _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file),
+        lambda: result,
+        scene.name,
+    )
 
 
 def _shown(
@@ -110,41 +141,88 @@ def _shown(
     measures: Sequence[dict[str, Any]],
     file: str,
 ) -> Iterator[Part]:
-    """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
+    """The instants with their largest nodal stress, the largest of all where they are many, and
+    what was written.
+    """
     from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
     from reports.units import load_unit, minus, number, units
 
     _, length, stress = units(scene)
     load, many, rows = load_unit(scene), len(instants) > _ROWS, []
-    for one in [max(instants, key=lambda one: one["largest_nodal_von_mises"]["value"])] if many else instants:
+    for one in (
+        [max(instants, key=lambda one: one["largest_nodal_von_mises"]["value"])]
+        if many
+        else instants
+    ):
         peak, edge = one["largest_nodal_von_mises"], one["tension_at_edge"]
         nodal, at_edge = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}", "–"
         if edge is not None:
-            at_edge = f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])}, {edge['body']}"
-        rows.append((one["label"], *(number(one[key]) for key in ("time", "normal_load", "tangential_load")), nodal, at_edge))
-    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"tension at the edge [{stress}]")
+            at_edge = (
+                f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])},"
+                f" {edge['body']}"
+            )
+        rows.append(
+            (
+                one["label"],
+                *(number(one[key]) for key in ("time", "normal_load", "tangential_load")),
+                nodal,
+                at_edge,
+            )
+        )
+    heads = (
+        "instant",
+        "time",
+        f"P [{load}]",
+        f"Q [{load}]",
+        f"nodal von Mises [{stress}]",
+        f"tension at the edge [{stress}]",
+    )
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
-    yield f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a face at an edge of contact"
+    yield (
+        f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a"
+        " face at an edge of contact"
+    )
     yield NO_PEAK
     if many:
-        yield f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json"
+        yield (
+            f"shown: of {len(instants)} instants the one with the largest stress; all are in"
+            " fields/fields.json"
+        )
     yield from notes
     counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".svg")}
-    yield f"written: {counts['.vtu']} VTU files, {counts['.svg']} pictures, and what they are in fields/fields.json"
+    yield (
+        f"written: {counts['.vtu']} VTU files, {counts['.svg']} pictures, and what they are in"
+        " fields/fields.json"
+    )
     if measures:
-        # The largest value of each measure by both engines, in the body in which finite elements have it.
+        # The largest value of each measure by both engines, in the body in which finite elements
+        # have it.
         found = []
         for words in dict.fromkeys(row["measure"] for row in measures):
-            most = max((row for row in measures if row["measure"] == words), key=lambda row: row["finite_elements"]["value"])
+            most = max(
+                (row for row in measures if row["measure"] == words),
+                key=lambda row: row["finite_elements"]["value"],
+            )
             theory, elements = most["theory"]["value"], most["finite_elements"]["value"]
             unit = "–" if words == "Fatemi-Socie" else stress
             apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
             place = f"{_place(most['finite_elements'])}, {most['body']}"
-            found.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
-        of = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
+            found.append(
+                (f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place)
+            )
+        of = (
+            "largest through the last cycle",
+            "theory",
+            "finite elements",
+            "difference",
+            f"at (x, y) [{length}]",
+        )
         yield Sheet("Measures of fatigue", of, found, (1, 2, 3))
-        yield "linear elastic stress of contact and bulk stress, planes that contain z; places beside the contact: fatigue.csv"
+        yield (
+            "linear elastic stress of contact and bulk stress, planes that contain z; places beside"
+            " the contact: fatigue.csv"
+        )
     yield file
 
 
@@ -158,7 +236,12 @@ def _rounded(place: float) -> str:
     return number(float(f"{place:.3g}"))
 
 
-def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snapshot]], folder: Path, stages: Stages) -> list[str]:
+def _draw(
+    solution: FiniteElementSolution,
+    stills: Sequence[tuple[Instant, Snapshot]],
+    folder: Path,
+    stages: Stages,
+) -> list[str]:
     """Pictures of the mesh and of each snapshot; returns their names."""
     with stages.stage("pictures", "pictures") as report:
         import numpy as np
@@ -168,7 +251,12 @@ def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snaps
 
         folder.mkdir()
         edge = float(np.nanmax(solution.contact_edges))
-        names = [_write_picture(mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True), folder)]
+        names = [
+            _write_picture(
+                mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True),
+                folder,
+            )
+        ]
         scales = scales_of([snapshot for _, snapshot in stills])
         for number, (instant, snapshot) in enumerate(stills):
             report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")

@@ -15,7 +15,18 @@ from platform import python_version, system
 from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
 from reports.console import Sheet
 
-_PACKAGES = ("numpy", "scipy", "pydantic", "xarray", "scikit-fem", "gmsh", "meshio", "matplotlib", "pyvista", "jinja2")
+_PACKAGES = (
+    "numpy",
+    "scipy",
+    "pydantic",
+    "xarray",
+    "scikit-fem",
+    "gmsh",
+    "meshio",
+    "matplotlib",
+    "pyvista",
+    "jinja2",
+)
 _GMSH = """
 import gmsh
 gmsh.initialize(interruptible=False)
@@ -51,13 +62,19 @@ def doctor(options: Options) -> Answer:
     code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
     checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
     rows = [(one.name, "yes" if one.good else "no", one.found) for one in findings]
-    return Answer(code, [Sheet("Doctor", ("check", "good", "found"), rows)], lambda: {"passed": code == WITHIN, "checks": checks})
+    return Answer(
+        code,
+        [Sheet("Doctor", ("check", "good", "found"), rows)],
+        lambda: {"passed": code == WITHIN, "checks": checks},
+    )
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:
     """Python, packages, gmsh, off-screen rendering, the output folder."""
     return (
-        Finding("Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"),
+        Finding(
+            "Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"
+        ),
         Finding("packages", *_packages()),
         Finding("gmsh", *_alone(_GMSH, "it needs the Debian packages that the README lists")),
         Finding("off-screen rendering", *drawing()),
@@ -76,15 +93,21 @@ def _packages() -> tuple[bool, str]:
         with suppress(PackageNotFoundError):
             found[name] = version(name)
     missing = [name for name in _PACKAGES if name not in found]
-    return not missing, ", ".join(map(" ".join, found.items())) + (f"; missing: {', '.join(missing)}" if missing else "")
+    return not missing, ", ".join(map(" ".join, found.items())) + (
+        f"; missing: {', '.join(missing)}" if missing else ""
+    )
 
 
 def _alone(program: str, hint: str) -> tuple[bool, str]:
-    """Run `program` in a process of its own: a library that brings its process down must not take the doctor along."""
+    """Run `program` in a process of its own: a library that brings its process down must not take
+    the doctor along.
+    """
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-c", program]
         try:
-            done = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, cwd=folder)
+            done = subprocess.run(
+                words, capture_output=True, text=True, timeout=120, check=False, cwd=folder
+            )
         except subprocess.TimeoutExpired:
             return False, f"no answer in 120 s; {hint}"
     if done.returncode == 0:

@@ -1,4 +1,6 @@
-"""The commands that judge results: an external one against the reference, two runs against each other, a scene by the maps."""
+"""The commands that judge results: an external one against the reference, two runs against each
+other, a scene by the maps.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,15 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.application import NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances, share_of
+from reports.cli.application import (
+    NOT_CONVERGED,
+    OUTSIDE,
+    WITHIN,
+    Answer,
+    Options,
+    requested_tolerances,
+    share_of,
+)
 from reports.cli.solving import exit_code, read, verdict_shown
 from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
@@ -22,17 +32,29 @@ if TYPE_CHECKING:
     from scenes import Scene
 
 
-# --------------------------------------------------------------------------------------------------------- an external result
+# ------------------------------------------------------------------------------- an external result
 def score(result: str | None, options: Options) -> Answer:
-    """A file, or each file of a folder, against the reference: verdict, likely causes of the difference, page."""
+    """A file, or each file of a folder, against the reference: verdict, likely causes of the
+    difference, page.
+    """
     from scenes import ConvergenceError, InputError
 
     if options.mapping_example:
-        return Answer(WITHIN, [(resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8").rstrip()])
+        return Answer(
+            WITHIN,
+            [
+                (resources.files("reports") / "templates" / "mapping.toml")
+                .read_text("utf-8")
+                .rstrip()
+            ],
+        )
     if result is None:
         raise InputError("score: name the result to score, a file or a folder of files")
     if options.scene is None:
-        raise InputError(f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes` lists the library")
+        raise InputError(
+            f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes`"
+            " lists the library"
+        )
     from reports.folder import claim
     from reports.scoring.mapping import load_mapping
 
@@ -45,9 +67,14 @@ def score(result: str | None, options: Options) -> Answer:
     if loop and options.tolerance:
         raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
     if not loop and options.rig_compliance is not None:
-        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
+        raise InputError(
+            "--rig-compliance: it goes with --as loop; say that too, or leave this out"
+        )
     if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
-        raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
+        raise InputError(
+            f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number,"
+            " 1/stress"
+        )
     tolerances = requested_tolerances(options.tolerance)
     folder = claim(options.out or _folder_of(path, loop))
     command = options.command("score", result, folder)
@@ -58,7 +85,12 @@ def score(result: str | None, options: Options) -> Answer:
     except ConvergenceError as failure:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
-        return Answer(NOT_CONVERGED, (), lambda: {"passed": False, "error": sentence, "file": None}, scene.name)
+        return Answer(
+            NOT_CONVERGED,
+            (),
+            lambda: {"passed": False, "error": sentence, "file": None},
+            scene.name,
+        )
 
 
 def _folder_of(path: Path, loop: bool) -> Path:
@@ -84,13 +116,20 @@ def _folder_of(path: Path, loop: bool) -> Path:
         if of_loop != loop or earlier.resolve() != path.resolve():
             kind = "the loop" if of_loop else "the score"
             raise InputError(
-                f"{folder}: it holds {kind} of {earlier}, which this one would replace; name a folder for {path} by --out"
+                f"{folder}: it holds {kind} of {earlier}, which this one would replace; name a"
+                f" folder for {path} by --out"
             )
     return folder
 
 
 def _scored(
-    path: Path, mapping: Mapping, scene: Scene, options: Options, tolerances: dict[str, float], folder: Path, command: str
+    path: Path,
+    mapping: Mapping,
+    scene: Scene,
+    options: Options,
+    tolerances: dict[str, float],
+    folder: Path,
+    command: str,
 ) -> Answer:
     """Tractions and whatever else files hold, against the reference."""
     stages = Stages(options.quiet)
@@ -100,10 +139,14 @@ def _scored(
         from reports.scoring.against import diagnosed, score_file
         from reports.scoring.study import score_folder
     if path.is_dir():
-        report = score_folder(path, mapping, scene, stages, against=options.against, tolerances=tolerances)
+        report = score_folder(
+            path, mapping, scene, stages, against=options.against, tolerances=tolerances
+        )
     else:
         with stages.stage("reading and scoring"):
-            report = score_file(path, mapping, scene, against=options.against, tolerances=tolerances)
+            report = score_file(
+                path, mapping, scene, against=options.against, tolerances=tolerances
+            )
         with stages.stage("diagnosis"):
             report = diagnosed(report)
     with stages.stage("report"):
@@ -116,7 +159,9 @@ def _scored(
     )
 
 
-def _scored_loop(path: Path, mapping: Mapping, scene: Scene, options: Options, folder: Path, command: str) -> Answer:
+def _scored_loop(
+    path: Path, mapping: Mapping, scene: Scene, options: Options, folder: Path, command: str
+) -> Answer:
     """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
     stages = Stages(options.quiet)
     with stages.stage("loading"):
@@ -124,14 +169,26 @@ def _scored_loop(path: Path, mapping: Mapping, scene: Scene, options: Options, f
     with stages.stage("reading"):
         rows = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
-        found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
+        found = loops.score_loop(
+            rows, scene, rig_compliance=options.rig_compliance, against=options.against
+        )
     with stages.stage("report"):
         page = str(loops.write(found, folder, command))
     heads, cells = loops.table(found)
-    sheet = Sheet(f"{scene.title or scene.name}: measured loop {path.name}", heads, cells, range(1, len(heads)))
+    sheet = Sheet(
+        f"{scene.title or scene.name}: measured loop {path.name}",
+        heads,
+        cells,
+        range(1, len(heads)),
+    )
     return Answer(
         WITHIN if found.agrees else OUTSIDE,
-        [*(f"Taken for granted: {sentence}." for sentence in found.said), sheet, found.sentence, page],
+        [
+            *(f"Taken for granted: {sentence}." for sentence in found.said),
+            sheet,
+            found.sentence,
+            page,
+        ],
         lambda: loops.content(found) | {"page": page, "seconds": stages.seconds},
         scene.name,
     )
@@ -141,11 +198,14 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """Guesses, verdict, likely causes, and the mesh study where it is one."""
     yield from (f"Taken for granted: {sentence}." for sentence in report.guesses)
     yield from verdict_shown(report)
-    reasons: dict[str, list[str]] = {}  # headlines without a value, those with one reason in one line
+    # headlines without a value, those with one reason in one line
+    reasons: dict[str, list[str]] = {}
     for metric in report.comparison.headlines:
         if metric.value is None and metric.note:
             reasons.setdefault(metric.note, []).append(metric.label)
-    yield from (f"Not scored: {', '.join(labels)} ({reason})." for reason, labels in reasons.items())
+    yield from (
+        f"Not scored: {', '.join(labels)} ({reason})." for reason, labels in reasons.items()
+    )
     if report.study is None:  # whose own sentences name them
         yield from (file.sentence for file in report.unscored)
     if report.diagnoses:
@@ -159,34 +219,58 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     yield page
 
 
-# ------------------------------------------------------------------------------------------------- two runs, or one and a baseline
+# ------------------------------------------------------------------ two runs, or one and a baseline
 def diff(a: str, b: str, options: Options) -> Answer:
     """The table of A and B; with --accept B becomes a baseline of A."""
-    from reports.comparison.findings import difference, is_baseline, patterned_tolerances, read_findings, write_baseline
+    from reports.comparison.findings import (
+        difference,
+        is_baseline,
+        patterned_tolerances,
+        read_findings,
+        write_baseline,
+    )
     from scenes import InputError
 
     given, path, first = patterned_tolerances(options.tolerance), Path(b), read_findings(a)
     if not options.accept:
         if not path.exists():
-            raise InputError(f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it as a baseline")
+            raise InputError(
+                f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it"
+                " as a baseline"
+            )
         found = difference(first, read_findings(b), given)
-        return Answer(WITHIN if found.same else OUTSIDE, _difference_shown(found), found.content, found.scene)
+        return Answer(
+            WITHIN if found.same else OUTSIDE, _difference_shown(found), found.content, found.scene
+        )
     if path.exists() and not is_baseline(path):
-        raise InputError(f"{b}: this is not a baseline, and --accept writes over nothing else; name another file")
+        raise InputError(
+            f"{b}: this is not a baseline, and --accept writes over nothing else; name another file"
+        )
     before = read_findings(b) if path.exists() else None
-    # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is found.
+    # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
+    # found.
     found = difference(first, before or first, given)
     write_baseline(first, path, {**(before.tolerances if before else {}), **given})
     last = f"{b}: {len(first.figures)} values of {first.scene.name or first.source} accepted"
-    return Answer(WITHIN, [*(_difference_shown(found) if before else ()), last], found.content, found.scene)
+    return Answer(
+        WITHIN, [*(_difference_shown(found) if before else ()), last], found.content, found.scene
+    )
 
 
 def _difference_shown(found: Difference) -> Iterator[Part]:
     from reports.comparison.findings import SAME
 
-    shown = [_cells(row) for row in found.rows if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))]
+    shown = [
+        _cells(row)
+        for row in found.rows
+        if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))
+    ]
     title = f"{found.scene}: A = {found.a}, B = {found.b}"
-    yield Sheet(title, ("value", "A", "B", "B − A", "tolerance", "verdict"), shown, (1, 2, 3, 4)) if shown else title
+    yield (
+        Sheet(title, ("value", "A", "B", "B − A", "tolerance", "verdict"), shown, (1, 2, 3, 4))
+        if shown
+        else title
+    )
     if identical := len(found.rows) - len(shown):
         yield f"{identical} values are the same to the last digit and not listed (--json has them)"
     yield from found.notes
@@ -197,19 +281,35 @@ def _difference_shown(found: Difference) -> Iterator[Part]:
 
 def _cells(row: Row) -> tuple[str, ...]:
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
-    apart = "–" if row.difference is None else minus(f"{row.difference:+.1e} {'' if row.kind == 'absolute' else 'rel.'}".rstrip())
-    return row.key, value_a, value_b, "0" if row.difference == 0 else apart, f"{row.tolerance:g}", row.verdict
+    apart = (
+        "–"
+        if row.difference is None
+        else minus(f"{row.difference:+.1e} {'' if row.kind == 'absolute' else 'rel.'}".rstrip())
+    )
+    return (
+        row.key,
+        value_a,
+        value_b,
+        "0" if row.difference == 0 else apart,
+        f"{row.tolerance:g}",
+        row.verdict,
+    )
 
 
-# ---------------------------------------------------------------------------------------------------------- a scene by the maps
+# ------------------------------------------------------------------------------ a scene by the maps
 def advise(scene: str, options: Options) -> Answer:
-    """What the published maps say of a scene; outside where the error of dissipation may exceed the limit, or is not known."""
+    """What the published maps say of a scene; outside where the error of dissipation may exceed the
+    limit, or is not known.
+    """
     from reports.maps.advice import Advice, parts_of
     from scenes import InputError
 
     limit = share_of(options.limit)
     if not 0 < limit < 1:
-        raise InputError(f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")
+        raise InputError(
+            f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05"
+            " for 5 %"
+        )
     found = read(scene)
     advice = Advice(found, *parts_of(found), limit)
     code = WITHIN if advice.may_be_used else OUTSIDE
@@ -217,7 +317,8 @@ def advise(scene: str, options: Options) -> Answer:
 
 
 def _advice_content(advice: Advice) -> dict[str, Any]:
-    """Every departure (`errors` null where the maps know nothing), the sum of what is known, and the answer.
+    """Every departure (`errors` null where the maps know nothing), the sum of what is known, and
+    the answer.
 
     Within by values that are extrapolated is undecided: they have no uncertainty estimate.
     """
@@ -225,7 +326,12 @@ def _advice_content(advice: Advice) -> dict[str, Any]:
     from reports.maps.advice import FIGURES, sentence, total
 
     def pairs(values: Any) -> dict[str, dict[str, float]]:
-        return {name.removeprefix("error."): dict(zip(("error", "uncertainty"), values(name), strict=True)) for name in FIGURES}
+        return {
+            name.removeprefix("error."): dict(
+                zip(("error", "uncertainty"), values(name), strict=True)
+            )
+            for name in FIGURES
+        }
 
     verdict = advice.verdict
     if verdict is Verdict.WITHIN and advice.extrapolated:
@@ -262,9 +368,17 @@ def _advice_shown(advice: Advice, source: str) -> Iterator[Part]:
     rows = [(part.what, *cells(part), part.how) for part in advice.parts]
     if len(rows) > 1 and advice.known:
         name = "sum" if len(advice.known) == len(rows) else "sum of what is known"
-        rows.append((name, *(cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES), "all added up"))
+        rows.append(
+            (
+                name,
+                *(cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES),
+                "all added up",
+            )
+        )
     heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
     load = "mean" if advice.scene.load.kind == "ellipse" else "largest"
     size = f"a = {advice.half_width:.4g} {units(advice.scene)[1]} at the {load} load"
-    yield Sheet(f"{advice.scene.title or source}: bodies/half-plane theory − 1; {size}", heads, rows)
+    yield Sheet(
+        f"{advice.scene.title or source}: bodies/half-plane theory − 1; {size}", heads, rows
+    )
     yield sentence(advice)

@@ -1,4 +1,6 @@
-"""The commands about scene files: write one to start from, check one, show the library, print the schema."""
+"""The commands about scene files: write one to start from, check one, show the library, print the
+schema.
+"""
 
 from __future__ import annotations
 
@@ -19,28 +21,39 @@ from reports.console import Stages, width
 if TYPE_CHECKING:
     from scenes import Scene
 
-# Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second to look at, and hours to solve.
+# Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second
+# to look at, and hours to solve.
 _MOST_ROWS = 10_000
 # Where the comments of the example stand.
 _COMMENTS = 32
 
 
-# ------------------------------------------------------------------------------------------------------------------------ init
+# --------------------------------------------------------------------------------------------- init
 def init(file: Path, options: Options) -> Answer:
-    """Write a scene file: a copy of a library scene, or the commented example with the values given as options."""
+    """Write a scene file: a copy of a library scene, or the commented example with the values given
+    as options.
+    """
     from scenes import InputError, scene_companions, scene_text
 
     start = options.start
     if start and (options.bodies or options.profile != "hertz"):
         word = "--bodies" if options.bodies else "--profile"
-        raise InputError(f"{word}: it goes with the commented example, not with --from; leave one of the two out")
+        raise InputError(
+            f"{word}: it goes with the commented example, not with --from; leave one of the two out"
+        )
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
     _refuse_taken(file)
     text = scene_text(start) if start else example(options.bodies, options.profile)
-    beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
+    beside = {
+        file.parent / name: content
+        for name, content in (scene_companions(start) if start else {}).items()
+    }
     if taken := next((path for path in beside if path.exists()), None):
-        raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
+        raise InputError(
+            f"{taken}: the file is there already and stays as it is; choose another folder for"
+            f" {file.name}"
+        )
     with ExitStack() as undo:
         for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
             try:
@@ -49,13 +62,17 @@ def init(file: Path, options: Options) -> Answer:
                     stream.write(content)
             except OSError as reason:
                 _refuse_taken(path, reason)
-                raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
+                raise InputError(
+                    f"{path}: the file can't be written: {reason.strerror}; name another place"
+                ) from reason
         undo.pop_all()
     with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
     said = [f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`"]
     if start:
         said.insert(
-            0, f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question"
+            0,
+            f"{file}: its expected numbers are those of {start}: change them, or take them out,"
+            " when you change the question",
         )
     return Answer(WITHIN, said)
 
@@ -68,7 +85,9 @@ def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
 
 
 def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "hertz") -> str:
-    """The commented example; with `bodies`, its tables of bodies are no comments any more; with `profile` another than Hertz's."""
+    """The commented example; with `bodies`, its tables of bodies are no comments any more; with
+    `profile` another than Hertz's.
+    """
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
     if bodies:
         start, end = text.index("# [bodies.lower]"), text.index("# What you admit")
@@ -80,11 +99,27 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     return text
 
 
-# ----------------------------------------------------------------------------------------------------------------------- check
+# -------------------------------------------------------------------------------------------- check
 def check(scene: str, _: Options) -> Answer:
-    """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import bulk_and_tilt, bulk_in_words, engines_for, in_words, largest_contact, nearest_to_sliding, remarks
-    from reports.comparison.words import bodies_in_words, idealisation, question, sentence, unlike_materials
+    """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to
+    gross sliding.
+    """
+    from reports.checking import (
+        bulk_and_tilt,
+        bulk_in_words,
+        engines_for,
+        in_words,
+        largest_contact,
+        nearest_to_sliding,
+        remarks,
+    )
+    from reports.comparison.words import (
+        bodies_in_words,
+        idealisation,
+        question,
+        sentence,
+        unlike_materials,
+    )
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
@@ -107,39 +142,69 @@ def check(scene: str, _: Options) -> Answer:
         doubts.append(f"{alone}.")
     elif count > _MOST_ROWS:
         doubts.append(
-            f"The record has {count} rows, and finite elements take at least two increments a row. Solve it by "
-            "half-plane theory alone: `halfplane exact`."
+            f"The record has {count} rows, and finite elements take at least two increments a row."
+            " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
+    words = [
+        question(found),
+        *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found))),
+    ]
     for name, pairs in read_in_pairs(found).items():
-        words.append(" ".join([f"{name}, as it was read:", *(sentence(": ".join(pair)) for pair in pairs)]))
+        words.append(
+            " ".join([f"{name}, as it was read:", *(sentence(": ".join(pair)) for pair in pairs)])
+        )
     if record := check_record(found):
         for said, warning in record_in_words(found, record):
             (doubts if warning else words).append(said)
     doubts += fit_warnings(found, largest.half_width if largest else 0.0)
     words += [sentence for sentence in findings(found)[0] if sentence not in doubts]
     last = (
-        f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most {path.ratio:.4g}, "
-        f"in the {path.part} at time {number(path.time)} (P = {number(path.normal_load)}, Q = {number(path.tangential_load)}). "
-        "Gross sliding starts at 1."
+        f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
+        f" {path.ratio:.4g}, in the {path.part} at time {number(path.time)} (P ="
+        f" {number(path.normal_load)}, Q = {number(path.tangential_load)}). Gross sliding starts"
+        " at 1."
     )
-    size = filter(None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""])
-    content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "engines": vars(engines)}
-    content |= {"largest_contact": vars(largest) if largest else None, "nearest_to_sliding": vars(path)}
+    size = filter(
+        None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""]
+    )
+    content = {
+        "passed": True,
+        "sentence": last,
+        "notes": words,
+        "remarks": doubts,
+        "engines": vars(engines),
+    }
+    content |= {
+        "largest_contact": vars(largest) if largest else None,
+        "nearest_to_sliding": vars(path),
+    }
     content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
-    return Answer(WITHIN, [*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last], lambda: content, found.name)
+    return Answer(
+        WITHIN,
+        [*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last],
+        lambda: content,
+        found.name,
+    )
 
 
-# --------------------------------------------------------------------------------------------------------- the library, the schema
+# -------------------------------------------------------------------------- the library, the schema
 def show(name: str, options: Options) -> Answer:
     """The library, or one scene of it with all its numbers."""
     from scenes import InputError
 
     if name and options.tag:
-        raise InputError("--tag: it goes with the whole library, not with the name of one scene; leave one of the two out")
+        raise InputError(
+            "--tag: it goes with the whole library, not with the name of one scene; leave one of"
+            " the two out"
+        )
     found = [read(name)] if name else tagged(options.tag)
     shown = _details(found[0]) if name else _listing(found)
-    return Answer(WITHIN, shown, lambda: {"scenes": [_record(scene) for scene in found]}, found[0].name if name else None)
+    return Answer(
+        WITHIN,
+        shown,
+        lambda: {"scenes": [_record(scene) for scene in found]},
+        found[0].name if name else None,
+    )
 
 
 def tagged(wanted: Sequence[str]) -> list[Scene]:
@@ -159,8 +224,13 @@ def _listing(found: Sequence[Scene]) -> Iterator[str]:
     for scene in found:
         yield scene.name
         for text in (scene.title, scene.purpose, " ".join(f"#{tag}" for tag in scene.tags)):
-            yield from textwrap.wrap(text, max(width(), 40), initial_indent="    ", subsequent_indent="    ")
-    yield f"{len(found)} scenes. `halfplane scenes NAME` shows all about one, `halfplane init FILE.toml --from NAME` copies it."
+            yield from textwrap.wrap(
+                text, max(width(), 40), initial_indent="    ", subsequent_indent="    "
+            )
+    yield (
+        f"{len(found)} scenes. `halfplane scenes NAME` shows all about one, `halfplane init"
+        " FILE.toml --from NAME` copies it."
+    )
 
 
 def _details(scene: Scene) -> Iterator[str]:
@@ -169,17 +239,33 @@ def _details(scene: Scene) -> Iterator[str]:
 
     admitted = tolerances_of(scene, are_half_planes(scene)).items()
     expected = [
-        f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}: {one.source}"
+        f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}:"
+        f" {one.source}"
         for one in scene.expected
     ]
     sections = [(name, getattr(scene, name)) for name in ("name", "title", "purpose", "source")]
     sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
-    sections.append(("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))))
-    limits = ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted) or "none: nothing is judged"
-    sections += [("tolerances", limits), *(("files", ", ".join(files)) for files in [_companions(scene)] if files)]
+    sections.append(
+        (
+            "bodies",
+            " ".join(
+                filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)))
+            ),
+        )
+    )
+    limits = (
+        ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted)
+        or "none: nothing is judged"
+    )
+    sections += [
+        ("tolerances", limits),
+        *(("files", ", ".join(files)) for files in [_companions(scene)] if files),
+    ]
     sections += [("expected", text) for text in expected or ["no number"]]
     for head, text in sections:
-        yield from textwrap.wrap(text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12)
+        yield from textwrap.wrap(
+            text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12
+        )
 
 
 def _companions(scene: Scene) -> list[str]:

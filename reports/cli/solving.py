@@ -1,4 +1,6 @@
-"""The commands that solve: both engines with their comparison, each engine alone, a deck for another code, the paper again."""
+"""The commands that solve: both engines with their comparison, each engine alone, a deck for
+another code, the paper again.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN, Answer, Options, requested_tolerances
+from reports.cli.application import (
+    INTERRUPTED,
+    NOT_CONVERGED,
+    OUTSIDE,
+    WITHIN,
+    Answer,
+    Options,
+    requested_tolerances,
+)
 from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
@@ -24,7 +34,7 @@ if TYPE_CHECKING:
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
 
-# ------------------------------------------------------------------------------------------- what every command that solves does
+# -------------------------------------------------------------- what every command that solves does
 def read(source: str) -> Scene:
     """The scene of `source`, its load path checked; InputError in a sentence otherwise."""
     from reports.checking import require_admissible
@@ -37,7 +47,9 @@ def read(source: str) -> Scene:
 
 @dataclass(frozen=True)
 class Job:
-    """What a command that solves is about: its scene, as the user named it and as it was read, options, folder and stages."""
+    """What a command that solves is about: its scene, as the user named it and as it was read,
+    options, folder and stages.
+    """
 
     source: str
     scene: Scene
@@ -51,9 +63,11 @@ class Job:
 
 
 def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
-    """A command that reads a scene, claims a folder and does its work; what was solved before a failure is kept there.
+    """A command that reads a scene, claims a folder and does its work; what was solved before a
+    failure is kept there.
 
-    A file of somebody else in the folder is refused before anything is solved: `_written_by` knows what the command will write.
+    A file of somebody else in the folder is refused before anything is solved: `_written_by` knows
+    what the command will write.
     """
 
     @wraps(work)
@@ -80,23 +94,40 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             if solved is None or len(solved.time) < 2:
                 raise KeyboardInterrupt from stop
             path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
-            complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
+            complain(
+                f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1}"
+                " steps)"
+            )
             return Answer(INTERRUPTED)
         except ConvergenceError as failure:
             complain(f"halfplane: {found.name}: not converged: {failure}")
             sentence, shown, file = str(failure), list[Part](), None
             if failure.partial is not None:
                 file = str(write_solution(failure.partial, folder, name="partial"))
-                shown = [Sheet("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial)), file]
+                shown = [
+                    Sheet(
+                        "Steps solved before it failed",
+                        ("quantity", "value"),
+                        summary_rows(failure.partial),
+                    ),
+                    file,
+                ]
             elif not options.json:
                 complain("halfplane: no step was solved, so nothing was written")
-            return Answer(NOT_CONVERGED, shown, lambda: {"passed": False, "error": sentence, "file": file}, found.name)
+            return Answer(
+                NOT_CONVERGED,
+                shown,
+                lambda: {"passed": False, "error": sentence, "file": file},
+                found.name,
+            )
 
     return command
 
 
 def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
-    """Files that a command writes to its folder, whatever comes of it; what failed or was interrupted leaves "partial"."""
+    """Files that a command writes to its folder, whatever comes of it; what failed or was
+    interrupted leaves "partial".
+    """
     from reports.folder import RESULTS, files_of_a_solution
 
     partial = files_of_a_solution("partial")
@@ -107,7 +138,12 @@ def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
     if command == "export":
         return (deck_file(scene),)
     if command == "run":  # of a scene that one engine alone takes, the answer of that one
-        return (*RESULTS, *files_of_a_solution("semi_analytic"), *files_of_a_solution("halfplane_fe"), *partial)
+        return (
+            *RESULTS,
+            *files_of_a_solution("semi_analytic"),
+            *files_of_a_solution("halfplane_fe"),
+            *partial,
+        )
     return (*RESULTS, *partial)
 
 
@@ -130,11 +166,15 @@ def load_engines(stages: Stages) -> None:
                 import_module("halfplane_fe")
                 import_module("semi_analytic")
         except (ImportError, OSError) as reason:
-            raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
+            raise InputError(
+                f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing"
+            ) from reason
 
 
 def require_drawing(stages: Stages) -> None:
-    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
+    """InputError where nothing can be drawn: found in a process of its own, for some libraries
+    bring theirs down.
+    """
     from reports.cli.machine import drawing
     from scenes import InputError
 
@@ -145,7 +185,9 @@ def require_drawing(stages: Stages) -> None:
 
 
 def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
-    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    """InputError for a word that is neither a time of the path nor "events", before anything is
+    solved.
+    """
     from reports.field_output.files import instant_of
 
     segments = list(scene.load.path().legs(scene.cycles)) if words else []
@@ -171,22 +213,27 @@ def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
         return semi_analytic.solve(job.scene, **where)
 
 
-# Rows of a record above which the uncertainty of real bodies is measured on request only: every row is an increment of each of two
-# coarser meshes too.
+# Rows of a record above which the uncertainty of real bodies is measured on request only: every row
+# is an increment of each of two coarser meshes too.
 _LONG_RECORD = 200
 
 
 def _reason_for_no_budget(scene: Scene) -> str:
-    """Why the uncertainty of real bodies is measured on request only; empty where it is measured anyway."""
+    """Why the uncertainty of real bodies is measured on request only; empty where it is measured
+    anyway.
+    """
     from scenes import TimeSeriesLoad
 
     rows = len(scene.load.kept_rows()) if isinstance(scene.load, TimeSeriesLoad) else 0
     if rows <= _LONG_RECORD:
         return ""
-    return f"no uncertainty was measured: the record has {rows:,} rows, more than {_LONG_RECORD}; --budget measures it"
+    return (
+        f"no uncertainty was measured: the record has {rows:,} rows, more than {_LONG_RECORD};"
+        " --budget measures it"
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------- both engines
+# ------------------------------------------------------------------------------------- both engines
 @at_work
 def run(job: Job) -> Answer:
     """Both engines on one scene, their comparison, its page; the exit code is that of the verdict.
@@ -208,9 +255,14 @@ def run(job: Job) -> Answer:
     if alone := taken.in_words(source):
         for name in ("tolerance", "budget", "vtu", "stress", "third"):
             if getattr(options, name):
-                raise InputError(f"{source}: --{name} goes with a comparison of both engines: leave it out. {alone}")
+                raise InputError(
+                    f"{source}: --{name} goes with a comparison of both engines: leave it out."
+                    f" {alone}"
+                )
         complain(f"halfplane: {scene.name}: no comparison. {alone}")
-        solve, name = (solve_finite_elements, "fe") if taken.half_plane else (_solve_half_plane, "exact")
+        solve, name = (
+            (solve_finite_elements, "fe") if taken.half_plane else (_solve_half_plane, "exact")
+        )
         return replace(_answer_alone(job, solve(job), alone), command=name)
     if options.third:
         from reports.third.calculix import find_calculix
@@ -220,12 +272,15 @@ def run(job: Job) -> Answer:
 
 
 def _compared(job: Job, tolerances: dict[str, float]) -> Report:
-    """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked, and write the page."""
+    """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked,
+    and write the page.
+    """
     from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
     from reports.comparison.metrics import are_half_planes
 
     scene, options, stages, command = job.scene, job.options, job.stages, job.command("run")
-    # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
+    # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser
+    # meshes measure that.
     measured, left_out = bool(options.budget), ""
     if options.budget is None and not are_half_planes(scene):
         left_out = _reason_for_no_budget(scene)
@@ -247,19 +302,33 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
 
                 found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
                 report = Report(
-                    replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}.")) if left_out else found
+                    replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}."))
+                    if left_out
+                    else found
                 )
             if measured:
                 plain = time.process_time() - begun
                 # Every run is a stage of its own.
-                refinements = climb(found, *options.settings(), stages.stage, 3 if options.budget else 2)
-                report = with_budget(report.comparison, error_budget(report.comparison, refinements, plain))
+                refinements = climb(
+                    found, *options.settings(), stages.stage, 3 if options.budget else 2
+                )
+                report = with_budget(
+                    report.comparison, error_budget(report.comparison, refinements, plain)
+                )
             if options.third:
                 from reports.third.calculix import solve_with_calculix
                 from reports.third.deck import DeckSettings
 
-                deck, scales = DeckSettings(**options.given(("steps_per_cycle",))), getattr(result, "scales", None)
-                report = replace(report, third=solve_with_calculix(scene, deck, stages=stages, scales=scales, command=command))
+                deck, scales = (
+                    DeckSettings(**options.given(("steps_per_cycle",))),
+                    getattr(result, "scales", None),
+                )
+                report = replace(
+                    report,
+                    third=solve_with_calculix(
+                        scene, deck, stages=stages, scales=scales, command=command
+                    ),
+                )
         with stages.stage("report"):
             from reports.field_output.files import instants_of
             from reports.page.writing import write
@@ -267,7 +336,9 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
             write(
                 report,
                 job.folder,
-                vtu_instants=[instant.time for instant in instants_of(options.vtu, result, "--vtu")],
+                vtu_instants=[
+                    instant.time for instant in instants_of(options.vtu, result, "--vtu")
+                ],
                 command=command,
                 seconds=dict(stages.seconds),
                 stress_instants=instants_of(options.stress, result, "--stress"),
@@ -278,7 +349,9 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
 
 @contextmanager
 def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]:
-    """Ctrl-C after the finite elements are solved hands on what they found, but where the whole report was written already."""
+    """Ctrl-C after the finite elements are solved hands on what they found, but where the whole
+    report was written already.
+    """
     from reports.folder import FilledBefore
     from scenes import Interrupted
 
@@ -292,12 +365,16 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
 
 @contextmanager
 def _saved_if_it_fails(result: ContactSolution, folder: Path) -> Generator[None, None, None]:
-    """After a fault between the finite elements and the report their answer is saved, and a note of the fault names its file."""
+    """After a fault between the finite elements and the report their answer is saved, and a note of
+    the fault names its file.
+    """
     try:
         yield
     except Exception as fault:
         with suppress(Exception):  # the fault itself is what has to be said
-            fault.add_note(f"the finite elements' answer is saved: {write_solution(result, folder)}")
+            fault.add_note(
+                f"the finite elements' answer is saved: {write_solution(result, folder)}"
+            )
         raise
 
 
@@ -316,7 +393,9 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
         complain(f"halfplane: {scene.name}: {third.failure}")
         code = NOT_CONVERGED
     else:
-        code = max(exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE)
+        code = max(
+            exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE
+        )
 
     def shown() -> Iterator[Part]:
         yield from verdict_shown(report)
@@ -327,7 +406,12 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
             yield Sheet("A third solver", heads(third), rows(comparison, third), (1, 2, 3))
             yield from sentences(third)
         yield from _expected_shown(findings)
-        yield Sheet("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in stages.seconds.items()], (1,))
+        yield Sheet(
+            "Time",
+            ("stage", "seconds"),
+            [(name, f"{t:.2f}") for name, t in stages.seconds.items()],
+            (1,),
+        )
         yield str(page)
 
     def result() -> dict[str, Any]:
@@ -336,8 +420,14 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
             **{name: whole[name] for name in ("headline", "table")},
             **whole["verdict"],
             "lead": lead(report),
-            "metrics": {key: {name: metric[name] for name in _OF_A_METRIC} for key, metric in whole["metrics"].items()},
-            **{name: whole["result"][name] for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
+            "metrics": {
+                key: {name: metric[name] for name in _OF_A_METRIC}
+                for key, metric in whole["metrics"].items()
+            },
+            **{
+                name: whole["result"][name]
+                for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")
+            },
             **{name: whole[name] for name in ("expected", "profile_fit", "notes", "seconds")},
             "page": str(page),
         }
@@ -353,13 +443,18 @@ def verdict_shown(report: Report) -> Iterator[Part]:
     heads, rows = first_cells(report)
     yield headline(report), "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
-    yield f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", "")
+    yield (
+        f"{lead(report)} {verdict(report)}".strip(),
+        _STYLES.get(standing(report.comparison) or "", ""),
+    )
     if words := how_judged(report):
         yield words
 
 
 def _uncertainty_shown(report: Report) -> Iterator[Part]:
-    """What the dissipation is uncertain by, what the finite elements note, and where the errors come from if that was measured."""
+    """What the dissipation is uncertain by, what the finite elements note, and where the errors
+    come from if that was measured.
+    """
     from reports.comparison.words import budget_table, cost, uncertain_work
     from reports.measured import check_record, record_in_words
 
@@ -368,7 +463,10 @@ def _uncertainty_shown(report: Report) -> Iterator[Part]:
         yield words
     yield from (f"Note: {note}." for note in report.comparison.result.record.notes)
     if record := check_record(scene):
-        yield from (f"{'Warning' if warning else 'Note'}: {said}" for said, warning in record_in_words(scene, record))
+        yield from (
+            f"{'Warning' if warning else 'Note'}: {said}"
+            for said, warning in record_in_words(scene, record)
+        )
     if budget is not None:
         # Without what is nothing but bounds of rounding in nearly every run.
         heads, rows, _ = budget_table(budget, without=("solver", "half-plane theory"))
@@ -384,41 +482,72 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
     if findings:
         yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         missed, of = sum(not finding.met for finding in findings), len(findings)
-        yield f"{missed} of {of} expected numbers are missed." if missed else f"All {of} expected numbers are met."
+        yield (
+            f"{missed} of {of} expected numbers are missed."
+            if missed
+            else f"All {of} expected numbers are met."
+        )
 
 
 def exit_code(comparison: Comparison) -> int:
-    """0 if the comparison passed, else 1; where that is for undecided or unscored metrics, the last lines on stderr say so."""
+    """0 if the comparison passed, else 1; where that is for undecided or unscored metrics, the last
+    lines on stderr say so.
+    """
     if comparison.unscored:
         keys = ", ".join(metric.key for metric in comparison.unscored)
         complain(
-            f"halfplane: {comparison.scene.name}: not scored, though a tolerance judges it: {keys}: exit code {OUTSIDE} "
-            "(--tolerance KEY=none leaves a metric out)"
+            f"halfplane: {comparison.scene.name}: not scored, though a tolerance judges it: {keys}:"
+            f" exit code {OUTSIDE} (--tolerance KEY=none leaves a metric out)"
         )
     if comparison.admissible and comparison.verdict == "undecided":
-        keys = ", ".join(metric.key for metric in comparison.metrics if metric.verdict == "undecided")
-        complain(f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit code {OUTSIDE}")
+        keys = ", ".join(
+            metric.key for metric in comparison.metrics if metric.verdict == "undecided"
+        )
+        complain(
+            f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit"
+            f" code {OUTSIDE}"
+        )
     return WITHIN if comparison.passed else OUTSIDE
 
 
-# ----------------------------------------------------------------------------------------------------------- one engine alone
+# --------------------------------------------------------------------------------- one engine alone
 @at_work
 def exact(job: Job) -> Answer:
-    """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
+    """Half-plane theory alone: summary and files; outside where a law of contact or an expected
+    number is violated.
+    """
     load_engines(job.stages)
     return _answer_alone(job, _solve_half_plane(job))
 
 
 @at_work
 def fe(job: Job) -> Answer:
-    """Finite elements alone: summary and files; outside where a law of contact or an expected number is violated."""
+    """Finite elements alone: summary and files; outside where a law of contact or an expected
+    number is violated.
+    """
     load_engines(job.stages)
     return _answer_alone(job, solve_finite_elements(job))
 
 
 _OF_ONE_ENGINE = (
-    *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
-    *("loop_work", "load_cycles", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "certificates", "counts"),
+    *(
+        "engine",
+        "converged",
+        "message",
+        "notes",
+        "dissipation",
+        "dissipation_uncertainty",
+        "dissipation_drift",
+    ),
+    *(
+        "loop_work",
+        "load_cycles",
+        "permanent_stick_half_width",
+        "largest_half_width",
+        "largest_pressure",
+        "certificates",
+        "counts",
+    ),
     *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
 )
 
@@ -430,7 +559,9 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
     from reports.comparison.words import solution_content, summary_rows
 
     if note:
-        solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
+        solution = replace(
+            solution, record=replace(solution.record, notes=(*solution.record.notes, note))
+        )
     scene, path = solution.scene, str(write_solution(solution, job.folder))
     findings, checks = list(expected_numbers(scene, (solution,))), certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in checks)
@@ -444,8 +575,16 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
 
     def result() -> dict[str, Any]:
         whole = solution_content(solution, checks)
-        content = {"passed": code == WITHIN, "admissible": admissible, **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole}}
-        content |= {"expected": expected_content(findings), "file": path, "seconds": job.stages.seconds}
+        content = {
+            "passed": code == WITHIN,
+            "admissible": admissible,
+            **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole},
+        }
+        content |= {
+            "expected": expected_content(findings),
+            "file": path,
+            "seconds": job.stages.seconds,
+        }
         return content | {"profile_fit": profile_fit.content(scene)}
 
     return Answer(code, shown(), result, scene.name)
@@ -458,7 +597,9 @@ _INSTANTS = (
 
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
-    """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
+    """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the
+    NetCDF file.
+    """
     from reports.charts.templating import table_text
     from reports.comparison.findings import SOLUTION
     from reports.comparison.laws import certificates
@@ -474,18 +615,27 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
             **solution_content(solution, certificates(solution)),
             "scene": solution.scene.model_dump(mode="json"),
         }
-        (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
-        columns = {name: getattr(solution, name) for name in _INSTANTS} | {"iterations": solution.record.iterations}
+        (folder / f"{stem}.json").write_text(
+            json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8"
+        )
+        columns = {name: getattr(solution, name) for name in _INSTANTS} | {
+            "iterations": solution.record.iterations
+        }
         if solution.tilt is not None:
             columns |= {name: getattr(solution, name) for name in OF_BULK}
-            for kind, edges in (("contact", solution.contact_edges), ("stick", solution.stick_edges)):
+            for kind, edges in (
+                ("contact", solution.contact_edges),
+                ("stick", solution.stick_edges),
+            ):
                 columns |= {f"{kind}_left": edges[:, 0], f"{kind}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
-        (folder / "scene.json").write_text(solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
+        (folder / "scene.json").write_text(
+            solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8"
+        )
     return out / f"{stem}.nc"
 
 
-# ----------------------------------------------------------------------------------------------------- a deck for another code
+# -------------------------------------------------------------------------- a deck for another code
 @at_work
 def export(job: Job) -> Answer:
     """The bodies and the load history as an input deck."""
@@ -515,16 +665,24 @@ def export(job: Job) -> Answer:
     layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
     rows = [
         ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
-        (f"surface elements at the edges [{length}]", f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"),
+        (
+            f"surface elements at the edges [{length}]",
+            f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
+        ),
         ("instants", f"{found['instants']}"),
         (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
     path = str(job.folder / file)
     whole = {"passed": True, **found, "file": path, "seconds": stages.seconds}
-    return Answer(WITHIN, [Sheet("Deck for CalculiX", ("what", "value"), rows), path], lambda: whole, scene.name)
+    return Answer(
+        WITHIN,
+        [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
+        lambda: whole,
+        scene.name,
+    )
 
 
-# ------------------------------------------------------------------------------------------------------------- the paper again
+# ---------------------------------------------------------------------------------- the paper again
 def paper(options: Options) -> Answer:
     """The paper's figures and both tables; outside if a misprint is not proven."""
     from reports.folder import claim, default_folder
@@ -536,22 +694,39 @@ def paper(options: Options) -> Answer:
         from reports.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
     code, verdicts = WITHIN if report.proven else OUTSIDE, page.tally(report.statements)
-    tables = {name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")}
-    content = {"passed": code == WITHIN, "verdicts": verdicts, **tables, "page": str(report.page), "seconds": stages.seconds}
+    tables = {
+        name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")
+    }
+    content = {
+        "passed": code == WITHIN,
+        "verdicts": verdicts,
+        **tables,
+        "page": str(report.page),
+        "seconds": stages.seconds,
+    }
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     proven = sum(row.proven is True for row in report.misprints)
     shown: list[Part] = [
         Sheet(
             "What the paper states in words",
             ("statement", "where", "the paper", "computed", "verdict"),
-            [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
+            [
+                (row.key, row.where, row.words, row.computed, row.verdict.value)
+                for row in report.statements
+            ],
         ),
         Sheet(
             "Misprints of the paper",
             ("where", "printed", "right", "proof", "proven"),
-            [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
+            [
+                (row.key, row.printed, row.right, row.proof, proven_in_words(row))
+                for row in report.misprints
+            ],
         ),
-        f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation",
+        (
+            f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
+            f" {proven} proven by evaluation"
+        ),
         str(report.page),
     ]
     return Answer(code, shown, lambda: content)

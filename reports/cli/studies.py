@@ -1,4 +1,6 @@
-"""The commands of many runs: sweeps, how far one is, its page; and the maps of the idealisation error, which are made of them."""
+"""The commands of many runs: sweeps, how far one is, its page; and the maps of the idealisation
+error, which are made of them.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ _SHOWN, _NOTES = 20, 3
 
 
 def sweep(study: str, options: Options) -> Answer:
-    """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point failed."""
+    """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point
+    failed.
+    """
     return _swept(study, options, announced=not options.json)
 
 
@@ -37,14 +41,19 @@ def _swept(source: str, options: Options, *, announced: bool = False) -> Answer:
     workers = {name: getattr(options, name) for name in WORKERS}
     workers_of(**workers)
     with stages.stage("checking the study", "points") as report:
-        prepared = prepare(source, folder, lambda count: report(count, None, f"{count} points checked"))
+        prepared = prepare(
+            source, folder, lambda count: report(count, None, f"{count} points checked")
+        )
     for line in _announced(prepared) if announced else ():
         say(line)
     again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored() -> str:
         known = prepared.store.addresses()
-        return f"{sum(point.address in known for point in prepared.points)} of {len(prepared.points)} points are stored"
+        return (
+            f"{sum(point.address in known for point in prepared.points)} of {len(prepared.points)}"
+            " points are stored"
+        )
 
     try:
         with stages.stage("sweep", "points") as report:
@@ -61,11 +70,17 @@ def _swept(source: str, options: Options, *, announced: bool = False) -> Answer:
 
 def _announced(prepared: Prepared) -> Iterator[str]:
     study, points, waiting = prepared.study, len(prepared.points), len(prepared.waiting)
-    yield f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}"
+    yield (
+        f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)};"
+        f" {', '.join(study.figures)}"
+    )
     if waiting < points:
         yield f"{points - waiting} points have results already, {waiting} are left"
     if damaged := prepared.store.damaged():
-        yield f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}"
+        yield (
+            f"{len(damaged)} damaged results were set aside and are made again:"
+            f" {', '.join(damaged[:3])}"
+        )
 
 
 def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
@@ -74,19 +89,40 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     from reports.sweep.study import described
     from reports.units import number
 
-    done, failed, axes = table[table["status"] == "done"], table[table["status"] != "done"], prepared.study.axes
-    columns = ["number", *(column for axis in axes for column in axis.columns), *plain_figures(table, axes)]
-    rows = [[str(v) if isinstance(v, str | int) else number(v) for v in row] for row in done[columns][:_SHOWN].to_numpy().tolist()]
+    done, failed, axes = (
+        table[table["status"] == "done"],
+        table[table["status"] != "done"],
+        prepared.study.axes,
+    )
+    columns = [
+        "number",
+        *(column for axis in axes for column in axis.columns),
+        *plain_figures(table, axes),
+    ]
+    rows = [
+        [str(v) if isinstance(v, str | int) else number(v) for v in row]
+        for row in done[columns][:_SHOWN].to_numpy().tolist()
+    ]
     if rows:
-        yield Sheet(prepared.study.title or prepared.study.scene.name, ["point", *columns[1:]], rows, range(len(columns)))
+        yield Sheet(
+            prepared.study.title or prepared.study.scene.name,
+            ["point", *columns[1:]],
+            rows,
+            range(len(columns)),
+        )
     if len(done) > _SHOWN:
         yield f"... and {len(done) - _SHOWN} other points; see index.csv"
     if len(failed):
         at = [described(prepared.points[k].coordinates) for k in failed["number"][:_SHOWN]]
         reasons = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
-        yield Sheet(f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), reasons)
+        yield Sheet(
+            f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), reasons
+        )
     folder = prepared.store.folder
-    yield f"{len(done)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them"
+    yield (
+        f"{len(done)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws"
+        " them"
+    )
     for one in state["notes"][:_NOTES]:
         yield f"note on {one['points']} of {len(table)} points: {one['note']}"
     if (more := len(state["notes"]) - _NOTES) > 0:
@@ -95,7 +131,9 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
 
 
 def _content(store: Store) -> dict[str, Any]:
-    """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is known."""
+    """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is
+    known.
+    """
     from reports.sweep.page import state_of
 
     return {name: value for name, value in state_of(store).items() if name != "table"}
@@ -108,13 +146,25 @@ def status(folder: Path, _: Options) -> Answer:
     state = _content(Store(folder))
 
     def shown() -> Iterator[Part]:
-        yield Sheet(state["title"] or str(folder), ("points", "number"), [(k, str(n)) for k, n in state["points"].items()], (1,))
-        yield from (f"damaged and set aside: results/{name}; the next sweep makes it again" for name in state["damaged"])
-        yield from (f"point {one['point']} failed: {one['reason']}" for one in state["failures"][:_SHOWN])
+        yield Sheet(
+            state["title"] or str(folder),
+            ("points", "number"),
+            [(k, str(n)) for k, n in state["points"].items()],
+            (1,),
+        )
+        yield from (
+            f"damaged and set aside: results/{name}; the next sweep makes it again"
+            for name in state["damaged"]
+        )
+        yield from (
+            f"point {one['point']} failed: {one['reason']}" for one in state["failures"][:_SHOWN]
+        )
         if (more := len(state["failures"]) - _SHOWN) > 0:
             yield f"... and {more} more failed; see index.csv"
         if state["seconds_left"] is not None:
-            yield f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"
+            yield (
+                f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"
+            )
 
     return Answer(WITHIN, shown(), lambda: state)
 
@@ -143,7 +193,10 @@ def make_map(name: str, options: Options) -> Answer:
     from scenes import InputError
 
     if options.out is None and not (PUBLISHED / "README.md").exists():
-        raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
+        raise InputError(
+            "the published maps are those of a checkout, and this is an installed copy: name a"
+            " folder by --out"
+        )
     folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
     require_free(folder)
@@ -157,7 +210,9 @@ def make_map(name: str, options: Options) -> Answer:
             return found
         code = max(code, found.code)
         replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
-        states[study] = {key: value for key, value in found.result().items() if key not in ("title", "file")}
+        states[study] = {
+            key: value for key, value in found.result().items() if key not in ("title", "file")
+        }
     write(folder)
     page = str(folder / "README.md")
     return Answer(code, [page], lambda: {"passed": code == WITHIN, "studies": states, "page": page})

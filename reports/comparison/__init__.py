@@ -1,24 +1,33 @@
-"""What was compared: two solutions of one scene side by side, every metric with its uncertainty and verdict.
+"""What was compared: two solutions of one scene side by side, every metric with its uncertainty and
+verdict.
 
 Offered to the rest of reports, `Comparison` `Report` `UnscoredFile` `compare` first:
 
-    metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle` `Event` `events` `OF_BULK`;
-                    the metrics, one table of words, needs, functions, tolerances: `METRICS` `Metric` `missing` `norm` `over`
-                    `shares` `scales` `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes` `name_of`
-                    `compliance` `energy_scale` `bulk_strain` `bulk_strains` `bulk_work` `loop_work` `normal_work`
-    laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate` `certificates` `LIMIT` `DERIVED`
-                    `derived`; the numbers of a solution: `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
+    metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
+                    `Event` `events` `OF_BULK`; the metrics, one table of words, needs, functions,
+                    tolerances: `METRICS` `Metric` `missing` `norm` `over` `shares` `scales`
+                    `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes`
+                    `name_of` `compliance` `energy_scale` `bulk_strain` `bulk_strains` `bulk_work`
+                    `loop_work` `normal_work`
+    laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
+                    `certificates` `LIMIT` `DERIVED` `derived`; the numbers of a solution:
+                    `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation: `ErrorBudget` `Budget`
-                    `error_budget` `with_budget` `climb` `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
-                    mesh-refinement study of one value, its order and value at size zero: `Refinement` `Extrapolation` `extrapolate`
-    words.py        all of that in sentences, whose words are in templates/words.txt: `headline` `lead` `verdict` `how_judged`
-                    `standing` `uncertain_work` `question` `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
-                    `SUPPORT_WORDS` `sentence` `cost` `stretch`;
-                    in cells: `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells`
-                    `first_rows` `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content` `solution_content` `strict`
-    findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings` `of_content` `of_solution`
-                    `difference` `Difference` `Row` `SAME` `COUNTS` `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
+    budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
+                    idealisation: `ErrorBudget` `Budget` `error_budget` `with_budget` `climb`
+                    `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
+                    mesh-refinement study of one value, its order and value at size zero:
+                    `Refinement` `Extrapolation` `extrapolate`
+    words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
+                    `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
+                    `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
+                    `SUPPORT_WORDS` `sentence` `cost` `stretch`; in cells: `amount` `value_of`
+                    `with_uncertainty` `shown_unit` `first_cells` `first_rows` `summary_rows`
+                    `budget_table`; and as JSON: `as_json` `whole_content` `solution_content`
+                    `strict`
+    findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
+                    `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
+                    `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -60,11 +69,11 @@ class Comparison(Pair):
     Attributes
     ----------
     reference, result : the two solutions
-    polygon_reference : the reference's answer on the very polygon that the result stepped through, or None
-    plain_reference : the reference as it is, where `reference` follows a rule of the result; else the same
-    scales : what makes it dimensionless
-    expected, found : last cycle of the reference (on the result's points and instants) and of the result
-    metrics : in the order of the table
+    polygon_reference : the reference's answer on the very polygon that the result stepped through,
+    or None plain_reference : the reference as it is, where `reference` follows a rule of the
+    result; else the same scales : what makes it dimensionless
+    expected, found : last cycle of the reference (on the result's points and instants) and of the
+    result metrics : in the order of the table
     reference_certificates, result_certificates : the laws of contact, needing no reference
     notes : everything that a reader must not miss
     """
@@ -81,24 +90,35 @@ class Comparison(Pair):
 
     @property
     def verdict(self) -> Verdict | None:
-        """Outside if one metric is, else undecided if one is, else within; None where no tolerance judges any."""
+        """Outside if one metric is, else undecided if one is, else within; None where no tolerance
+        judges any.
+        """
         found = {metric.verdict for metric in self.metrics}
-        return next((one for one in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN) if one in found), None)
+        return next(
+            (one for one in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN) if one in found),
+            None,
+        )
 
     @property
     def accurate(self) -> bool:
-        """Whether every metric that is judged is within its tolerance: undecided counts as outside, nothing to judge as within."""
+        """Whether every metric that is judged is within its tolerance: undecided counts as outside,
+        nothing to judge as within.
+        """
         return self.verdict in (Verdict.WITHIN, None)
 
     @property
     def admissible(self) -> bool:
         """Whether both solutions obey every law of contact that was checked."""
-        return all(check.holds for check in (*self.reference_certificates, *self.result_certificates))
+        return all(
+            check.holds for check in (*self.reference_certificates, *self.result_certificates)
+        )
 
     @property
     def unscored(self) -> tuple[Metric, ...]:
         """The metrics that have a tolerance and no value, for want of what they need."""
-        return tuple(metric for metric in self.metrics if metric.lacking and metric.tolerance is not None)
+        return tuple(
+            metric for metric in self.metrics if metric.lacking and metric.tolerance is not None
+        )
 
     @property
     def passed(self) -> bool:
@@ -128,7 +148,9 @@ class Comparison(Pair):
         return {metric.key: metric for metric in self.metrics}[key]
 
     def summary(self) -> str:
-        """The first table of the page as text: theory, finite elements, difference with its uncertainty, verdict; in units."""
+        """The first table of the page as text: theory, finite elements, difference with its
+        uncertainty, verdict; in units.
+        """
         return Report(self).summary()
 
 
@@ -177,16 +199,25 @@ class Report:
     def __repr__(self) -> str:
         """Who was compared, and the table of `summary`."""
         comparison = self.comparison
-        return f"Report on {comparison.result.engine} against {comparison.reference.engine}\n{self.summary()}"
+        return (
+            f"Report on {comparison.result.engine} against"
+            f" {comparison.reference.engine}\n{self.summary()}"
+        )
 
     @property
     def honest(self) -> str:
         """Whether the stated uncertainties cover the known errors, in words."""
-        return "not assessed: the run was made without a budget" if self.budget is None else self.budget.honest
+        return (
+            "not assessed: the run was made without a budget"
+            if self.budget is None
+            else self.budget.honest
+        )
 
     @property
     def passed(self) -> bool:
-        """Whether the comparison is accurate and admissible, and nothing with a tolerance is unscored."""
+        """Whether the comparison is accurate and admissible, and nothing with a tolerance is
+        unscored.
+        """
         return self.comparison.passed
 
     def metric(self, key: str) -> Metric:
@@ -205,7 +236,10 @@ class Report:
         from reports.comparison import words
 
         heads, rows = words.first_cells(self)
-        scene, last = self.comparison.scene, " ".join((words.lead(self), words.verdict(self), words.how_judged(self)))
+        scene, last = (
+            self.comparison.scene,
+            " ".join((words.lead(self), words.verdict(self), words.how_judged(self))),
+        )
         answer = {"headline": words.headline(self), "heads": heads, "rows": rows, "last": last}
         return template("notebook.html").render(answer, title=scene.title or scene.name)
 
@@ -223,21 +257,24 @@ def compare(
 
     Parameters
     ----------
-    reference : the answer taken for true; best on the points and instants of `result`, otherwise it is interpolated
-        and the interpolation error stated in the notes
+    reference : the answer taken for true; best on the points and instants of `result`, otherwise it
+        is interpolated and the interpolation error stated in the notes
     result : the answer judged
-    polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
-        the steps apart from all others
-    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by the rule of the
-        result: what the first table shows of it; `reference` if None
-    scales_from : what the scales are read off, where the reference holds few instants; the reference if None
-    tolerances : key of a metric -> largest |E| admitted, before those of the scene; where neither says anything, the tolerances
-        of the project's own engines judge bodies for which half-plane theory is exact, and real bodies are not judged
+    polygon_reference : the reference on the straight steps between the result's instants, which
+        sets the error of the steps apart from all others
+    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by
+        the rule of the result: what the first table shows of it; `reference` if None
+    scales_from : what the scales are read off, where the reference holds few instants; the
+    reference if None tolerances : key of a metric -> largest |E| admitted, before those of the
+    scene; where neither says anything, the tolerances
+        of the project's own engines judge bodies for which half-plane theory is exact, and real
+        bodies are not judged
 
     Raises
     ------
     InputError
-        If the two (or three) answer different questions or hold no whole cycle, or a tolerance is of no metric.
+        If the two (or three) answer different questions or hold no whole cycle, or a tolerance is
+        of no metric.
 
     >>> import semi_analytic
     >>> from scenes import load_scene
@@ -247,13 +284,25 @@ def compare(
     """
     for key in tolerances or {}:
         if key not in METRICS:
-            raise InputError(f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}")
+            raise InputError(
+                f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}"
+            )
     for other in (reference, *([polygon_reference] if polygon_reference else [])):
         _refuse_other_question(other, result)
     found = last_cycle(result)
-    expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
+    expected = (
+        sample(last_cycle(reference), found, reference.engine)
+        if found.whole
+        else sample_instants(reference, found)
+    )
     pair = Pair(
-        reference, result, polygon_reference, plain_reference or reference, scales(scales_from or reference), expected, found
+        reference,
+        result,
+        polygon_reference,
+        plain_reference or reference,
+        scales(scales_from or reference),
+        expected,
+        found,
     )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
@@ -269,8 +318,8 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
         theirs, ours = getattr(reference.scene, part), getattr(result.scene, part)
         if theirs != ours:
             raise InputError(
-                f"{reference.engine} and {result.engine} answer different questions: {part} is {theirs!r} in the one "
-                f"and {ours!r} in the other; solve both from one scene"
+                f"{reference.engine} and {result.engine} answer different questions: {part} is"
+                f" {theirs!r} in the one and {ours!r} in the other; solve both from one scene"
             )
 
 
@@ -288,7 +337,12 @@ def _notes(pair: Pair) -> Iterator[str]:
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
         # Our finite elements note it themselves, with how the dissipation changes.
-        if solution.steady_from is None and pair.periodic and solution.engine != "halfplane_fe" and not missing(solution):
+        if (
+            solution.steady_from is None
+            and pair.periodic
+            and solution.engine != "halfplane_fe"
+            and not missing(solution)
+        ):
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
     if not scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):

@@ -1,13 +1,16 @@
-"""Where an error comes from, metric by metric: mesh, penalty, steps, far field, solver, half-plane theory's own, idealisation.
+"""Where an error comes from, metric by metric: mesh, penalty, steps, far field, solver, half-plane
+theory's own, idealisation.
 
-They add up to the metric. Every term is measured by itself, everything else fixed, on runs beside the run: coarser meshes, other
-far fields, the contact law without a layer. These runs are compared with half-plane theory on the polygon of their own
-increments, so that no step error is in them. What is left over is the idealisation; for half-planes there is none by construction,
-and what is left over must be less than its own uncertainty, which tests the whole budget.
+They add up to the metric. Every term is measured by itself, everything else fixed, on runs beside
+the run: coarser meshes, other far fields, the contact law without a layer. These runs are compared
+with half-plane theory on the polygon of their own increments, so that no step error is in them.
+What is left over is the idealisation; for half-planes there is none by construction, and what is
+left over must be less than its own uncertainty, which tests the whole budget.
 
-At the end the mesh-refinement study of one value: order, kind, value extrapolated to size zero and its uncertainty. P. J. Roache,
-J. Fluids Eng. 116 (1994) 405, for solutions that lie on a curve phi = phi_0 + alpha h^p; L. Eca and M. Hoekstra, J. Comput. Phys.
-262 (2014) 104, for four and more solutions that scatter about one.
+At the end the mesh-refinement study of one value: order, kind, value extrapolated to size zero and
+its uncertainty. P. J. Roache, J. Fluids Eng. 116 (1994) 405, for solutions that lie on a curve phi
+= phi_0 + alpha h^p; L. Eca and M. Hoekstra, J. Comput. Phys. 262 (2014) 104, for four and more
+solutions that scatter about one.
 
 # notation: h size of a solution, phi its value, phi_0 the value at size zero, p order
 """
@@ -53,7 +56,8 @@ _FIELDS = {
 # Metrics of the largest pressure, of a revolution and of an instant.
 _PEAKS = ("largest_pressure", "peak_pressure")
 
-# Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is one.
+# Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is
+# one.
 _Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
 _LARGEST = 0.25  # of MeshSettings, over the contact half-width
@@ -66,7 +70,8 @@ class Run(PythonNumbers):
 
     label: str  # "2h", "L/2": what is different from the run
     size: float  # that size over the run's; of the far field 1/L
-    values: Mapping[str, float | None]  # metric -> its value without the error of the steps; empty where the run failed
+    # metric -> its value without the error of the steps; empty where the run failed
+    values: Mapping[str, float | None]
     failure: str = ""  # why there are none
     # steps, nodes: of the path, of the contact
     steps: int = 0
@@ -78,24 +83,31 @@ class Refinements(PythonNumbers):
     """Every run by the term that it measures."""
 
     mesh: tuple[Run, ...]  # at h and coarser
-    far_field: tuple[Run, ...]  # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
-    # (with the layer, without) on the run's own mesh and on the next coarser one; empty where the law is met exactly
+    # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
+    far_field: tuple[Run, ...]
+    # (with the layer, without) on the run's own mesh and on the next coarser one; empty where the
+    # law is met exactly
     penalty: tuple[tuple[Run, Run], ...]
     coarse: str  # label of the mesh on which all but the mesh refinement stand
     not_measured: Mapping[str, str]  # term -> why
     seconds: float  # CPU time of all but the run itself
-    # with the increments of the run and with halved ones, on the coarse mesh, where theory has no answer on the polygon of the
-    # increments, so that no value is without their error; None where it has
+    # with the increments of the run and with halved ones, on the coarse mesh, where theory has no
+    # answer on the polygon of the increments, so that no value is without their error; None where
+    # it has
     step: tuple[Run, ...] | None = None
 
 
 def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
-    """Half-plane theory on the straight lines between the instants of a result; None where bulk stress or tilt leave it none."""
+    """Half-plane theory on the straight lines between the instants of a result; None where bulk
+    stress or tilt leave it none.
+    """
     import semi_analytic
 
     scene = result.scene
     try:
-        return semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
+        return semi_analytic.solve(
+            scene, x=result.x, time=result.time, straight_steps=not result.thinned
+        )
     except InputError:
         if scene.unsymmetric:
             return None
@@ -103,9 +115,14 @@ def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
 
 
 def without_steps(comparison: Comparison) -> dict[str, float | None]:
-    """Metric -> value against theory on the polygon of the result's own increments; on the smooth path where it has no other."""
+    """Metric -> value against theory on the polygon of the result's own increments; on the smooth
+    path where it has no other.
+    """
     if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
-        raise InputError("a budget needs the reference on the polygon of the result's steps: give compare polygon_reference")
+        raise InputError(
+            "a budget needs the reference on the polygon of the result's steps: give compare"
+            " polygon_reference"
+        )
     if (polygon := comparison.polygon_reference) is None:
         return _values(compare(comparison.reference, comparison.result))
     return _values(compare(polygon, on_straight_steps(comparison.result)))
@@ -113,7 +130,11 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
 
 def finer_steps(settings: SolverSettings) -> SolverSettings:
     """Increments half as long: their error is a quarter."""
-    return replace(settings, steps_per_cycle=2 * settings.steps_per_cycle, step_tolerance=max(settings.step_tolerance / 4, 1e-8))
+    return replace(
+        settings,
+        steps_per_cycle=2 * settings.steps_per_cycle,
+        step_tolerance=max(settings.step_tolerance / 4, 1e-8),
+    )
 
 
 def _values(comparison: Comparison) -> dict[str, float | None]:
@@ -121,40 +142,73 @@ def _values(comparison: Comparison) -> dict[str, float | None]:
 
 
 def mesh_ratio(mesh: MeshSettings) -> float | None:
-    """Ratio of neighbouring runs: 2, or what three coarsenings leave room for; None where that is less than 1.2.
+    """Ratio of neighbouring runs: 2, or what three coarsenings leave room for; None where that is
+    less than 1.2.
 
     >>> from meshes import MeshSettings
-    >>> mesh_ratio(MeshSettings()), mesh_ratio(MeshSettings(element_size=0.2, edge_element_size=0.2))
+    >>> (
+    ...     mesh_ratio(MeshSettings()),
+    ...     mesh_ratio(MeshSettings(element_size=0.2, edge_element_size=0.2)),
+    ... )
     (2.0, None)
     """
     room = (_LARGEST / mesh.edge_element_size) ** (1 / 3)
     return None if room < _LEAST_RATIO else min(2.0, room)
 
 
-def coarser(mesh: MeshSettings, settings: SolverSettings, factor: float) -> tuple[MeshSettings, SolverSettings]:
-    """All surface elements `factor` times larger (in the middle to 0.25 a at most); a penalty layer stays the same layer."""
-    middle, edges = (min(_LARGEST, factor * size) for size in (mesh.element_size, mesh.edge_element_size))
+def coarser(
+    mesh: MeshSettings, settings: SolverSettings, factor: float
+) -> tuple[MeshSettings, SolverSettings]:
+    """All surface elements `factor` times larger (in the middle to 0.25 a at most); a penalty layer
+    stays the same layer.
+    """
+    middle, edges = (
+        min(_LARGEST, factor * size) for size in (mesh.element_size, mesh.edge_element_size)
+    )
     if settings.method == "penalty":
         stiffness = (settings.normal_stiffness * factor, settings.tangential_stiffness * factor)
-        settings = replace(settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1])
+        settings = replace(
+            settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1]
+        )
     return replace(mesh, element_size=middle, edge_element_size=edges), settings
 
 
-def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: _Stage, coarsenings: int = 3) -> Refinements:
-    """Solve all that measures the errors of a run that was cut by `mesh` and iterated by `settings`.
+def climb(
+    comparison: Comparison,
+    mesh: MeshSettings,
+    settings: SolverSettings,
+    stage: _Stage,
+    coarsenings: int = 3,
+) -> Refinements:
+    """Solve all that measures the errors of a run that was cut by `mesh` and iterated by
+    `settings`.
 
-    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they
-    cost a third of that. The far field is measured at r^2 h, a penalty layer at h and r h.
+    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h; with two, the
+    least that shows an order, they cost a third of that. The far field is measured at r^2 h, a
+    penalty layer at h and r h.
     """
     begun = time.process_time()
     missing: dict[str, str] = {}
     ratio = mesh_ratio(mesh)
     on_polygon = comparison.polygon_reference is not None
-    own = Run("h", 1.0, without_steps(comparison), "", len(comparison.result.time), len(comparison.result.x))
+    own = Run(
+        "h",
+        1.0,
+        without_steps(comparison),
+        "",
+        len(comparison.result.time),
+        len(comparison.result.x),
+    )
     if ratio is None:
         why = "the run's own elements leave no room for three coarser meshes"
         return Refinements(
-            (own,), (), (), "none", dict.fromkeys(("mesh", "far field", "penalty"), why), 0.0, None if on_polygon else ()
+            (own,),
+            (),
+            (),
+            "none",
+            dict.fromkeys(("mesh", "far field", "penalty"), why),
+            0.0,
+            None if on_polygon else (),
         )
     scene, scales = comparison.scene, getattr(comparison.result, "scales", None)
 
@@ -167,39 +221,59 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
                 result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
             except ConvergenceError as failure:
                 return Run(label, size, {}, f"{label} did not converge: {failure}")
-            reference = theory_on_steps(result) if on_polygon else semi_analytic.solve(scene, x=result.x, time=result.time)
+            reference = (
+                theory_on_steps(result)
+                if on_polygon
+                else semi_analytic.solve(scene, x=result.x, time=result.time)
+            )
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         values = _values(compare(reference, on_straight_steps(result) if on_polygon else result))
         return Run(label, size, values, "", len(result.time), len(result.x))
 
     sizes = [ratio**power for power in range(1, coarsenings + 1)]
-    meshes = (own, *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes))
+    meshes = (
+        own,
+        *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes),
+    )
     middle = meshes[2]
     far_field: tuple[Run, ...] = ()
     if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind):
         radius, (cut, law) = mesh.far_radius, coarser(mesh, settings, ratio**2)
         if 4 <= radius <= 500:
             large, small = (
-                solved(f"{middle.label}, {words}", size, replace(cut, far_radius=radius / size), law)
+                solved(
+                    f"{middle.label}, {words}", size, replace(cut, far_radius=radius / size), law
+                )
                 for words, size in (("2 L", 0.5), ("L/2", 2.0))
             )
             far_field = (large, replace(middle, size=1.0), small)
         else:
-            missing["far field"] = f"a half-disc of radius {radius:g} a leaves no room for one of half and one of twice"
+            missing["far field"] = (
+                f"a half-disc of radius {radius:g} a leaves no room for one of half and one of"
+                " twice"
+            )
     step: tuple[Run, ...] | None = None
     if not on_polygon:
         cut, law = coarser(mesh, settings, ratio**2)
-        step = middle, solved(f"{middle.label}, halved increments", middle.size, cut, finer_steps(law))
+        step = (
+            middle,
+            solved(f"{middle.label}, halved increments", middle.size, cut, finer_steps(law)),
+        )
     pairs = []
     if settings.method == "penalty":
-        # With the layer and without it, on the run's own mesh and the next: the second shows what the mesh does to the difference.
-        # On coarser ones that says nothing: where edges stand in their elements moves W by more than the layer does.
-        exact = replace(settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3)
+        # With the layer and without it, on the run's own mesh and the next: the second shows what
+        # the mesh does to the difference. On coarser ones that says nothing: where edges stand in
+        # their elements moves W by more than the layer does.
+        exact = replace(
+            settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3
+        )
         for run in meshes[:2]:
             cut, _ = coarser(mesh, settings, run.size)
             pairs.append((run, solved(f"{run.label}, law met exactly", run.size, cut, exact)))
-    return Refinements(meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun, step)
+    return Refinements(
+        meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun, step
+    )
 
 
 @dataclass(frozen=True)
@@ -207,10 +281,13 @@ class Term(PythonNumbers):
     """One source of error in one metric."""
 
     name: str  # "mesh", "step", ...
-    value: float | None  # its share of the metric, signed; None where nothing stands out of the scatter, or nothing was measured
+    # its share of the metric, signed; None where nothing stands out of the scatter, or nothing was
+    # measured
+    value: float | None
     uncertainty: float | None  # of that share; None where nothing was measured
     how: str  # by what it was measured, or why not
-    # the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
+    # the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the
+    # sum of squares
     bound: bool = False
     # order, kind: of the refinement, where it has one
     order: float | None = None
@@ -228,7 +305,9 @@ class Budget:
 
     metric: Metric  # the whole error, with its tolerance
     terms: tuple[Term, ...]  # every source but the idealisation
-    half_planes: bool  # whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
+    # whether the bodies are the half-planes of theory, so that there is no idealisation, see
+    # `are_half_planes`
+    half_planes: bool
 
     @property
     def total(self) -> float:
@@ -237,7 +316,9 @@ class Budget:
 
     @property
     def rest(self) -> float:
-        """What no term accounts for: the idealisation error, or of half-planes what is unexplained."""
+        """What no term accounts for: the idealisation error, or of half-planes what is
+        unexplained.
+        """
         return self.total - sum(term.value or 0.0 for term in self.terms)
 
     @property
@@ -246,27 +327,41 @@ class Budget:
         if not all(term.measured for term in self.terms):
             return None
         doubts = [(term.uncertainty or 0.0, term.bound) for term in self.terms]
-        return math.hypot(*(u for u, bound in doubts if not bound)) + sum(u for u, bound in doubts if bound)
+        return math.hypot(*(u for u, bound in doubts if not bound)) + sum(
+            u for u, bound in doubts if bound
+        )
 
     @property
     def judged(self) -> Metric:
         """The metric with u for its uncertainty; as it is where u is not known."""
-        return self.metric if self.uncertainty is None else replace(self.metric, uncertainty=self.uncertainty)
+        return (
+            self.metric
+            if self.uncertainty is None
+            else replace(self.metric, uncertainty=self.uncertainty)
+        )
 
     @property
     def resolved(self) -> bool | None:
         """Whether an idealisation error stands out, |rest| > u; None where that is not known."""
-        return None if self.uncertainty is None or not math.isfinite(self.rest) else abs(self.rest) > self.uncertainty
+        return (
+            None
+            if self.uncertainty is None or not math.isfinite(self.rest)
+            else abs(self.rest) > self.uncertainty
+        )
 
     @property
     def honest(self) -> bool | None:
-        """Whether the stated uncertainty covers the error: known for half-planes only, where the rest must be nothing."""
+        """Whether the stated uncertainty covers the error: known for half-planes only, where the
+        rest must be nothing.
+        """
         return None if not self.half_planes or self.resolved is None else not self.resolved
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorBudget:
-    """Budgets of all metrics, the runs they rest on, and CPU seconds of the plain run and of these."""
+    """Budgets of all metrics, the runs they rest on, and CPU seconds of the plain run and of
+    these.
+    """
 
     budgets: tuple[Budget, ...]
     refinements: Refinements
@@ -286,11 +381,19 @@ class ErrorBudget:
         """What can be said of the stated uncertainties."""
         known = [budget.honest for budget in self.budgets if budget.honest is not None]
         if not known:
-            return "not assessed: the true error of real bodies is not known; half-planes show it, where every term was measured"
-        return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
+            return (
+                "not assessed: the true error of real bodies is not known; half-planes show it,"
+                " where every term was measured"
+            )
+        return (
+            f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured"
+            " terms leave unexplained"
+        )
 
 
-def error_budget(comparison: Comparison, refinements: Refinements, plain_seconds: float) -> ErrorBudget:
+def error_budget(
+    comparison: Comparison, refinements: Refinements, plain_seconds: float
+) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
     half_planes, solver = are_half_planes(comparison.scene), _solver(comparison)
 
@@ -300,14 +403,31 @@ def error_budget(comparison: Comparison, refinements: Refinements, plain_seconds
             _penalty(metric, comparison, refinements),
             _step(metric, refinements),
         )
-        return mesh, penalty, step, _far_field(metric, comparison, refinements), solver, _theory(metric, comparison)
+        return (
+            mesh,
+            penalty,
+            step,
+            _far_field(metric, comparison, refinements),
+            solver,
+            _theory(metric, comparison),
+        )
 
-    known = (one for one in comparison.metrics if one.key not in _PARTS and one.value is not None and math.isfinite(one.value))
-    return ErrorBudget(tuple(Budget(metric, terms(metric), half_planes) for metric in known), refinements, plain_seconds)
+    known = (
+        one
+        for one in comparison.metrics
+        if one.key not in _PARTS and one.value is not None and math.isfinite(one.value)
+    )
+    return ErrorBudget(
+        tuple(Budget(metric, terms(metric), half_planes) for metric in known),
+        refinements,
+        plain_seconds,
+    )
 
 
 def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
-    """A report of `comparison` with its budget, every metric with the uncertainty that it is judged with."""
+    """A report of `comparison` with its budget, every metric with the uncertainty that it is judged
+    with.
+    """
     judged = {one.metric.key: one.judged for one in budget.budgets}
     metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
     return Report(replace(comparison, metrics=metrics), budget)
@@ -321,17 +441,25 @@ def _known(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
 
 def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: str = "") -> Term:
     """A term that nothing is known of: why, or what the runs failed by."""
-    why = why or "; ".join(run.failure for run in runs if run.failure) or "a run has no finite value"
+    why = (
+        why or "; ".join(run.failure for run in runs if run.failure) or "a run has no finite value"
+    )
     return Term(name, None, None, f"not measured: {before}{why}")
 
 
-def _extrapolated(name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], order: float) -> Term:
-    """phi - phi_0 of the run itself, which is that of size 1; no value where the values only scatter."""
+def _extrapolated(
+    name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], order: float
+) -> Term:
+    """phi - phi_0 of the run itself, which is that of size 1; no value where the values only
+    scatter.
+    """
     known = dict(_known(metric, runs))
     if name in refinements.not_measured or len(known) < 3 or 1.0 not in known:
         return _not_measured(name, runs, refinements.not_measured.get(name, ""))
     found = extrapolate(Refinement(tuple(known), tuple(known.values()), order, ROUNDING))
-    value = None if found.kind in ("oscillating", "diverging") else known[1.0] - (found.value or 0.0)
+    value = (
+        None if found.kind in ("oscillating", "diverging") else known[1.0] - (found.value or 0.0)
+    )
     return Term(name, value, found.uncertainty, found.rule, order=found.order, kind=found.kind)
 
 
@@ -340,29 +468,43 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
     found = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
     if found.uncertainty is None:
         return found
-    how = f"{', '.join(run.label for run in refinements.mesh if not run.failure)}: {found.kind}; {found.how}"
+    how = (
+        f"{', '.join(run.label for run in refinements.mesh if not run.failure)}: {found.kind};"
+        f" {found.how}"
+    )
     least, result, scales = metric.uncertainty or 0.0, comparison.result, comparison.scales
-    stated = getattr(result, f"{metric.key}_uncertainty", None)  # of the edges, at the instant of the metric
+    # of the edges, at the instant of the metric
+    stated = getattr(result, f"{metric.key}_uncertainty", None)
     if metric.key not in _PEAKS and stated is not None and metric.time is not None:
-        least = max(least, float(max(stated[int(abs(result.time - metric.time).argmin())])) / scales.half_width)
+        least = max(
+            least,
+            float(max(stated[int(abs(result.time - metric.time).argmin())])) / scales.half_width,
+        )
     least = max(least, _stated_of_peak(metric, comparison))
     work = result.dissipation_uncertainty / (
         scales.dissipation if metric.absolute else abs(comparison.reference.dissipation) or 1.0
     )
     if metric.key == "dissipation" and work < found.uncertainty:
-        # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that scatter, and no order.
-        how = f"{how}, {found.uncertainty:.1e}; instead the smaller uncertainty that the run itself states"
+        # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that
+        # scatter, and no order.
+        how = (
+            f"{how}, {found.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
+            " states"
+        )
         return Term("mesh", None, work, how)
     if found.uncertainty < least < math.inf:
-        return replace(found, uncertainty=least, how=f"{how}; uncertainty that the run itself states")
+        return replace(
+            found, uncertainty=least, how=f"{how}; uncertainty that the run itself states"
+        )
     return replace(found, how=how)
 
 
 def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty that the result itself states of its largest pressure, over the reference's; 0 of other metrics, and without one.
+    """Uncertainty that the result itself states of its largest pressure, over the reference's; 0 of
+    other metrics, and without one.
 
-    A few meshes may agree by chance: the peak is a smooth function of them only where edges stand alike in their elements. Of
-    half-planes the true error is known, and the runs cover it.
+    A few meshes may agree by chance: the peak is a smooth function of them only where edges stand
+    alike in their elements. Of half-planes the true error is known, and the runs cover it.
     """
     if metric.key not in _PEAKS or are_half_planes(comparison.scene):
         return 0.0
@@ -372,10 +514,11 @@ def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
 
 
 def _step(metric: Metric, refinements: Refinements) -> Term:
-    """What the metric loses when theory steps through the same polygon as the result: exact, for every metric.
+    """What the metric loses when theory steps through the same polygon as the result: exact, for
+    every metric.
 
-    Where theory has no answer on it, what halved increments change: 4/3 of that by the second order of increments, as uncertain as
-    all of it.
+    Where theory has no answer on it, what halved increments change: 4/3 of that by the second order
+    of increments, as uncertain as all of it.
     """
     if refinements.step is not None:
         known = [value for _, value in _known(metric, refinements.step)]
@@ -384,7 +527,8 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
             return _not_measured("step", refinements.step, before=before)
         change = known[0] - known[1]
         how = (
-            f"halved increments at {refinements.coarse}, second order; half-plane theory has no answer on the polygon of the steps"
+            f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
+            " answer on the polygon of the steps"
         )
         return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how)
     polygon = _known(metric, refinements.mesh[:1])
@@ -397,12 +541,18 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
 def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
-        return Term("penalty", None, 0.0, "none by construction: the law is met exactly", bound=True)
+        return Term(
+            "penalty", None, 0.0, "none by construction: the law is met exactly", bound=True
+        )
     pairs = [[value for _, value in _known(metric, pair)] for pair in refinements.penalty]
     shares = [pair[0] - pair[1] for pair in pairs if len(pair) == 2]
     if "penalty" in refinements.not_measured or len(shares) < 2:
-        return _not_measured("penalty", chain(*refinements.penalty), refinements.not_measured.get("penalty", ""))
-    how = "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
+        return _not_measured(
+            "penalty", chain(*refinements.penalty), refinements.not_measured.get("penalty", "")
+        )
+    how = (
+        "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
+    )
     return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
 
 
@@ -422,12 +572,16 @@ def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements)
 
 
 def _solver(comparison: Comparison) -> Term:
-    """The worst residual of any step: dimensionless, a bound for what rounding and termination may do."""
+    """The worst residual of any step: dimensionless, a bound for what rounding and termination may
+    do.
+    """
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
         return _not_measured("solver", why="the result states no residuals")
     worst = max(checks, key=lambda check: check.value)
-    return Term("solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True)
+    return Term(
+        "solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True
+    )
 
 
 def _theory(metric: Metric, comparison: Comparison) -> Term:
@@ -435,18 +589,33 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
     field = _FIELDS.get(metric.key, metric.key)
     polygon = comparison.polygon_reference
     records = [comparison.reference.record, *([polygon.record] if polygon else [])]
-    stated = max((value for record in records for name, value in record.errors.items() if name.startswith(field)), default=None)
+    stated = max(
+        (
+            value
+            for record in records
+            for name, value in record.errors.items()
+            if name.startswith(field)
+        ),
+        default=None,
+    )
     if stated is None:
         return Term("half-plane theory", None, ROUNDING, "closed forms: rounding", bound=True)
-    return Term("half-plane theory", None, stated + ROUNDING, "its own estimate of quadratures and series", bound=True)
+    return Term(
+        "half-plane theory",
+        None,
+        stated + ROUNDING,
+        "its own estimate of quadratures and series",
+        bound=True,
+    )
 
 
-# -------------------------------------------------------------------------------------- mesh-refinement study of one value
+# --------------------------------------------------------------- mesh-refinement study of one value
 Array = NDArray[np.float64]
 _Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
 
 _SAFE, _DOUBTFUL = 1.25, 3.0
-# Orders outside are looked for only to be told apart: beyond 16 a ratio of 2 leaves no digits between the two finest solutions.
+# Orders outside are looked for only to be told apart: beyond 16 a ratio of 2 leaves no digits
+# between the two finest solutions.
 _ORDERS = (0.01, 16.0)
 
 
@@ -456,7 +625,9 @@ class Refinement(PythonNumbers):
 
     sizes: tuple[float, ...]  # h > 0 of each solution, finest first, strictly growing
     values: tuple[float, ...]  # phi of each solution, finite
-    formal_order: float = 2.0  # largest order that theory admits; plausible ones lie between a quarter of it and a twentieth above
+    # largest order that theory admits; plausible ones lie between a quarter of it and a twentieth
+    # above
+    formal_order: float = 2.0
     rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
@@ -464,7 +635,9 @@ class Refinement(PythonNumbers):
         if len(self.sizes) != len(self.values) or not self.sizes:
             raise ValueError(f"{len(self.sizes)} sizes for {len(self.values)} values")
         if min(self.sizes) <= 0 or any(np.diff(self.sizes) <= 0):
-            raise ValueError(f"sizes {self.sizes} are not positive and growing: the finest comes first")
+            raise ValueError(
+                f"sizes {self.sizes} are not positive and growing: the finest comes first"
+            )
         if not all(map(math.isfinite, self.values)):
             raise ValueError(f"values {self.values} are not finite")
 
@@ -479,7 +652,9 @@ class Refinement(PythonNumbers):
 
 
 def _plausible(order: float | None, formal: float) -> bool:
-    """Whether theory admits an observed order, for the formal order 2 those from 0.5 to 2.1 (Eca and Hoekstra 2014)."""
+    """Whether theory admits an observed order, for the formal order 2 those from 0.5 to 2.1 (Eca
+    and Hoekstra 2014).
+    """
     return order is not None and formal / 4 <= order <= 1.05 * formal
 
 
@@ -490,25 +665,32 @@ class Extrapolation(PythonNumbers):
     order: float | None  # observed p; None where there is none
     kind: _Kind  # how the values go as h falls
     value: float | None  # phi_0; None for a single solution
-    # |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single solution
+    # |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a
+    # single solution
     uncertainty: float | None
     rule: str  # in words
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
-    """p of the curve through three solutions; None where they are not monotone or drift apart as h falls.
+    """p of the curve through three solutions; None where they are not monotone or drift apart as h
+    falls.
 
     >>> round(observed_order((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)), 6)
     1.78617
     """
-    # notation: phi_3 - phi_2 over phi_2 - phi_1 is (h_3^p - h_2^p)/(h_2^p - h_1^p), which grows with p
+    # notation: phi_3 - phi_2 over phi_2 - phi_1 is (h_3^p - h_2^p)/(h_2^p - h_1^p), which grows
+    # with p
     fine, coarse = values[1] - values[0], values[2] - values[1]
     if fine == 0 or coarse / fine <= 0:
         return None
     middle, large = math.log(sizes[1] / sizes[0]), math.log(sizes[2] / sizes[1])
 
     def excess(p: float) -> float:
-        return p * middle + math.log(math.expm1(p * large) / math.expm1(p * middle)) - math.log(coarse / fine)
+        return (
+            p * middle
+            + math.log(math.expm1(p * large) / math.expm1(p * middle))
+            - math.log(coarse / fine)
+        )
 
     low, high = _ORDERS
     if excess(low) >= 0 or excess(high) <= 0:
@@ -519,8 +701,9 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
 def kind_of(refinement: Refinement) -> _Kind:
     """How the values go as h falls, all solutions considered.
 
-    Same sense throughout: monotone where a curve with p > 0 fits best, diverging otherwise. Changing sense: oscillating where
-    the last change is smaller than the largest before it, diverging otherwise.
+    Same sense throughout: monotone where a curve with p > 0 fits best, diverging otherwise.
+    Changing sense: oscillating where the last change is smaller than the largest before it,
+    diverging otherwise.
     """
     if len(refinement.values) < 3:
         return "too few"
@@ -535,11 +718,13 @@ def kind_of(refinement: Refinement) -> _Kind:
 def extrapolate(refinement: Refinement) -> Extrapolation:
     """Order, kind, value at size zero and its uncertainty.
 
-    Solutions of which every three neighbours are monotone, with plausible orders that agree to a quarter of the formal one, follow
-    a curve: Roache, safety factor 1.25, the uncertainty by the lowest of these orders. Monotone otherwise: least squares, not less
-    than the spread of the three finest. Oscillating or diverging: the finest value, give or take no less than the spread of all.
-    These floors are ours: of noise about as large as the trend, the published rules on four solutions cover four truths of five
-    only, with the floors 94 of 100 (tests/test_reports_budget.py).
+    Solutions of which every three neighbours are monotone, with plausible orders that agree to a
+    quarter of the formal one, follow a curve: Roache, safety factor 1.25, the uncertainty by the
+    lowest of these orders. Monotone otherwise: least squares, not less than the spread of the three
+    finest. Oscillating or diverging: the finest value, give or take no less than the spread of all.
+    These floors are ours: of noise about as large as the trend, the published rules on four
+    solutions cover four truths of five only, with the floors 94 of 100
+    (tests/test_reports_budget.py).
 
     >>> found = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
     >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
@@ -549,17 +734,40 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     if count == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
-        return Extrapolation(None, kind, finest, refinement.rounding, "all solutions agree to rounding")
+        return Extrapolation(
+            None, kind, finest, refinement.rounding, "all solutions agree to rounding"
+        )
     if count == 2:
         step = _richardson(refinement, refinement.formal_order)
-        return Extrapolation(None, kind, finest + step, _DOUBTFUL * abs(step), "formal order taken for granted, safety factor 3")
-    orders = [observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3]) for i in range(count - 2)]
+        return Extrapolation(
+            None,
+            kind,
+            finest + step,
+            _DOUBTFUL * abs(step),
+            "formal order taken for granted, safety factor 3",
+        )
+    orders = [
+        observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3])
+        for i in range(count - 2)
+    ]
     found = [order for order in orders if order is not None and refinement.plausible(order)]
     if len(found) == len(orders) and max(found) - min(found) <= refinement.formal_order / 4:
         least = _SAFE * abs(_richardson(refinement, min(found)))
-        return Extrapolation(found[0], kind, finest + _richardson(refinement, found[0]), least, "Roache, safety factor 1.25")
+        return Extrapolation(
+            found[0],
+            kind,
+            finest + _richardson(refinement, found[0]),
+            least,
+            "Roache, safety factor 1.25",
+        )
     if count == 3:
-        return Extrapolation(orders[0], kind, finest, _DOUBTFUL * refinement.spread, "the finest, three times the spread")
+        return Extrapolation(
+            orders[0],
+            kind,
+            finest,
+            _DOUBTFUL * refinement.spread,
+            "the finest, three times the spread",
+        )
     return _least_squares(refinement, kind)
 
 
@@ -571,7 +779,9 @@ def _richardson(refinement: Refinement, order: float) -> float:
 
 @dataclass(frozen=True)
 class _Fit:
-    """A curve through scattered solutions: value at size zero, fitted finest value, standard deviation, order where it was free."""
+    """A curve through scattered solutions: value at size zero, fitted finest value, standard
+    deviation, order where it was free.
+    """
 
     limit: float
     finest: float
@@ -590,16 +800,26 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
         uncertainty = _DOUBTFUL * fit.deviation / typical * (step + fit.deviation + away)
     if kind == "monotone":
         near = max(refinement.values[:3]) - min(refinement.values[:3])
-        return Extrapolation(order, kind, fit.limit, max(uncertainty, near), f"least squares, {words}")
+        return Extrapolation(
+            order, kind, fit.limit, max(uncertainty, near), f"least squares, {words}"
+        )
     widest = max(uncertainty, refinement.spread)
-    return Extrapolation(None, kind, refinement.values[0], widest, f"the finest; scatter about {words}")
+    return Extrapolation(
+        None, kind, refinement.values[0], widest, f"the finest; scatter about {words}"
+    )
 
 
 def _chosen(refinement: Refinement) -> tuple[_Fit, str, float | None]:
     """The curve that is trusted, in words, and the order observed."""
     half, formal = refinement.formal_order / 2, refinement.formal_order
-    free = min((_free(refinement, weights) for weights in _weights(refinement)), key=lambda fit: fit.deviation)
-    if free.order is not None and refinement.formal_order / 4 <= free.order <= refinement.formal_order:
+    free = min(
+        (_free(refinement, weights) for weights in _weights(refinement)),
+        key=lambda fit: fit.deviation,
+    )
+    if (
+        free.order is not None
+        and refinement.formal_order / 4 <= free.order <= refinement.formal_order
+    ):
         return free, f"order {free.order:.2f}", free.order
     powers: tuple[tuple[float, ...], ...] = ((half,), (formal,))
     if free.order is None or free.order < formal / 4:
@@ -620,11 +840,16 @@ def _order(refinement: Refinement) -> float | None:
     """Order of the best curve; None where it has p <= 0."""
     if len(refinement.values) == 3:
         return observed_order(refinement.sizes, refinement.values)
-    return min((_free(refinement, weights) for weights in _weights(refinement)), key=lambda fit: fit.deviation).order
+    return min(
+        (_free(refinement, weights) for weights in _weights(refinement)),
+        key=lambda fit: fit.deviation,
+    ).order
 
 
 def _free(refinement: Refinement, weights: Array) -> _Fit:
-    """The best curve of any order; its order is None at the ends of the range, where there is none."""
+    """The best curve of any order; its order is None at the ends of the range, where there is
+    none.
+    """
     h, values = np.array(refinement.sizes) / refinement.sizes[-1], np.array(refinement.values)
     away = values - np.average(values, weights=weights)
 
@@ -640,12 +865,20 @@ def _free(refinement: Refinement, weights: Array) -> _Fit:
     order = None
     if 0 < best < len(grid) - 1:
         inside = (float(grid[best - 1]), float(grid[best + 1]))
-        order = float(minimize_scalar(lambda p: residual(p)[0], bounds=inside, method="bounded", options={"xatol": 1e-9}).x)
+        order = float(
+            minimize_scalar(
+                lambda p: residual(p)[0], bounds=inside, method="bounded", options={"xatol": 1e-9}
+            ).x
+        )
     return _fit(refinement, (order or float(grid[best]),), weights, order)
 
 
-def _fit(refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None) -> _Fit:
-    """Weighted least squares of phi_0 + sum alpha_k h^p_k; an `order` that was found counts as a parameter of the fit."""
+def _fit(
+    refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
+) -> _Fit:
+    """Weighted least squares of phi_0 + sum alpha_k h^p_k; an `order` that was found counts as a
+    parameter of the fit.
+    """
     h, values = np.array(refinement.sizes) / refinement.sizes[-1], np.array(refinement.values)
     columns = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
     root = np.sqrt(weights)

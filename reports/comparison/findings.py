@@ -1,7 +1,9 @@
-"""What `diff` compares: the values of a run, from its folder or one of its files, or those of a baseline; and their differences.
+"""What `diff` compares: the values of a run, from its folder or one of its files, or those of a
+baseline; and their differences.
 
-Same machine, same answer: half-plane theory repeats itself to the last digit, finite elements too. The default tolerances leave
-room for another order of sums (another processor, another BLAS), and for nothing else.
+Same machine, same answer: half-plane theory repeats itself to the last digit, finite elements too.
+The default tolerances leave room for another order of sums (another processor, another BLAS), and
+for nothing else.
 """
 
 from __future__ import annotations
@@ -27,20 +29,36 @@ from scenes.scene import WORDS
 _BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST = 2
-# The work that a change of the code moves; what the cache of condensed bodies spares would differ from one run to the next.
+# The work that a change of the code moves; what the cache of condensed bodies spares would differ
+# from one run to the next.
 COUNTS = (
-    *("degrees of freedom", "contact nodes", "steps solved", "contact iterations", "linear solves", "factorisations"),
+    *(
+        "degrees of freedom",
+        "contact nodes",
+        "steps solved",
+        "contact iterations",
+        "linear solves",
+        "factorisations",
+    ),
     *("slip quadratures", "quadrature nodes"),
 )
-_OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
+_OF_AN_ENGINE = (
+    "dissipation",
+    "loop_work",
+    "permanent_stick_half_width",
+    "largest_half_width",
+    "largest_pressure",
+)
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
 _DEFAULTS: tuple[tuple[str, float], ...] = (
-    ("*.counts.*", 0.05),  # rounding decides whether an increment is halved, and the next ones follow
+    # rounding decides whether an increment is halved, and the next ones follow
+    ("*.counts.*", 0.05),
     ("metric.*", 1e-6),
     ("semi_analytic.*", 1e-9),
     ("*", 1e-6),
 )
-# Of two mirrored peaks rounding says which is the larger: the place of a peak is compared without its sign.
+# Of two mirrored peaks rounding says which is the larger: the place of a peak is compared without
+# its sign.
 _MIRRORED = "metric.*_place"
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
 _NOTHING = 1e-6
@@ -53,8 +71,9 @@ class Findings:
 
     source: str  # where they were read, as the user named it
     scene: Scene  # the question
-    # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a comparison are "metric.<key>",
-    # figures of an engine "<engine>.<quantity>" in the scene's units, counts "<engine>.counts.<name>"
+    # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a
+    # comparison are "metric.<key>", figures of an engine "<engine>.<quantity>" in the scene's
+    # units, counts "<engine>.counts.<name>"
     figures: Mapping[str, float | None]
     engines: Mapping[str, Mapping[str, Any]]  # engine -> {"settings": ..., "versions": ...}
     unfinished: tuple[str, ...] = ()  # sentences of engines that did not converge
@@ -65,7 +84,8 @@ class Findings:
 def read_findings(source: str | Path) -> Findings:
     """The findings of a run folder, comparison.json, <engine>.json, solution (.nc) or baseline.
 
-    A folder that holds a comparison is read for that; otherwise for every engine's own answer in it.
+    A folder that holds a comparison is read for that; otherwise for every engine's own answer in
+    it.
 
     Raises
     ------
@@ -79,20 +99,38 @@ def read_findings(source: str | Path) -> Findings:
         try:
             return of_solution(ContactSolution.load(path), str(source))
         except (OSError, KeyError, ValueError, TypeError) as reason:
-            raise InputError(f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}") from reason
+            raise InputError(
+                f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}"
+            ) from reason
     whole = path / "comparison.json" if path.is_dir() else path
     if whole.exists():
         return of_content(_json(whole, source), str(source))
     contents = [_json(file, file) for file in sorted(path.glob("*.json"))]
-    answers = [content for content in contents if str(content.get("format")).startswith("halfplane solution ")]
+    answers = [
+        content
+        for content in contents
+        if str(content.get("format")).startswith("halfplane solution ")
+    ]
     if not answers:
-        raise InputError(f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an engine")
+        raise InputError(
+            f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an"
+            " engine"
+        )
     parts = [of_content(content, str(source)) for content in answers if content["converged"]]
     if not parts:
-        raise InputError(f"{source}: it holds only the steps before an engine failed: {answers[0].get('message')}")
+        raise InputError(
+            f"{source}: it holds only the steps before an engine failed:"
+            f" {answers[0].get('message')}"
+        )
     if any(_physics(part.scene) != _physics(parts[0].scene) for part in parts):
-        raise InputError(f"{source}: the engines in this folder answer different scenes; name the file of one of them")
-    figures, engines = ({k: v for part in parts for k, v in getattr(part, name).items()} for name in ("figures", "engines"))
+        raise InputError(
+            f"{source}: the engines in this folder answer different scenes; name the file of one of"
+            " them"
+        )
+    figures, engines = (
+        {k: v for part in parts for k, v in getattr(part, name).items()}
+        for name in ("figures", "engines")
+    )
     return Findings(str(source), parts[0].scene, figures, engines)
 
 
@@ -102,17 +140,27 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
     found = _FORMAT.fullmatch(stated) if isinstance(stated, str) else None
     if found is None:
         kinds = "baseline, comparison, solution"
-        raise InputError(f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {kinds}")
+        raise InputError(
+            f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {kinds}"
+        )
     if int(found[2]) > _NEWEST:
-        raise InputError(f"{source}: format is {stated!r}, of a later version; update halfplane, or run the scene again")
+        raise InputError(
+            f"{source}: format is {stated!r}, of a later version; update halfplane, or run the"
+            " scene again"
+        )
     if int(found[2]) < _NEWEST:
-        raise InputError(f"{source}: format is {stated!r}, of version 0.1; convert it with halfplane 0.3, or run the scene again")
+        raise InputError(
+            f"{source}: format is {stated!r}, of version 0.1; convert it with halfplane 0.3, or run"
+            " the scene again"
+        )
     try:
         return _read(found[1], content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
-        raise InputError(f"{source}: this says it is a {stated}, but can't be read as one: {first_line(reason)}") from reason
+        raise InputError(
+            f"{source}: this says it is a {stated}, but can't be read as one: {first_line(reason)}"
+        ) from reason
 
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
@@ -126,16 +174,24 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
     elif kind == "comparison":
         for key, metric in content["metrics"].items():
             figures[f"metric.{key}"] = _number(metric["value"])
-            # JSON has no NaN: without this a value that is none and one that is no number would look alike.
+            # JSON has no NaN: without this a value that is none and one that is no number would
+            # look alike.
             figures |= {} if metric["finite"] else {f"metric.{key}.finite": 0.0}
         same = content["reference"]["engine"] == content["result"]["engine"]
-        answers = {role if same else _slug(content[role]["engine"]): content[role] for role in ("reference", "result")}
+        answers = {
+            role if same else _slug(content[role]["engine"]): content[role]
+            for role in ("reference", "result")
+        }
     else:
         answers = {_slug(content["engine"]): content}
     for name, answer in answers.items():
         keys = (*_OF_AN_ENGINE, *(key for key in OF_UNSYMMETRIC if key in answer))
         figures |= {f"{name}.{key}": _number(answer[key]) for key in keys}
-        figures |= {f"{name}.counts.{_slug(key)}": _number(answer["counts"][key]) for key in COUNTS if key in answer["counts"]}
+        figures |= {
+            f"{name}.counts.{_slug(key)}": _number(answer["counts"][key])
+            for key in COUNTS
+            if key in answer["counts"]
+        }
         engines[name] = _made_by(answer)
         unfinished += [] if answer["converged"] else [f"{name}: {answer['message']}"]
     return Findings(source, scene, figures, engines, tuple(unfinished), tolerances)
@@ -145,7 +201,11 @@ def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
     from reports.comparison.words import solution_content, strict
 
-    return _read("solution", {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}, source)
+    return _read(
+        "solution",
+        {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")},
+        source,
+    )
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
@@ -157,8 +217,14 @@ def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, floa
         Where an engine did not converge, or `path` can't be written to.
     """
     if findings.unfinished:
-        raise InputError(f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}")
-    content = {"format": _BASELINE, "scene": findings.scene.model_dump(mode="json"), "engines": findings.engines}
+        raise InputError(
+            f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}"
+        )
+    content = {
+        "format": _BASELINE,
+        "scene": findings.scene.model_dump(mode="json"),
+        "engines": findings.engines,
+    }
     content |= {"tolerances": dict(tolerances), "figures": findings.figures}
     replace_text(path, json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
 
@@ -200,7 +266,9 @@ def _slug(text: str) -> str:
 
 def _physics(scene: Scene) -> dict[str, Any]:
     """Every number and word of a scene that moves its answer."""
-    return _flat({key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS})
+    return _flat(
+        {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS}
+    )
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
@@ -211,15 +279,21 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     """
     if isinstance(value, Mapping):
         # A file's rows are here; where they once lay is nobody's business.
-        entries = [(f"{name}.{key}" if name else str(key), entry) for key, entry in value.items() if key != "file"]
+        entries = [
+            (f"{name}.{key}" if name else str(key), entry)
+            for key, entry in value.items()
+            if key != "file"
+        ]
     elif isinstance(value, list):
         entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
     else:
         return {name: value}
-    return {key: part for entry_name, entry in entries for key, part in _flat(entry, entry_name).items()}
+    return {
+        key: part for entry_name, entry in entries for key, part in _flat(entry, entry_name).items()
+    }
 
 
-# -------------------------------------------------------------------------------------------------------------- differences
+# -------------------------------------------------------------------------------------- differences
 @dataclass(frozen=True)
 class Row:
     """One figure of two findings."""
@@ -254,13 +328,16 @@ class Difference:
         return {"same": self.same, **asdict(self)}
 
 
-def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None) -> Difference:
+def difference(
+    a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None
+) -> Difference:
     """How far the figures of `b` are from those of `a`.
 
     Parameters
     ----------
     a, b : of one scene
-    tolerances : pattern of keys -> tolerance; before those kept with either, which come before the defaults
+    tolerances : pattern of keys -> tolerance; before those kept with either, which come before the
+        defaults
 
     Raises
     ------
@@ -273,28 +350,52 @@ def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None 
         raise InputError(f"{a.source} and {b.source} answer different scenes: {named}{more}")
     # What a figure belongs to, the comparison or an engine, is the first word of its key.
     groups = [{key.partition(".")[0] for key in one.figures} for one in (a, b)]
-    keys = [key for key in {**a.figures, **b.figures} if key.partition(".")[0] in groups[0] & groups[1]]
+    keys = [
+        key for key in {**a.figures, **b.figures} if key.partition(".")[0] in groups[0] & groups[1]
+    ]
     if not keys:
         engines = (" and ".join(one.engines) or "no engine" for one in (a, b))
-        raise InputError(f"{a.source} and {b.source} have no figure in common: {' and '.join(engines)}")
+        raise InputError(
+            f"{a.source} and {b.source} have no figure in common: {' and '.join(engines)}"
+        )
     for pattern in tolerances or {}:
         if not any(fnmatchcase(key, pattern) for key in keys):
-            raise InputError(f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}")
-    patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *_DEFAULTS]
-    rows = tuple(_row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern))) for key in keys)
-    notes = [f"not compared, for it is only in A: {group}.*" for group in sorted(groups[0] - groups[1])]
-    notes += [f"not compared, for it is only in B: {group}.*" for group in sorted(groups[1] - groups[0])]
-    return Difference(a.source, b.source, a.scene.name or b.scene.name, rows, (*notes, *_notes(a, b)))
+            raise InputError(
+                f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}"
+            )
+    patterns = [
+        *(tolerances or {}).items(),
+        *b.tolerances.items(),
+        *a.tolerances.items(),
+        *_DEFAULTS,
+    ]
+    rows = tuple(
+        _row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern)))
+        for key in keys
+    )
+    notes = [
+        f"not compared, for it is only in A: {group}.*" for group in sorted(groups[0] - groups[1])
+    ]
+    notes += [
+        f"not compared, for it is only in B: {group}.*" for group in sorted(groups[1] - groups[0])
+    ]
+    return Difference(
+        a.source, b.source, a.scene.name or b.scene.name, rows, (*notes, *_notes(a, b))
+    )
 
 
 def _apart(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
     """Keys whose values are not the same, with both."""
-    pairs = ((key, ours.get(key, "absent"), theirs.get(key, "absent")) for key in {**ours, **theirs})
+    pairs = (
+        (key, ours.get(key, "absent"), theirs.get(key, "absent")) for key in {**ours, **theirs}
+    )
     return [pair for pair in pairs if pair[1] != pair[2]]
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:
-    """What moves figures without being one (settings, versions), and engines that did not converge."""
+    """What moves figures without being one (settings, versions), and engines that did not
+    converge.
+    """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
         for key, ours, theirs in _apart(_flat(a.engines[engine]), _flat(b.engines[engine])):
             yield f"{engine}: {key} is {ours} in A and {theirs} in B"
@@ -316,7 +417,9 @@ def patterned_tolerances(words: Sequence[str]) -> dict[str, float]:
         except ValueError:
             value = math.nan
         if not (key and value >= 0):
-            raise InputError(f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)")
+            raise InputError(
+                f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)"
+            )
         found[key] = value
     return found
 
@@ -325,14 +428,26 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
     first, second = a.figures.get(key), b.figures.get(key)
     kind = "absolute" if key.startswith("metric.") else "relative"
     if key not in a.figures or key not in b.figures:
-        return Row(key, first, second, None, kind, tolerance, ONLY_A if key in a.figures else ONLY_B)
+        return Row(
+            key, first, second, None, kind, tolerance, ONLY_A if key in a.figures else ONLY_B
+        )
     if first is None or second is None:
         return Row(key, first, second, None, kind, tolerance, SAME if first is second else DIFFERS)
     engine, _, quantity = key.partition(".")
     size = 1.0 if kind == "absolute" else max(abs(first), abs(second))
     if kind == "relative" and quantity in ("dissipation", "loop_work", "bulk_work"):
-        load = (a.figures[f"{engine}.largest_pressure"] or 0.0) * (a.figures[f"{engine}.largest_half_width"] or 0.0)
+        load = (a.figures[f"{engine}.largest_pressure"] or 0.0) * (
+            a.figures[f"{engine}.largest_half_width"] or 0.0
+        )
         size = max(size, _NOTHING * energy_scale(a.scene, load))
     change = abs(second) - abs(first) if fnmatchcase(key, _MIRRORED) else second - first
     apart = change / size if change else 0.0
-    return Row(key, first, second, apart, kind, tolerance, SAME if verdict_on(apart, tolerance) is Verdict.WITHIN else DIFFERS)
+    return Row(
+        key,
+        first,
+        second,
+        apart,
+        kind,
+        tolerance,
+        SAME if verdict_on(apart, tolerance) is Verdict.WITHIN else DIFFERS,
+    )

@@ -1,7 +1,9 @@
-"""What needs no second solution: the laws of contact that an answer obeys, and the numbers that its scene expects.
+"""What needs no second solution: the laws of contact that an answer obeys, and the numbers that its
+scene expects.
 
-Laws have two sources: what can be read off the fields of any ContactSolution (tension, cone, loads), and what only the engine could
-see while it solved (equilibrium in its own weights, penetration, energy balance), which it wrote in its record.
+Laws have two sources: what can be read off the fields of any ContactSolution (tension, cone,
+loads), and what only the engine could see while it solved (equilibrium in its own weights,
+penetration, energy balance), which it wrote in its record.
 """
 
 from __future__ import annotations
@@ -15,17 +17,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.metrics import PythonNumbers, Verdict, bulk_work, energy_scale, last_cycle, name_of, verdict_on
+from reports.comparison.metrics import (
+    PythonNumbers,
+    Verdict,
+    bulk_work,
+    energy_scale,
+    last_cycle,
+    name_of,
+    verdict_on,
+)
 from reports.units import minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 
 Array = NDArray[np.float64]
 
-# Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken shows above 1e-6.
+# Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken
+# shows above 1e-6.
 _LIMIT = 1e-9
-# Of a foreign result: what a file of four printed digits leaves of a law that its code kept to rounding.
+# Of a foreign result: what a file of four printed digits leaves of a law that its code kept to
+# rounding.
 _PRINTED = 1e-3
-# Name of what was worked out from other fields of a foreign result -> nothing is checked with it that only repeats how.
+# Name of what was worked out from other fields of a foreign result -> nothing is checked with it
+# that only repeats how.
 DERIVED = "derived"
 
 
@@ -67,7 +80,8 @@ def derived(solution: ContactSolution) -> frozenset[str]:
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """Every certificate of `solution`: from its fields first, then from its record.
 
-    Of a foreign result none that rests on a field worked out from the law itself, and the others to `_PRINTED`.
+    Of a foreign result none that rests on a field worked out from the law itself, and the others to
+    `_PRINTED`.
     """
     from_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -86,7 +100,9 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
 
 def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
     worst = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
-    return Certificate(name.replace("_", " "), source, series, float(series[worst]), float(time[worst]), limit)
+    return Certificate(
+        name.replace("_", " "), source, series, float(series[worst]), float(time[worst]), limit
+    )
 
 
 def _tension(solution: ContactSolution) -> Array:
@@ -95,24 +111,37 @@ def _tension(solution: ContactSolution) -> Array:
 
 
 def _cone(solution: ContactSolution) -> Array:
-    """max(|q| - f p) over f times the largest pressure (over the pressure itself where f = 0), (n_steps,)."""
+    """max(|q| - f p) over f times the largest pressure (over the pressure itself where f = 0),
+    (n_steps,).
+    """
     friction = solution.scene.friction.coefficient
     outside = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
     return np.maximum(outside, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
 
 
 def _slip(solution: ContactSolution) -> Array:
-    """max|q -+ f p| of the points in forward (reverse) slip, over the same as the cone, (n_steps,): slip costs f p, against it."""
+    """max|q -+ f p| of the points in forward (reverse) slip, over the same as the cone, (n_steps,):
+    slip costs f p, against it.
+    """
     friction = solution.scene.friction.coefficient
     sign = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
-    short = np.max(np.abs(sign * solution.shear - friction * solution.pressure), axis=1, where=sign != 0, initial=0.0)
+    short = np.max(
+        np.abs(sign * solution.shear - friction * solution.pressure),
+        axis=1,
+        where=sign != 0,
+        initial=0.0,
+    )
     return np.asarray(short / ((friction or 1.0) * _largest_pressure(solution)))
 
 
 def _loads(solution: ContactSolution) -> Array:
-    """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's, (n_steps,)."""
+    """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's,
+    (n_steps,).
+    """
     normal, tangential = solution.scene.load.path().at(solution.time)
-    off = np.maximum(np.abs(solution.normal_load - normal), np.abs(solution.tangential_load - tangential))
+    off = np.maximum(
+        np.abs(solution.normal_load - normal), np.abs(solution.tangential_load - tangential)
+    )
     return np.asarray(off / np.max(normal))
 
 
@@ -120,7 +149,7 @@ def _largest_pressure(solution: ContactSolution) -> float:
     return float(np.max(solution.pressure)) or 1.0
 
 
-# ------------------------------------------------------------------------------------------------------ expected numbers
+# --------------------------------------------------------------------------------- expected numbers
 @dataclass(frozen=True)
 class Finding(PythonNumbers):
     """An expected number and what was found in its place."""
@@ -139,7 +168,10 @@ def _lower_face_displacement(solution: ContactSolution) -> float:
     """At the largest load; NaN for a half-plane, whose displacement has no datum."""
     from halfplane_fe import FiniteElementSolution, fields
 
-    if not isinstance(solution, FiniteElementSolution) or solution.scene.bodies.lower.kind == "half_plane":
+    if (
+        not isinstance(solution, FiniteElementSolution)
+        or solution.scene.bodies.lower.kind == "half_plane"
+    ):
         return math.nan
     lower = fields(solution, [solution.time[_when_largest(solution)]])[0].bodies[0]
     return float(lower.displacement[np.argmin(np.hypot(*lower.points.T)), 1])
@@ -165,38 +197,73 @@ def _moment(solution: ContactSolution) -> float:
 
 
 def _bulk_work(solution: ContactSolution) -> float:
-    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants, the part of `loop_work` that is the bulk term."""
+    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants, the part of
+    `loop_work` that is the bulk term.
+    """
     whole = "whole_cycle" not in solution.work.skipped and len(solution.last_cycle) > 1
     return bulk_work(last_cycle(solution), solution.scene.material) if whole else math.nan
 
 
 @dataclass(frozen=True)
 class _Quantity:
-    """A number of a solution's last cycle: its words, its kind ("energy", "length", "stress", "moment", "share"), its function."""
+    """A number of a solution's last cycle: its words, its kind ("energy", "length", "stress",
+    "moment", "share"), its function.
+    """
 
     words: str
     kind: str
     of: Callable[[ContactSolution], float]
 
 
-# In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own points. A scene may expect each.
+# In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own
+# points. A scene may expect each.
 QUANTITIES = {
-    "dissipation": _Quantity("dissipation of the last cycle", "energy", lambda s: float(s.dissipation)),
+    "dissipation": _Quantity(
+        "dissipation of the last cycle", "energy", lambda s: float(s.dissipation)
+    ),
     "loop_work": _Quantity("closed integral of Q dU", "energy", lambda s: float(s.loop_work)),
-    "bulk_work": _Quantity("of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work),
-    "permanent_stick_half_width": _Quantity("permanent stick half-width", "length", attrgetter("permanent_stick_half_width")),
-    "permanent_stick_left": _Quantity("left end of permanent stick", "length", lambda s: _stick_edges(s)[0]),
-    "permanent_stick_right": _Quantity("right end of permanent stick", "length", lambda s: _stick_edges(s)[1]),
+    "bulk_work": _Quantity(
+        "of it by bulk stress, −closed integral of m_q dε", "energy", _bulk_work
+    ),
+    "permanent_stick_half_width": _Quantity(
+        "permanent stick half-width", "length", attrgetter("permanent_stick_half_width")
+    ),
+    "permanent_stick_left": _Quantity(
+        "left end of permanent stick", "length", lambda s: _stick_edges(s)[0]
+    ),
+    "permanent_stick_right": _Quantity(
+        "right end of permanent stick", "length", lambda s: _stick_edges(s)[1]
+    ),
     "largest_half_width": _Quantity("largest contact half-width", "length", _largest_half_width),
-    "largest_pressure": _Quantity("largest pressure at the points", "stress", lambda s: float(np.max(s.pressure[s.last_cycle]))),
-    "stick_centre": _Quantity("middle of the permanent stick zone", "length", lambda s: float(np.mean(_stick_edges(s)))),
-    "contact_left": _Quantity("left edge of the contact", "length", lambda s: float(np.nanmin(s.contact_edges[s.last_cycle, 0]))),
-    "contact_right": _Quantity("right edge of the contact", "length", lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1]))),
+    "largest_pressure": _Quantity(
+        "largest pressure at the points",
+        "stress",
+        lambda s: float(np.max(s.pressure[s.last_cycle])),
+    ),
+    "stick_centre": _Quantity(
+        "middle of the permanent stick zone", "length", lambda s: float(np.mean(_stick_edges(s)))
+    ),
+    "contact_left": _Quantity(
+        "left edge of the contact",
+        "length",
+        lambda s: float(np.nanmin(s.contact_edges[s.last_cycle, 0])),
+    ),
+    "contact_right": _Quantity(
+        "right edge of the contact",
+        "length",
+        lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1])),
+    ),
     "moment": _Quantity("moment of the pressure about x = 0", "moment", _moment),
-    "lower_face_displacement": _Quantity("displacement of the lower face's middle along y", "length", _lower_face_displacement),
-    "least_half_width": _Quantity("least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))),
+    "lower_face_displacement": _Quantity(
+        "displacement of the lower face's middle along y", "length", _lower_face_displacement
+    ),
+    "least_half_width": _Quantity(
+        "least half-width", "length", lambda s: float(np.nanmin(s.contact_half_width[s.last_cycle]))
+    ),
     "stick_share": _Quantity(
-        "stick half-width over largest", "share", lambda s: s.permanent_stick_half_width / _largest_half_width(s)
+        "stick half-width over largest",
+        "share",
+        lambda s: s.permanent_stick_half_width / _largest_half_width(s),
     ),
 }
 # What solutions with bulk stress, tilt or unequal sides have beside the others.
@@ -209,7 +276,9 @@ def _scale(expected: Expected, solution: ContactSolution) -> float:
         return abs(expected.value)
     match QUANTITIES[expected.quantity].kind:
         case "energy":
-            return energy_scale(solution.scene, float(solution.normal_load[solution.last_cycle].max()))
+            return energy_scale(
+                solution.scene, float(solution.normal_load[solution.last_cycle].max())
+            )
         case "stress":
             return float(np.max(solution.pressure))
         case "share":
@@ -218,7 +287,9 @@ def _scale(expected: Expected, solution: ContactSolution) -> float:
 
 
 def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
-    """The numbers that `scene` expects of these engines, in its order; those of other engines are left out."""
+    """The numbers that `scene` expects of these engines, in its order; those of other engines are
+    left out.
+    """
     answers = {name_of(solution.engine): solution for solution in solutions}
     for expected in scene.expected:
         if expected.engine in answers:
@@ -249,6 +320,11 @@ EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "me
 def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     """The same for JSON."""
     return [
-        {**one.expected.model_dump(mode="json"), "found": one.found, "difference": one.difference, "met": one.met}
+        {
+            **one.expected.model_dump(mode="json"),
+            "found": one.found,
+            "difference": one.difference,
+            "met": one.met,
+        }
         for one in findings
     ]

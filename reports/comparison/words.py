@@ -1,4 +1,5 @@
-"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and comparison.json say alike.
+"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and
+comparison.json say alike.
 
 The sentences are in templates/words.txt; here are the numbers that stand in them.
 """
@@ -25,7 +26,14 @@ from reports.comparison.laws import (
     expected_content,
     expected_numbers,
 )
-from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of, normal_work
+from reports.comparison.metrics import (
+    Metric,
+    Verdict,
+    are_half_planes,
+    coupled,
+    name_of,
+    normal_work,
+)
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
@@ -44,9 +52,10 @@ SUPPORT_WORDS = {
 }
 
 
-# ------------------------------------------------------------------------------------------------------- what is asked
+# ------------------------------------------------------------------------------------ what is asked
 def stretch(scene: Scene) -> str:
-    """What values of a whole path are of: the "last cycle" where it repeats, else the "whole record" or the "whole path".
+    """What values of a whole path are of: the "last cycle" where it repeats, else the "whole
+    record" or the "whole path".
 
     >>> from scenes import load_scene
     >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
@@ -58,17 +67,25 @@ def stretch(scene: Scene) -> str:
 
 
 def of_stretch(text: str, scene: Scene) -> str:
-    """`text` of a metric, whose rows speak of the last cycle, with the word for what this scene's values are of.
+    """`text` of a metric, whose rows speak of the last cycle, with the word for what this scene's
+    values are of.
 
     >>> from scenes import load_scene
-    >>> of_stretch("one value; last cycle", load_scene("time-series")), of_stretch("over the cycle", load_scene("hertz-normal"))
+    >>> (
+    ...     of_stretch("one value; last cycle", load_scene("time-series")),
+    ...     of_stretch("over the cycle", load_scene("hertz-normal")),
+    ... )
     ('one value; whole record', 'over the path')
     """
     found = stretch(scene)
     if found == "last cycle":
         return text
     noun = found.split()[-1]
-    return text.replace("whole last cycle", found).replace("last cycle", found).replace("the cycle", f"the {noun}")
+    return (
+        text.replace("whole last cycle", found)
+        .replace("last cycle", found)
+        .replace("the cycle", f"the {noun}")
+    )
 
 
 def question(scene: Scene) -> str:
@@ -77,23 +94,36 @@ def question(scene: Scene) -> str:
 
 
 def bulk_and_tilt(scene: Scene) -> str:
-    """Bulk stresses, tilt, moment or line of action of the loads, a sentence each; empty without any.
+    """Bulk stresses, tilt, moment or line of action of the loads, a sentence each; empty without
+    any.
 
     >>> from scenes import load_scene
-    >>> bulk_and_tilt(load_scene("cattaneo-mindlin").vary(load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}))
-    'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by 0.001 rad.'
+    >>> bulk_and_tilt(
+    ...     load_scene("cattaneo-mindlin").vary(
+    ...         load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}
+    ...     )
+    ... )
+    'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by
+    0.001 rad.'
     """
     return in_template("bulk_and_tilt", scene.load, partial(_over_time, scene), *units(scene))
 
 
 def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
-    """A number, the formula of a wave, or the range of anything else through the path, with a preposition."""
+    """A number, the formula of a wave, or the range of anything else through the path, with a
+    preposition.
+    """
     if isinstance(value, Wave):
-        return f"{of} {number(value.mean)} + {number(value.amplitude)} cos(t − {number(value.phase_degrees)}°)".replace("− −", "+ ")
+        return (
+            f"{of} {number(value.mean)} + {number(value.amplitude)} cos(t −"
+            f" {number(value.phase_degrees)}°)".replace("− −", "+ ")
+        )
     if isinstance(value, int | float):
         return f"{of} {number(value)}"
     path = scene.load.path()
-    legs = [leg for one in (path.cycle or path.initial_loading) if (leg := getattr(one, pair)) is not None]
+    legs = [
+        leg for one in path.cycle or path.initial_loading if (leg := getattr(one, pair)) is not None
+    ]
     values = np.concatenate([np.ravel(leg.loads(sampled(leg, 65))[which]) for leg in legs])
     return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
 
@@ -104,7 +134,9 @@ def bodies_in_words(scene: Scene) -> str:
 
 
 def idealisation(scene: Scene) -> str:
-    """What the discrepancy of the two engines holds beside their errors; empty for half-planes for which theory is exact."""
+    """What the discrepancy of the two engines holds beside their errors; empty for half-planes for
+    which theory is exact.
+    """
     return "" if are_half_planes(scene) else in_template("idealisation", scene, coupled(scene))
 
 
@@ -114,11 +146,15 @@ def unlike_materials(scene: Scene) -> str:
         return ""
     from halfplane_fe.dundurs import dundurs
 
-    return in_template("unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient)
+    return in_template(
+        "unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient
+    )
 
 
 def beyond_theory(comparison: Comparison) -> str:
-    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the reference is exact for the bodies."""
+    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the
+    reference is exact for the bodies.
+    """
     if _both_ours(comparison):
         return idealisation(comparison.scene)
     if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
@@ -127,45 +163,72 @@ def beyond_theory(comparison: Comparison) -> str:
 
 
 def _both_ours(comparison: Comparison) -> bool:
-    return {comparison.reference.engine, comparison.result.engine} == {"semi_analytic", "halfplane_fe"}
+    return {comparison.reference.engine, comparison.result.engine} == {
+        "semi_analytic",
+        "halfplane_fe",
+    }
 
 
-# -------------------------------------------------------------------------------------------------- values of metrics
-# A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
+# -------------------------------------------------------------------------------- values of metrics
+# A share of the whole that double precision can't tell from none, summed over a cycle's instants;
+# comparison.json has every digit.
 _ROUNDING = 1e-13
 
 
 def _shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
-    """A value to so many significant digits, in per cent if it is a share of something; rounding, below 1e-13, is 0.
+    """A value to so many significant digits, in per cent if it is a share of something; rounding,
+    below 1e-13, is 0.
 
-    >>> _shown(-0.00123456), _shown(0.5, plus=False), _shown(-1.87e-16), _shown(float("nan")), _shown(0.25, share=False)
+    >>> (
+    ...     _shown(-0.00123456),
+    ...     _shown(0.5, plus=False),
+    ...     _shown(-1.87e-16),
+    ...     _shown(float("nan")),
+    ...     _shown(0.25, share=False),
+    ... )
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
     size = 0.0 if abs(value) < _ROUNDING else abs(value) * (100 if share else 1)
     text = minus(f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}")
-    return ("" if not size else "−" if value < 0 else "+" if plus else "") + text + (" %" if share else "")
+    return (
+        ("" if not size else "−" if value < 0 else "+" if plus else "")
+        + text
+        + (" %" if share else "")
+    )
 
 
 def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
     """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
-    return _shown(0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits)
+    return _shown(
+        0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits
+    )
 
 
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
-    return "–" if metric.value is None else _shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
+    return (
+        "–"
+        if metric.value is None
+        else _shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
+    )
 
 
 def unit_of(metric: Metric) -> str:
-    """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
+    """What the value is a share of; an edge's shift in elements, or in local spacings h of the
+    points, beside it.
+    """
     counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(f" ({_shown(count, share=False)} {of})" for count, of in counts if count is not None)
+    return metric.unit + "".join(
+        f" ({_shown(count, share=False)} {of})" for count, of in counts if count is not None
+    )
 
 
 def uncertainty_of(metric: Metric) -> str:
-    """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
+    """How far the value is open, to two digits: by the error budget, the result or its points;
+    empty where nothing is stated.
+    """
     if metric.uncertainty is None:
         return ""
     return f"± {_shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
@@ -173,11 +236,16 @@ def uncertainty_of(metric: Metric) -> str:
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
-    return "–" if metric.tolerance is None else _shown(metric.tolerance, share=not metric.absolute, plus=False)
+    return (
+        "–"
+        if metric.tolerance is None
+        else _shown(metric.tolerance, share=not metric.absolute, plus=False)
+    )
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """A size with its uncertainty, as many digits as that leaves it: one of u, two where that begins with 1.
+    """A size with its uncertainty, as many digits as that leaves it: one of u, two where that
+    begins with 1.
 
     >>> (
     ...     with_uncertainty(2.8512, 0.0614),
@@ -200,28 +268,57 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     return f"{minus(f'{value:.{digits}f}')} ± {uncertainty:.{digits}f}"
 
 
-# ------------------------------------------------------------------------------------------------------- the answer
+# --------------------------------------------------------------------------------------- the answer
 def headline(report: Report) -> str:
-    """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two solutions agree.
+    """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two
+    solutions agree.
 
-    Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are finite elements/theory - 1.
+    Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are
+    finite elements/theory - 1.
     """
     comparison = report.comparison
-    work, ours, exact = comparison.metric("dissipation"), _both_ours(comparison), are_half_planes(comparison.scene)
+    work, ours, exact = (
+        comparison.metric("dissipation"),
+        _both_ours(comparison),
+        are_half_planes(comparison.scene),
+    )
     relative = work.value is not None and not work.absolute
-    keys = ("dissipation", "largest_pressure") if relative else ("largest_pressure", "largest_half_width")
-    metrics = [metric for metric in map(comparison.metric, keys) if metric.value is not None and math.isfinite(metric.value)]
+    keys = (
+        ("dissipation", "largest_pressure")
+        if relative
+        else ("largest_pressure", "largest_half_width")
+    )
+    metrics = [
+        metric
+        for metric in map(comparison.metric, keys)
+        if metric.value is not None and math.isfinite(metric.value)
+    ]
     theory = ours and not exact and comparison.result.engine == "halfplane_fe"
     unknown = all(metric.uncertainty is None for metric in metrics)
-    # The metric that is most times its tolerance, where it is not within it and not one of the two already.
-    missed = [one for one in comparison.metrics if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance]
-    worst = max(missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None)
+    # The metric that is most times its tolerance, where it is not within it and not one of the two
+    # already.
+    missed = [
+        one
+        for one in comparison.metrics
+        if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance
+    ]
+    worst = max(
+        missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None
+    )
     if worst is not None and {worst.key, worst.definition.judged_by} & set(keys):
         worst = None
     claims = [_agreement(one) if ours and exact else _claim(one, theory) for one in metrics]
     stated = _stated(comparison) if unknown else None
     kind = "theory" if theory else "agree" if ours and exact else "external"
-    return in_template("headline", comparison, _names(comparison), kind, claims, stated, _in_sentence(worst) if worst else None)
+    return in_template(
+        "headline",
+        comparison,
+        _names(comparison),
+        kind,
+        claims,
+        stated,
+        _in_sentence(worst) if worst else None,
+    )
 
 
 def _names(comparison: Comparison) -> tuple[str, str]:
@@ -241,13 +338,19 @@ def _stated(comparison: Comparison) -> list[tuple[str, str]]:
 
 
 def _agreement(metric: Metric) -> tuple[str, str, str]:
-    return "agreement", _name(metric), _shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2)
+    return (
+        "agreement",
+        _name(metric),
+        _shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2),
+    )
 
 
 def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
-    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or "open" within its uncertainty.
+    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or
+    "open" within its uncertainty.
 
-    "over nothing": theory has something where the finite elements have nothing, and no share of nothing is a number.
+    "over nothing": theory has something where the finite elements have nothing, and no share of
+    nothing is a number.
     """
     value = metric.value or 0.0
     uncertainty = metric.uncertainty
@@ -276,43 +379,91 @@ def _in_sentence(metric: Metric) -> dict[str, str]:
     """What a sentence states of a metric."""
     value = value_of(metric)
     whole = f"{value} {uncertainty_of(metric)}".strip()
-    return {"name": _name(metric), "value": value, "open": whole, "unit": unit_of(metric), "tolerance": tolerance_of(metric)}
+    return {
+        "name": _name(metric),
+        "value": value,
+        "open": whole,
+        "unit": unit_of(metric),
+        "tolerance": tolerance_of(metric),
+    }
 
 
 def verdict(report: Report) -> str:
-    """What was judged: what is outside, what is undecided, or that all is within; and whether the laws of contact hold."""
+    """What was judged: what is outside, what is undecided, or that all is within; and whether the
+    laws of contact hold.
+    """
     comparison = report.comparison
-    pairs = (comparison.reference, comparison.reference_certificates), (comparison.result, comparison.result_certificates)
-    broken = [f"{check.label} in {name_of(one.engine)}" for one, checks in pairs for check in checks if not check.holds]
-    listed = {state: [_in_sentence(one) for one in comparison.metrics if one.verdict is state] for state in Verdict}
-    judged = sum(metric.tolerance is not None and metric.value is not None for metric in comparison.metrics)
+    pairs = (
+        (comparison.reference, comparison.reference_certificates),
+        (
+            comparison.result,
+            comparison.result_certificates,
+        ),
+    )
+    broken = [
+        f"{check.label} in {name_of(one.engine)}"
+        for one, checks in pairs
+        for check in checks
+        if not check.holds
+    ]
+    listed = {
+        state: [_in_sentence(one) for one in comparison.metrics if one.verdict is state]
+        for state in Verdict
+    }
+    judged = sum(
+        metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
+    )
     work = comparison.metric("dissipation")
-    differs, shearless = None if work.value is None else value_of(work), np.isnan(comparison.result.shear).all()
-    verdicts = in_template("verdict", _names(comparison), listed, judged, differs, broken, shearless)
+    differs, shearless = (
+        None if work.value is None else value_of(work),
+        np.isnan(comparison.result.shear).all(),
+    )
+    verdicts = in_template(
+        "verdict", _names(comparison), listed, judged, differs, broken, shearless
+    )
     return f"{verdicts} {not_scored(comparison)}".strip()
 
 
 def not_scored(comparison: Comparison) -> str:
-    """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the rest of the first table."""
+    """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the
+    rest of the first table.
+    """
     judged = [_name(metric) for metric in comparison.unscored]
-    headlines = [_name(metric) for metric in comparison.headlines if metric.lacking and metric.tolerance is None]
+    headlines = [
+        _name(metric)
+        for metric in comparison.headlines
+        if metric.lacking and metric.tolerance is None
+    ]
     return in_template("not_scored", judged, headlines)
 
 
 def how_judged(report: Report) -> str:
-    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is known."""
-    judged = [metric for metric in report.comparison.metrics if metric.tolerance is not None and metric.value is not None]
+    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is
+    known.
+    """
+    judged = [
+        metric
+        for metric in report.comparison.metrics
+        if metric.tolerance is not None and metric.value is not None
+    ]
     unknown = [_name(metric) for metric in judged if metric.uncertainty is None]
-    return in_template("how_judged", unknown, report.budget, _both_ours(report.comparison)) if judged else ""
+    return (
+        in_template("how_judged", unknown, report.budget, _both_ours(report.comparison))
+        if judged
+        else ""
+    )
 
 
 def lead(report: Report) -> str:
     """The verdict in a few words; empty where nothing is judged.
 
-    A tolerance missed by answers that obey every law is a finding where theory is an idealisation: real bodies, or half-planes of
-    unlike materials. Of somebody else's result it may be a fault as well.
+    A tolerance missed by answers that obey every law is a finding where theory is an idealisation:
+    real bodies, or half-planes of unlike materials. Of somebody else's result it may be a fault as
+    well.
     """
-    return in_template("lead", report.comparison, beyond_theory(report.comparison), _both_ours(report.comparison))
+    return in_template(
+        "lead", report.comparison, beyond_theory(report.comparison), _both_ours(report.comparison)
+    )
 
 
 def uncertain_work(comparison: Comparison) -> str:
@@ -320,9 +471,15 @@ def uncertain_work(comparison: Comparison) -> str:
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
         return ""
-    share = _shown(found.dissipation_uncertainty / found.dissipation, plus=False) if found.dissipation else ""
+    share = (
+        _shown(found.dissipation_uncertainty / found.dissipation, plus=False)
+        if found.dissipation
+        else ""
+    )
     of = stretch(comparison.scene)
-    return in_template("uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene), of)
+    return in_template(
+        "uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene), of
+    )
 
 
 def standing(comparison: Comparison) -> Verdict | None:
@@ -347,9 +504,11 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
 
 
-# ------------------------------------------------------------------------------------------------------------- tables
+# ------------------------------------------------------------------------------------------- tables
 def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others in units of the scene."""
+    """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others
+    in units of the scene.
+    """
     force, length, stress = units(scene)
     if quantity == "slip" and length == "mm":
         return 1e3, "µm"
@@ -358,23 +517,35 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
-    """The table of absolute values: its heads, and a row for each quantity that either solution has.
+    """The table of absolute values: its heads, and a row for each quantity that either solution
+    has.
 
-    Keys of a row: key, label, reference, result, difference, verdict, place (of the result's), tolerance, note.
+    Keys of a row: key, label, reference, result, difference, verdict, place (of the result's),
+    tolerance, note.
     """
     comparison = report.comparison
-    names = [{"semi_analytic": "theory"}.get(one.engine, name_of(one.engine)) for one in (comparison.reference, comparison.result)]
+    names = [
+        {"semi_analytic": "theory"}.get(one.engine, name_of(one.engine))
+        for one in (comparison.reference, comparison.result)
+    ]
     found = []
     for metric in comparison.headlines:
         factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
-        amounts = ["–" if math.isnan(one) else minus(f"{factor * one:.5g}") for one in metric.amounts or (math.nan, math.nan)]
+        amounts = [
+            "–" if math.isnan(one) else minus(f"{factor * one:.5g}")
+            for one in metric.amounts or (math.nan, math.nan)
+        ]
         found.append(
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
                 "reference": amounts[0],
                 "result": amounts[1],
-                "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
+                "place": (
+                    ""
+                    if metric.place is None or metric.value is None
+                    else f"x = {signed(float(f'{metric.place:.2g}'))} a"
+                ),
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
                 "tolerance": tolerance_of(metric),
@@ -387,15 +558,26 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
 def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of absolute values as heads and cells, for the terminal and a notebook."""
     heads, rows = first_table(report)
-    return heads, [tuple(row[key] for key in ("label", "reference", "result", "difference", "verdict")) for row in rows]
+    return heads, [
+        tuple(row[key] for key in ("label", "reference", "result", "difference", "verdict"))
+        for row in rows
+    ]
 
 
 def _difference_of(metric: Metric) -> str:
-    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
+    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of
+    stick in per cent of a.
+    """
     if metric.value is None or not math.isfinite(metric.value) or metric.absolute:
-        return f"{value_of(metric)} {uncertainty_of(metric)}".strip() if metric.value is not None else "–"
+        return (
+            f"{value_of(metric)} {uncertainty_of(metric)}".strip()
+            if metric.value is not None
+            else "–"
+        )
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
-    words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
+    words = with_uncertainty(
+        value, None if metric.uncertainty is None else 100 * metric.uncertainty
+    )
     if not re.search("[1-9]", words.partition("±")[0]):
         words = words.removeprefix("−")  # of a zero no sign is known
     elif value > 0:
@@ -407,8 +589,13 @@ def summary(report: Report) -> str:
     """The first table as plain text, with the headline above it and the verdict below."""
     heads, found = first_cells(report)
     widths = [max(map(len, column)) for column in zip(heads, *found, strict=True)]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (heads, *found)]
-    return "\n".join([headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)])
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in (heads, *found)
+    ]
+    return "\n".join(
+        [headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)]
+    )
 
 
 def budget_table(
@@ -420,8 +607,15 @@ def budget_table(
     """
     terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
     rest = "unexplained" if all(one.half_planes for one in budget.budgets) else "idealisation"
-    heads, all_rows = ("metric", "E", *terms, rest, "± u", "verdict"), [_budget_row(one) for one in budget.budgets]
-    kept = [k for k in range(len(heads)) if heads[k] not in without and any(row[k] != "none" for row in all_rows)]
+    heads, all_rows = (
+        ("metric", "E", *terms, rest, "± u", "verdict"),
+        [_budget_row(one) for one in budget.budgets],
+    )
+    kept = [
+        k
+        for k in range(len(heads))
+        if heads[k] not in without and any(row[k] != "none" for row in all_rows)
+    ]
     rows: dict[bool, list[tuple[str, ...]]] = {True: [], False: []}
     for one, row in zip(budget.budgets, all_rows, strict=True):
         rows[one.metric.definition.headline].append(tuple(row[k] for k in kept))
@@ -429,7 +623,10 @@ def budget_table(
 
 
 def _budget_row(one: Budget) -> tuple[str, ...]:
-    metric, doubt = one.metric, "not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric)
+    metric, doubt = (
+        one.metric,
+        ("not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric)),
+    )
     shares, rest = (share(term, metric) for term in one.terms), amount(one.rest, metric, plus=True)
     return metric.label, value_of(metric), *shares, rest, doubt, _judgement(one)
 
@@ -444,10 +641,16 @@ def share(term: Term, metric: Metric) -> str:
 
 
 def _judgement(budget: Budget) -> str:
-    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
+    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error
+    stand out?
+    """
     if budget.resolved is None:
         return "not known: a term was not measured"
-    return ("covered", "not covered")[budget.resolved] if budget.half_planes else ("not resolved", "resolved")[budget.resolved]
+    return (
+        ("covered", "not covered")[budget.resolved]
+        if budget.half_planes
+        else ("not resolved", "resolved")[budget.resolved]
+    )
 
 
 def cost(budget: ErrorBudget) -> str:
@@ -459,28 +662,37 @@ def cost(budget: ErrorBudget) -> str:
 
 
 def _honest(report: Report, metric: Metric) -> bool | None:
-    """Whether the stated uncertainty of a metric covers its known error; None where that was not assessed."""
+    """Whether the stated uncertainty of a metric covers its known error; None where that was not
+    assessed.
+    """
     budgets = () if report.budget is None else report.budget.budgets
     return next((one.honest for one in budgets if one.metric.key == metric.key), None)
 
 
 def honesty(report: Report) -> bool | None:
-    """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
+    """Whether every stated uncertainty of the first table covers the known error; None where none
+    was assessed.
+    """
     found = {_honest(report, metric) for metric in report.comparison.headlines}
     return None if found == {None} else False not in found
 
 
-# ---------------------------------------------------------------------------------------------------- of one solution
+# ---------------------------------------------------------------------------------- of one solution
 def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """What a person wants to know first, as (quantity, value): how the solution ended, its size, its largest values."""
+    """What a person wants to know first, as (quantity, value): how the solution ended, its size,
+    its largest values.
+    """
     scene, apart = solution.scene, solution.dissipation_uncertainty
     _, length, stress = units(scene)
     dissipation = _or_none(solution.dissipation)
     if not np.isnan(apart):
         dissipation += (
-            f" ± {apart:.2g}{f' ({apart / solution.dissipation:.2%})' if solution.dissipation else ''}, by mesh and steps"
+            f" ± {apart:.2g}{f' ({apart / solution.dissipation:.2%})' if solution.dissipation else ''},"
+            " by mesh and steps"
         )
-    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
+    last = (
+        f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
+    )
     rows = [
         ("engine", name_of(solution.engine)),
         ("how it ended", solution.record.message),
@@ -498,10 +710,24 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
-    rows, beside, checks, work = first_rows(solution), _of_bulk(solution), certificates(solution), energy_unit(solution.scene)
-    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    rows, beside, checks, work = (
+        first_rows(solution),
+        _of_bulk(solution),
+        certificates(solution),
+        energy_unit(solution.scene),
+    )
+    broken = [
+        f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
+        for check in checks
+        if not check.holds
+    ]
     if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
-        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
+        rows.append(
+            (
+                "dissipation, change from the cycle before",
+                f"{solution.dissipation_drift:+.2e} of it",
+            )
+        )
     if np.isfinite(solution.loop_work):
         loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
         rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
@@ -513,11 +739,17 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     if cycles := load_cycles(solution):
         rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
         rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
-    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.append(
+        (
+            "laws of contact",
+            f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold",
+        )
+    )
     rows += [("note", note) for note in solution.record.notes]
     # What the engine counted of its own work is in the file beside it, and on the page.
     return rows + [
-        (f"skipped: {name.replace('_', ' ')}", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items()
+        (f"skipped: {name.replace('_', ' ')}", f"{count}: {why}")
+        for name, (count, why) in solution.work.skipped.items()
     ]
 
 
@@ -526,18 +758,25 @@ def _or_none(value: float) -> str:
 
 
 def _of_bulk(solution: ContactSolution) -> dict[str, float]:
-    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing without."""
+    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing
+    without.
+    """
     known = solution.permanent_stick_edges is not None
     return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
 
 
-# ------------------------------------------------------------------------------------------------------- comparison.json
+# ---------------------------------------------------------------------------------- comparison.json
 _FORMAT = "halfplane comparison 2"
 
 
 def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
     """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
-    return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
+    return json.dumps(
+        strict(whole_content(report, command, seconds or {})),
+        allow_nan=False,
+        indent=1,
+        ensure_ascii=False,
+    )
 
 
 def strict(value: Any) -> Any:
@@ -572,9 +811,12 @@ def said(report: Report) -> dict[str, Any]:
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
     comparison, budget, scales = report.comparison, report.budget, report.comparison.scales
-    # The solutions that hold every instant of the scene: beside a foreign result both have its few only.
+    # The solutions that hold every instant of the scene: beside a foreign result both have its few
+    # only.
     whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
-    verdicts = {name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")}
+    verdicts = {
+        name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
+    }
     unscored = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,
@@ -596,18 +838,24 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             "A f^2 P_ref^2": scales.dissipation,
         },
         "metrics": {metric.key: _metric_content(metric, report) for metric in comparison.metrics},
-        "budget": budget
-        and {
-            "cost": budget.cost,
-            "words": cost(budget),
-            "honest": budget.honest,
-            "metrics": {one.metric.key: _budget_content(one) for one in budget.budgets},
-        },
+        "budget": (
+            budget
+            and {
+                "cost": budget.cost,
+                "words": cost(budget),
+                "honest": budget.honest,
+                "metrics": {one.metric.key: _budget_content(one) for one in budget.budgets},
+            }
+        ),
         "expected": expected_content(expected_numbers(comparison.scene, whole)),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
-        "polygon_reference": solution_content(comparison.polygon_reference, ()) if comparison.polygon_reference else None,
+        "polygon_reference": (
+            solution_content(comparison.polygon_reference, ())
+            if comparison.polygon_reference
+            else None
+        ),
         "measured": record_content(comparison.scene),
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
@@ -621,7 +869,18 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
 
 
 # What the JSON of a metric has of it, and of its row of the table, by the names there.
-_OF_A_METRIC = ("label", "value", "unit", "tolerance", "accurate", "verdict", "absolute", "amounts", "uncertainty", "elements")
+_OF_A_METRIC = (
+    "label",
+    "value",
+    "unit",
+    "tolerance",
+    "accurate",
+    "verdict",
+    "absolute",
+    "amounts",
+    "uncertainty",
+    "elements",
+)
 _OF_A_ROW = ("signed", "headline")
 
 
@@ -655,20 +914,47 @@ def _budget_content(budget: Budget) -> dict[str, Any]:
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """What is worth keeping of one solution beside its fields."""
     record, work = solution.record, solution.work
-    names = ("engine", "dissipation", "dissipation_uncertainty", "dissipation_drift", "loop_work", "cycle_dissipation")
+    names = (
+        "engine",
+        "dissipation",
+        "dissipation_uncertainty",
+        "dissipation_drift",
+        "loop_work",
+        "cycle_dissipation",
+    )
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
     return {
-        **{name: getattr(solution, name) for name in (*names, "permanent_stick_half_width", "steady_from", "settings", "versions")},
+        **{
+            name: getattr(solution, name)
+            for name in (
+                *names,
+                "permanent_stick_half_width",
+                "steady_from",
+                "settings",
+                "versions",
+            )
+        },
         **_of_bulk(solution),
         "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),
-        **{name: getattr(record, name) for name in ("converged", "termination", "message", "notes")},
+        **{
+            name: getattr(record, name) for name in ("converged", "termination", "message", "notes")
+        },
         "certificates": {
-            one.label: {"value": one.value, "limit": one.limit, "holds": one.holds, "worst_at": one.time} for one in checks
+            one.label: {
+                "value": one.value,
+                "limit": one.limit,
+                "holds": one.holds,
+                "worst_at": one.time,
+            }
+            for one in checks
         },
         "counts": work.counts,
-        "skipped": {name: {"count": count, "reason": reason} for name, (count, reason) in work.skipped.items()},
+        "skipped": {
+            name: {"count": count, "reason": reason}
+            for name, (count, reason) in work.skipped.items()
+        },
         "seconds": work.seconds,
         "mesh_quality": {name: dict(body.quality) for name, body in bodies},
     }

@@ -1,4 +1,6 @@
-"""Fields in both bodies and on the contact line at chosen instants, on disk: VTU files, the PVD collection, the record."""
+"""Fields in both bodies and on the contact line at chosen instants, on disk: VTU files, the PVD
+collection, the record.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,13 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Report = Callable[[int, int | None, str], None]
 _COLLECTION = "fields.pvd"
-# Snapshots that are computed at once: the bodies are factorised once for all of them, and each takes about a megabyte.
+# Snapshots that are computed at once: the bodies are factorised once for all of them, and each
+# takes about a megabyte.
 _AT_ONCE = 64
 # Beside every largest stress.
 NO_PEAK = (
-    "The largest stresses are values at nodes, not peaks between them. The tension at the edges of contact lies between nodes: it "
-    "comes from the tractions, and its uncertainty is stated."
+    "The largest stresses are values at nodes, not peaks between them. The tension at the edges of"
+    " contact lies between nodes: it comes from the tractions, and its uncertainty is stated."
 )
 
 
@@ -44,25 +47,38 @@ def instant_of(word: str, option: str, start: float, end: float) -> float:
     try:
         time = float(word)
     except ValueError:
-        raise InputError(f"{option} {word}: give times of the path, or events for the instants of the page") from None
+        raise InputError(
+            f"{option} {word}: give times of the path, or events for the instants of the page"
+        ) from None
     if not start - 1e-9 <= time <= end + 1e-9:
-        raise InputError(f"{option} {word}: the instant lies outside the path, which goes from time {start:.6g} to {end:.6g}")
+        raise InputError(
+            f"{option} {word}: the instant lies outside the path, which goes from time {start:.6g}"
+            f" to {end:.6g}"
+        )
     return time
 
 
-def instants_of(words: Sequence[str], solution: ContactSolution, option: str) -> tuple[Instant, ...]:
-    """Instants meant on the command line, in order of time: numbers are times, "events" the loaded ones of the page's figures.
+def instants_of(
+    words: Sequence[str], solution: ContactSolution, option: str
+) -> tuple[Instant, ...]:
+    """Instants meant on the command line, in order of time: numbers are times, "events" the loaded
+    ones of the page's figures.
 
     Raises
     ------
     InputError
-        For a word that is neither, and a time outside what was solved (no more revolutions than the answer needs to repeat).
+        For a word that is neither, and a time outside what was solved (no more revolutions than the
+        answer needs to repeat).
     """
     found: dict[float, str] = {}
     for word in words:
         if word == "events":
             cycle = last_cycle(solution)
-            chosen = [e for e in events(cycle, solution.scene.friction.coefficient) if cycle.normal_load[e.index] > 0]
+            chosen = [
+                e
+                for e in events(cycle, solution.scene.friction.coefficient)
+                if cycle.normal_load[e.index] > 0
+            ]
             found |= {float(cycle.time[event.index]): event.label for event in chosen}
         else:
             time = instant_of(word, option, float(solution.time[0]), float(solution.time[-1]))
@@ -73,20 +89,27 @@ def instants_of(words: Sequence[str], solution: ContactSolution, option: str) ->
 def require_series(every: int | None, frames: int | None) -> None:
     """InputError for both at once, and for counts that make no series."""
     if every is not None and frames is not None:
-        raise InputError("--every and --frames: both say how many instants of the cycle there are; leave one of the two out")
+        raise InputError(
+            "--every and --frames: both say how many instants of the cycle there are; leave one of"
+            " the two out"
+        )
     if every is not None and every < 1:
         raise InputError(f"--every {every}: every how many stored steps, so 1 at least")
     if frames is not None and frames < 2:
         raise InputError(f"--frames {frames}: a series has 2 instants at least")
 
 
-def series_of(solution: ContactSolution, every: int | None, frames: int | None) -> tuple[tuple[Instant, ...], list[str]]:
-    """Stored instants of the last whole cycle (the whole path, where it does not repeat), in order of time, and remarks.
+def series_of(
+    solution: ContactSolution, every: int | None, frames: int | None
+) -> tuple[tuple[Instant, ...], list[str]]:
+    """Stored instants of the last whole cycle (the whole path, where it does not repeat), in order
+    of time, and remarks.
 
     Parameters
     ----------
     every : each so-manieth stored step of the cycle
-    frames : the stored steps nearest to so many times at equal distances; fewer where the cycle has fewer steps, with a remark
+    frames : the stored steps nearest to so many times at equal distances; fewer where the cycle has
+        fewer steps, with a remark
 
     The end of a cycle that repeats is left out, since it is its start.
     """
@@ -99,20 +122,30 @@ def series_of(solution: ContactSolution, every: int | None, frames: int | None) 
         steps = np.unique(steps[np.abs(solution.time[steps] - wanted[:, None]).argmin(axis=1)])
         if len(steps) < frames:
             notes.append(
-                f"{len(steps)} instants instead of {frames}: the cycle has no more stored steps that far apart; "
-                "--steps-per-cycle gives more"
+                f"{len(steps)} instants instead of {frames}: the cycle has no more stored steps"
+                " that far apart; --steps-per-cycle gives more"
             )
     else:
         steps = steps[::every]
-    return tuple(Instant(float(solution.time[step]), f"{n + 1} of {len(steps)}") for n, step in enumerate(steps)), notes
+    return (
+        tuple(
+            Instant(float(solution.time[step]), f"{n + 1} of {len(steps)}")
+            for n, step in enumerate(steps)
+        ),
+        notes,
+    )
 
 
-def snapshots_of(solution: FiniteElementSolution, instants: Sequence[Instant]) -> Generator[Snapshot, None, None]:
+def snapshots_of(
+    solution: FiniteElementSolution, instants: Sequence[Instant]
+) -> Generator[Snapshot, None, None]:
     """Snapshots at `instants`, so many at once as memory is for."""
     import halfplane_fe
 
     for first in range(0, len(instants), _AT_ONCE):
-        yield from halfplane_fe.fields(solution, [instant.time for instant in instants[first : first + _AT_ONCE]])
+        yield from halfplane_fe.fields(
+            solution, [instant.time for instant in instants[first : first + _AT_ONCE]]
+        )
 
 
 def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution:
@@ -120,7 +153,9 @@ def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution
     import halfplane_fe
 
     if not isinstance(solution, halfplane_fe.FiniteElementSolution):
-        raise InputError(f"{option}: {solution.engine} has no bodies to write; leave the option out")
+        raise InputError(
+            f"{option}: {solution.engine} has no bodies to write; leave the option out"
+        )
     return solution
 
 
@@ -131,10 +166,11 @@ def write_fields(
     report: Report = lambda _done, _total, _text: None,
     total: int | None = None,
 ) -> list[str]:
-    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the names, its own first.
+    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the
+    names, its own first.
 
-    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the answer at its points x, and the lower
-    body's displacement to warp it by.
+    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the answer at its
+    points x, and the lower body's displacement to warp it by.
     """
     import meshes
 
@@ -149,11 +185,18 @@ def write_fields(
         for body in snapshot.bodies:
             xx, yy, xy, zz = body.stress.T
             tensor = np.column_stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
-            data = {"displacement": body.displacement, "stress": tensor, "von_mises": body.von_mises}
+            data = {
+                "displacement": body.displacement,
+                "stress": tensor,
+                "von_mises": body.von_mises,
+            }
             parts.append((body.name, body.points, body.cells, data))
         lower = snapshot.bodies[0]
         tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
-        states = {"state": solution.state[step].astype(np.int32), "displacement": lower.displacement[line]}
+        states = {
+            "state": solution.state[step].astype(np.int32),
+            "displacement": lower.displacement[line],
+        }
         parts.append(("contact", lower.points[line], chain, tractions | states))
         for part, (name, points, cells, data) in enumerate(parts):
             file = f"{name}_{number:03d}.vtu"
@@ -164,17 +207,28 @@ def write_fields(
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
-    """Nodes of a body's contact face from left to right, mid-side nodes among them; indices into the points of its fields."""
+    """Nodes of a body's contact face from left to right, mid-side nodes among them; indices into
+    the points of its fields.
+    """
     skfem_mesh = mesh.mesh
-    facets = np.concatenate([skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries])
+    facets = np.concatenate(
+        [skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries]
+    )
     n_corners = int(skfem_mesh.facets.max()) + 1
     has_middles = skfem_mesh.p.shape[1] > n_corners
-    nodes = np.unique(np.concatenate([skfem_mesh.facets[:, facets].ravel(), *([n_corners + facets] if has_middles else [])]))
+    nodes = np.unique(
+        np.concatenate(
+            [skfem_mesh.facets[:, facets].ravel(), *([n_corners + facets] if has_middles else [])]
+        )
+    )
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
 
 
-def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises) -> dict[str, Any]:
-    """The largest nodal value of a stress [stress], its body and undeformed place [length]; see `NO_PEAK`.
+def peak(
+    snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises
+) -> dict[str, Any]:
+    """The largest nodal value of a stress [stress], its body and undeformed place [length]; see
+    `NO_PEAK`.
 
     `of` a body gives a value at each of its nodes: von Mises' stress, or `tension`.
     """
@@ -186,12 +240,15 @@ def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: bo
 
 
 def tension(body: BodyFields) -> Array:
-    """Largest principal stress at each node, (n,) [stress]: on the face, beside the contact, the one that opens cracks."""
+    """Largest principal stress at each node, (n,) [stress]: on the face, beside the contact, the
+    one that opens cracks.
+    """
     return np.asarray(principal(body.stress)[:, 0])
 
 
 def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
-    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body and place x [length].
+    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body
+    and place x [length].
 
     None out of contact, and where it is not known of a body.
     """
@@ -199,14 +256,18 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
     found: list[dict[str, Any]] = [
         {"value": float(value), "uncertainty": float(doubt), "body": body.name, "x": float(x)}
         for body in snapshot.bodies
-        for value, doubt, x in zip(body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True)
+        for value, doubt, x in zip(
+            body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True
+        )
         if known and np.isfinite(x)
     ]
     return max(found, key=lambda one: one["value"], default=None)
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
-    """What is stated of an instant that was written, here and on the command line: loads [force/length], largest stresses."""
+    """What is stated of an instant that was written, here and on the command line: loads
+    [force/length], largest stresses.
+    """
     return {
         "asked": instant.time,
         "label": instant.label,
@@ -220,7 +281,9 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
 
 
 def record(solution: FiniteElementSolution, **found: Any) -> dict[str, Any]:
-    """What was written and from what, for fields.json: `found` by the command, and what is known of the solution."""
+    """What was written and from what, for fields.json: `found` by the command, and what is known of
+    the solution.
+    """
     scene = solution.scene
     return {
         "format": "halfplane fields 1",
@@ -228,23 +291,37 @@ def record(solution: FiniteElementSolution, **found: Any) -> dict[str, Any]:
         "largest nodal stresses": NO_PEAK,
         **found,
         "point data": {
-            "displacement": "of each body; the upper one's with its movement as a whole; on the contact line the lower one's",
-            "stress": "xx, yy, zz, xy, yz, xz: beside the contact from the tractions, further away carried to each node from its "
-            "elements and averaged there",
+            "displacement": (
+                "of each body; the upper one's with its movement as a whole; on the contact line"
+                " the lower one's"
+            ),
+            "stress": (
+                "xx, yy, zz, xy, yz, xz: beside the contact from the tractions, further away"
+                " carried to each node from its elements and averaged there"
+            ),
             "von_mises": "of that stress",
             "pressure": "on the contact line, positive in compression",
             "shear": "on the contact line, positive along x on the lower body",
-            "slip": "on the contact line, upper over lower body; goes on as relative displacement while a point is open",
+            "slip": (
+                "on the contact line, upper over lower body; goes on as relative displacement while"
+                " a point is open"
+            ),
             "state": "on the contact line: 0 open, 1 stick, 2 forward slip, 3 reverse slip",
         },
-        "gap": "in the shape of the faces"
-        if scene.bodies.faces_are_true
-        else "not in the files: both faces are flat, and the profile is the gap between them",
+        "gap": (
+            "in the shape of the faces"
+            if scene.bodies.faces_are_true
+            else "not in the files: both faces are flat, and the profile is the gap between them"
+        ),
         "bodies": {
             name: {"supports": dict(body.supports), "quality": dict(body.quality)}
             for name, body in zip(("lower", "upper"), solution.bodies, strict=True)
         },
-        "record": {"converged": solution.record.converged, "message": solution.record.message, "notes": solution.record.notes},
+        "record": {
+            "converged": solution.record.converged,
+            "message": solution.record.message,
+            "notes": solution.record.notes,
+        },
         "settings": solution.settings,
         "versions": solution.versions,
         "scene": scene.model_dump(mode="json"),

@@ -1,4 +1,6 @@
-"""What the published maps say of a scene: the error by each departure from half-planes, their sum, and whether to use theory."""
+"""What the published maps say of a scene: the error by each departure from half-planes, their sum,
+and whether to use theory.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.comparison.metrics import Verdict, verdict_on
-from reports.maps.corrections import correction, share_of, smaller_than_the_maps, to_and_fro, work_constant
+from reports.maps.corrections import (
+    correction,
+    share_of,
+    smaller_than_the_maps,
+    to_and_fro,
+    work_constant,
+)
 from reports.maps.laws import MAPS, PUBLISHED, Chart, Line, along, lines, read
 from reports.sweep.solving import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
@@ -17,7 +25,8 @@ from scenes.frozen import validated
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
 RATIO, _SHEAR = 0.6, 0.3  # of the study `pad`: Q over f P, and over P
 _COORDINATES = {"flat": "b/a", "aspect": "width/height"}
-# Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded up.
+# Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded
+# up.
 _LEFT = 0.15
 
 
@@ -26,7 +35,8 @@ class Part:
     """What one departure from half-planes does."""
 
     what: str  # its words, with the group's value
-    values: Mapping[str, tuple[float, float]] | None  # error's name -> (error of theory, uncertainty); None: the maps have nothing
+    # error's name -> (error of theory, uncertainty); None: the maps have nothing
+    values: Mapping[str, tuple[float, float]] | None
     how: str  # where it was read, and whether it was extrapolated
     extrapolated: bool = False  # outside of what was run
 
@@ -52,7 +62,9 @@ class Advice:
 
     @property
     def verdict(self) -> Verdict | None:
-        """Whether the error of dissipation, with its uncertainty, is within the limit; None where a departure is unknown."""
+        """Whether the error of dissipation, with its uncertainty, is within the limit; None where a
+        departure is unknown.
+        """
         if len(self.known) < len(self.parts):
             return None
         error, doubt = total(self.known, "error.dissipation")
@@ -60,11 +72,13 @@ class Advice:
 
     @property
     def may_be_used(self) -> bool:
-        """Whether the error is within the limit for sure: known, not extrapolated, its uncertainty inside."""
+        """Whether the error is within the limit for sure: known, not extrapolated, its uncertainty
+        inside.
+        """
         return self.verdict is Verdict.WITHIN and not self.extrapolated
 
 
-# ------------------------------------------------------------------------------------------------------------------ words
+# -------------------------------------------------------------------------------------------- words
 def total(known: Sequence[Part], figure: str) -> tuple[float, float]:
     """Errors and uncertainties of one name, added up."""
     pairs = [part.values[figure] for part in known if part.values is not None]
@@ -78,46 +92,71 @@ def percent(error: float, doubt: float) -> str:
     ('−48.1 ± 0.2 %', '+0.012 ± 0.04 % (not resolved)')
     """
     digits = max(0, min(3, -math.floor(math.log10(100 * doubt)))) if doubt > 0 else 3
-    text = f"{100 * error:+.{max(digits, 3 if abs(error) < 1e-3 else 1)}f} ± {100 * doubt:.1g} %".replace("-", "−")
+    text = f"{100 * error:+.{max(digits, 3 if abs(error) < 1e-3 else 1)}f} ± {100 * doubt:.1g} %".replace(
+        "-", "−"
+    )
     return text + (" (not resolved)" if abs(error) <= doubt else "")
 
 
 def cell(error: float, doubt: float, extrapolated: bool) -> str:
-    """An error in per cent with its uncertainty; an extrapolated one has no uncertainty estimate."""
-    return f"about {100 * error:+.2g} %, extrapolated".replace("-", "−") if extrapolated else percent(error, doubt)
+    """An error in per cent with its uncertainty; an extrapolated one has no uncertainty
+    estimate.
+    """
+    return (
+        f"about {100 * error:+.2g} %, extrapolated".replace("-", "−")
+        if extrapolated
+        else percent(error, doubt)
+    )
 
 
 def cells(part: Part) -> tuple[str, ...]:
     """The errors of a departure in words, one a name of `FIGURES`."""
     values = part.values
-    return tuple("unknown" if values is None else cell(*values[figure], part.extrapolated) for figure in FIGURES)
+    return tuple(
+        "unknown" if values is None else cell(*values[figure], part.extrapolated)
+        for figure in FIGURES
+    )
 
 
 def sentence(advice: Advice) -> str:
     """May theory be used, by how much it is off, and what to do."""
     if not advice.parts:
-        return "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is the very model"
+        return (
+            "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is"
+            " the very model"
+        )
     if advice.verdict is None:
         missing = len(advice.parts) - len(advice.known)
-        return f"Not known: departures that are in no map: {missing} of {len(advice.parts)}. Solve the scene (`halfplane run`)."
+        return (
+            f"Not known: departures that are in no map: {missing} of {len(advice.parts)}. Solve the"
+            " scene (`halfplane run`)."
+        )
     off = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
     words = f"dissipation of the bodies over that of half-plane theory, minus 1: {off}"
     words += ", cross terms left out" * (len(advice.parts) > 1)
-    words += "; outside the maps, so solve the scene (`halfplane run`) before you rely on it" * advice.extrapolated
-    words += "; undecided, for the uncertainty reaches across the limit" * (advice.verdict is Verdict.UNDECIDED)
-    answer = "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if advice.may_be_used else "Not sure"
+    words += (
+        "; outside the maps, so solve the scene (`halfplane run`) before you rely on it"
+        * advice.extrapolated
+    )
+    words += "; undecided, for the uncertainty reaches across the limit" * (
+        advice.verdict is Verdict.UNDECIDED
+    )
+    answer = (
+        "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if advice.may_be_used else "Not sure"
+    )
     return f"{answer}: {words}. The limit is {100 * advice.limit:g} %."
 
 
-# ------------------------------------------------------------------------------------------------------------- departures
+# --------------------------------------------------------------------------------------- departures
 def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part, ...]]:
-    """Half-width a by half-plane theory at the mean (else the largest) load, and every departure of a scene.
+    """Half-width a by half-plane theory at the mean (else the largest) load, and every departure of
+    a scene.
 
     Raises
     ------
     InputError
-        Where the maps are not there, or have no such contact: frictionless, bulk stress or tilt, another profile than Hertz or flat
-        with rounded edges.
+        Where the maps are not there, or have no such contact: frictionless, bulk stress or tilt,
+        another profile than Hertz or flat with rounded edges.
     """
     import semi_analytic
     from halfplane_fe.dundurs import dundurs
@@ -125,23 +164,32 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     scene = validated(scene, Scene)
     profile, f = scene.profile, scene.friction.coefficient
     if f == 0:
-        raise InputError(f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of frictionless contacts")
+        raise InputError(
+            f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of"
+            " frictionless contacts"
+        )
     if scene.load.has_bulk_or_tilt:
         raise InputError(
-            f"{scene.name}: advice covers no bulk stress or tilt; the map `bulk` shows specimens, `halfplane run` solves the scene"
+            f"{scene.name}: advice covers no bulk stress or tilt; the map `bulk` shows specimens,"
+            " `halfplane run` solves the scene"
         )
     if not isinstance(profile, Hertz | FlatRounded):
         raise InputError(
-            f"{scene.name}: profile.kind = {profile.kind!r}: the maps are of 'hertz' and 'flat_rounded'; take `halfplane run`"
+            f"{scene.name}: profile.kind = {profile.kind!r}: the maps are of 'hertz' and"
+            " 'flat_rounded'; take `halfplane run`"
         )
-    half_width = QUANTITIES["contact_half_width"].value(semi_analytic.solve(scene, cycles="steady", fields=()))
+    half_width = QUANTITIES["contact_half_width"].value(
+        semi_analytic.solve(scene, cycles="steady", fields=())
+    )
     found, bodies = _size(scene, half_width, folder), (scene.bodies.lower, scene.bodies.upper)
     if any(isinstance(body, Cylinder | Pad) for body in bodies):
         curvature, (cylinder, pad) = half_width / profile.radius, MAPS["curvature"].charts
         what = f"true arcs, a/R = {curvature:.3g}"
         if isinstance(profile, FlatRounded):
             flat = profile.flat_half_length / half_width
-            read_off = _from_map(f"{what}, b/a = {flat:.3g}", pad, curvature, {"flat": flat}, folder)
+            read_off = _from_map(
+                f"{what}, b/a = {flat:.3g}", pad, curvature, {"flat": flat}, folder
+            )
             found.append(_by_the_law(scene, read_off, curvature, flat, folder))
         else:
             found.append(_from_map(what, cylinder, curvature, {"f": f}, folder))
@@ -152,7 +200,9 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
 
 
 def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
-    """What finite heights and widths do: two equal blocks by their correction, one by its map, pads as those of theirs."""
+    """What finite heights and widths do: two equal blocks by their correction, one by its map, pads
+    as those of theirs.
+    """
     lower, upper = scene.bodies.lower, scene.bodies.upper
     if isinstance(lower, Block) and lower == upper:
         try:
@@ -160,20 +210,36 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
         except InputError as refused:
             return [Part("two equal blocks", None, str(refused))]
         errors = (found.dissipation, found.peak_pressure, found.contact_half_width)
-        values = {name: (error, _LEFT * abs(error)) for name, error in zip(FIGURES, errors, strict=True)}
-        size = f"height/a = {lower.height / half_width:.3g}, width/height = {found.aspect:.3g}, base {lower.base}"
+        values = {
+            name: (error, _LEFT * abs(error)) for name, error in zip(FIGURES, errors, strict=True)
+        }
+        size = (
+            f"height/a = {lower.height / half_width:.3g}, width/height = {found.aspect:.3g}, base"
+            f" {lower.base}"
+        )
         how = "correction of the map `block` for this very loop; p0 and a at the largest load"
         return [Part(f"two equal blocks, {size}", values, how)]
     parts = []
     for name, body in (("lower", lower), ("upper", upper)):
         if isinstance(body, Pad) and isinstance(scene.profile, FlatRounded):
             if too_small := smaller_than_the_maps(scene.profile, body):
-                parts.append(Part(f"the {name} body, a pad {body.width:g} wide and {body.height:g} high", None, too_small))
+                parts.append(
+                    Part(
+                        f"the {name} body, a pad {body.width:g} wide and {body.height:g} high",
+                        None,
+                        too_small,
+                    )
+                )
         elif isinstance(body, Block | Pad):
             height, aspect = body.height / half_width, body.width / body.height
-            what = f"the {name} body, a {body.kind}: height/a = {height:.3g}, width/height = {aspect:.3g}, base {body.base}"
+            what = (
+                f"the {name} body, a {body.kind}: height/a = {height:.3g}, width/height ="
+                f" {aspect:.3g}, base {body.base}"
+            )
             if body.base != "fixed" or body.sides != "free":
-                parts.append(Part(what, None, "the map `one-block` has a fixed base and free sides alone"))
+                parts.append(
+                    Part(what, None, "the map `one-block` has a fixed base and free sides alone")
+                )
             else:
                 at = {"aspect": aspect, "f": scene.friction.coefficient}
                 parts.append(_from_map(what, MAPS["one-block"].charts[0], 1 / height, at, folder))
@@ -181,34 +247,55 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
 
 
 def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder: Path) -> Part:
-    """Dissipation of a flat pad by its first-order law for this very loop, and by the map for what is left of it, in (a/R)^2.
+    """Dissipation of a flat pad by its first-order law for this very loop, and by the map for what
+    is left of it, in (a/R)^2.
 
-    The error of p0 is what shear adds to the higher of two peaks: that of the map goes with Q/P, within half of the change.
+    The error of p0 is what shear adds to the higher of two peaks: that of the map goes with Q/P,
+    within half of the change.
     """
     if found.values is None:
         return found
     try:
         cycle = to_and_fro(scene)
     except InputError:
-        return replace(found, how=f"{found.how}; it has constant P and Q = {RATIO} f P, which this loop is not", extrapolated=True)
+        return replace(
+            found,
+            how=f"{found.how}; it has constant P and Q = {RATIO} f P, which this loop is not",
+            extrapolated=True,
+        )
     second = [
-        replace(line, error=line.error - work_constant(float(line.at["flat"]), RATIO) * line.s, order=2.0)
+        replace(
+            line,
+            error=line.error - work_constant(float(line.at["flat"]), RATIO) * line.s,
+            order=2.0,
+        )
         for line in work_lines(folder)
     ]
     # The bodies' own moduli: first and second order go with the share of the curved one.
-    share = share_of(scene.material.upper if isinstance(scene.bodies.upper, Pad) else scene.material.lower, scene.material)
+    share = share_of(
+        scene.material.upper if isinstance(scene.bodies.upper, Pad) else scene.material.lower,
+        scene.material,
+    )
     constant = work_constant(flat, cycle.ratio)
     rest, doubt, _ = between(second, curvature, {"flat": flat})
-    # Of the rest no other loop is in the map: as much as it would move by with the law, and a tenth (8 % on a pad in no map).
+    # Of the rest no other loop is in the map: as much as it would move by with the law, and a tenth
+    # (8 % on a pad in no map).
     other = abs(rest) * (abs(constant / work_constant(flat, RATIO) - 1) + 0.1)
     pressure, unsure = found.values["error.p0"]
     scaled = pressure * share * cycle.largest / _SHEAR
     values = {
         **found.values,
         "error.dissipation": (share * (constant * curvature + rest), share * (doubt + other)),
-        "error.p0": (scaled, unsure * max(1.0, share * cycle.largest / _SHEAR) + abs(scaled - pressure) / 2),
+        "error.p0": (
+            scaled,
+            unsure * max(1.0, share * cycle.largest / _SHEAR) + abs(scaled - pressure) / 2,
+        ),
     }
-    return replace(found, values=values, how=f"law of its contour, first power of a/R, for this loop; {found.how}")
+    return replace(
+        found,
+        values=values,
+        how=f"law of its contour, first power of a/R, for this loop; {found.how}",
+    )
 
 
 def work_lines(folder: Path) -> list[Line]:
@@ -224,16 +311,26 @@ def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], fol
         return Part(what, None, f"{source} is not there; make it by `halfplane map all`")
     every, values, outside = list(lines(chart, read(folder, chart.study), FIGURES)), {}, list[str]()
     for figure in FIGURES:
-        error, doubt, outside = between([line for line in every if line.figure == figure], s, place, chart.small)
+        error, doubt, outside = between(
+            [line for line in every if line.figure == figure], s, place, chart.small
+        )
         values[figure] = (error, doubt)
-    return Part(what, values, source + (f"; extrapolated: {', '.join(outside)}" if outside else ""), bool(outside))
+    return Part(
+        what,
+        values,
+        source + (f"; extrapolated: {', '.join(outside)}" if outside else ""),
+        bool(outside),
+    )
 
 
-def between(found: Sequence[Line], s: float, place: Mapping[str, float], small: str = "s") -> tuple[float, float, list[str]]:
-    """Error and uncertainty at s, which is called `small`, and a place among the lines, and what lies outside of them.
+def between(
+    found: Sequence[Line], s: float, place: Mapping[str, float], small: str = "s"
+) -> tuple[float, float, list[str]]:
+    """Error and uncertainty at s, which is called `small`, and a place among the lines, and what
+    lies outside of them.
 
-    Along a line as `laws.along` reads it; between lines, over the logarithms of their coordinates. The doubt is that of the
-    points, and a quarter of what neighbouring lines differ by.
+    Along a line as `laws.along` reads it; between lines, over the logarithms of their coordinates.
+    The doubt is that of the points, and a quarter of what neighbouring lines differ by.
     """
     outside: list[str] = []
 
@@ -248,14 +345,21 @@ def between(found: Sequence[Line], s: float, place: Mapping[str, float], small: 
         at = min(max(place[name], steps[0]), steps[-1])
         if not math.isclose(at, place[name], rel_tol=1e-6):
             there = f"outside {steps[0]:g} to {steps[-1]:g}" if len(steps) > 1 else "not in it"
-            outside.append(f"{_COORDINATES.get(name, name)} = {place[name]:.3g} is {there}, taken at {at:g}")
+            outside.append(
+                f"{_COORDINATES.get(name, name)} = {place[name]:.3g} is {there}, taken at {at:g}"
+            )
         above = next((k for k, step in enumerate(steps) if step >= at * (1 - 1e-9)), len(steps) - 1)
         below = max(above - 1, 0) if steps[above] > at * (1 + 1e-9) else above
-        low, high = (level(rest, [line for line in chosen if float(line.at[name]) == steps[k]]) for k in (below, above))
+        low, high = (
+            level(rest, [line for line in chosen if float(line.at[name]) == steps[k]])
+            for k in (below, above)
+        )
         if below == above:
             return low
         share = math.log(at / steps[below]) / math.log(steps[above] / steps[below])
-        return (1 - share) * low[0] + share * high[0], (1 - share) * low[1] + share * high[1] + abs(high[0] - low[0]) / 4
+        return (1 - share) * low[0] + share * high[0], (1 - share) * low[1] + share * high[1] + abs(
+            high[0] - low[0]
+        ) / 4
 
     error, doubt = level(tuple(place), found)
     return error, doubt, list(dict.fromkeys(outside))

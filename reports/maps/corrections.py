@@ -1,8 +1,10 @@
-"""Half-plane theory's values corrected for finite bodies and faces that are no parabola. Derivations: docs/maps.md.
+"""Half-plane theory's values corrected for finite bodies and faces that are no parabola.
+Derivations: docs/maps.md.
 
-First what such a body adds to half-plane theory and what that does to a cycle, then the corrections, cheap and with a stated range.
-Of two equal blocks the added curvature is known (smooth walls, rollers) or fitted (free sides, fixed base:
-published/maps/laws.json). Of a flat pad W moves by k a/R; nothing is fitted.
+First what such a body adds to half-plane theory and what that does to a cycle, then the
+corrections, cheap and with a stated range. Of two equal blocks the added curvature is known (smooth
+walls, rollers) or fitted (free sides, fixed base: published/maps/laws.json). Of a flat pad W moves
+by k a/R; nothing is fitted.
 """
 
 from __future__ import annotations
@@ -30,19 +32,23 @@ from semi_analytic.profiles import contact_of
 Array = NDArray[np.float64]
 Base = Literal["fixed", "rollers"]
 _FAR = 40.0  # L - 1 of a layer decays like w^2 exp(-2 w)
-_CELLS, _STEPS = 600, 400  # of the memory curve and of an ellipse: W of half-planes is then met to 2e-4
+# of the memory curve and of an ellipse: W of half-planes is then met to 2e-4
+_CELLS, _STEPS = 600, 400
 _NOTHING = 1e-9  # full stick leaves round-off of the order of 1e-16
 _NODES = 24  # a part of the rule for contours: 1e-6 up to b/a = 0.99
 # Where the held-out points of the maps were tried: see docs/maps.md for what is left there.
-_LEAST_HEIGHT, _LEAST_ASPECT, _POISSON = 3.6, 1.0, (0.25, 0.35)  # height in half-widths at the largest load
+# height in half-widths at the largest load
+_LEAST_HEIGHT, _LEAST_ASPECT, _POISSON = 3.6, 1.0, (0.25, 0.35)
 _MOST_CURVATURE, _FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
 _PER_LEG = 80
 _STILL = 1e-9
 
 
-# ----------------------------------------------------------------------------------------------------------------- layers
+# ------------------------------------------------------------------------------------------- layers
 def _response(base: Base, tangential: bool, poisson_ratio: float) -> Callable[[Array], Array]:
-    """L(w) of a layer that is fixed to its base or slides on it, for normal or tangential forces (Johnson 1985, section 5.8)."""
+    """L(w) of a layer that is fixed to its base or slides on it, for normal or tangential forces
+    (Johnson 1985, section 5.8).
+    """
     kappa, sense = 3 - 4 * poisson_ratio, 1.0 if tangential else -1.0
 
     def fixed(w: Array) -> Array:
@@ -55,8 +61,11 @@ def _response(base: Base, tangential: bool, poisson_ratio: float) -> Callable[[A
     return fixed if base == "fixed" else sliding
 
 
-def curvature_sum(base: Base, *, tangential: bool = False, poisson_ratio: float = 0.3, aspect: float = np.inf) -> float:
-    """S = int (L(w) - 1) w dw of a layer, or its sum for a block between smooth walls whose width is `aspect` times its height.
+def curvature_sum(
+    base: Base, *, tangential: bool = False, poisson_ratio: float = 0.3, aspect: float = np.inf
+) -> float:
+    """S = int (L(w) - 1) w dw of a layer, or its sum for a block between smooth walls whose width
+    is `aspect` times its height.
 
     >>> round(-curvature_sum("fixed") / 4, 4)
     0.358
@@ -67,13 +76,17 @@ def curvature_sum(base: Base, *, tangential: bool = False, poisson_ratio: float 
     # Walls are a row of images; zeta(-1) is what the same sum does to L = 1.
     step = 2 * np.pi / aspect
     w: Array = step * (np.arange(1.0, int(_FAR / step) + 2) - (0.5 if tangential else 0.0))
-    return float(np.sum((layer(w) - 1) * w * step)) + (step**2 / 24 if tangential else -(step**2) / 12)
+    return float(np.sum((layer(w) - 1) * w * step)) + (
+        step**2 / 24 if tangential else -(step**2) / 12
+    )
 
 
-# ------------------------------------------------------------------------------------- half-planes with a quadratic part more
+# ----------------------------------------------------------- half-planes with a quadratic part more
 @dataclass(frozen=True)
 class Curvatures:
-    """nu and tau: what finite bodies add to the relative curvature under P0, normal and tangential, as shares of 1/R."""
+    """nu and tau: what finite bodies add to the relative curvature under P0, normal and tangential,
+    as shares of 1/R.
+    """
 
     normal: float
     tangential: float
@@ -87,7 +100,9 @@ class Curvatures:
         return float(np.sqrt(1 + self.normal)) - 1
 
 
-def dissipation(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
+def dissipation(
+    normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int
+) -> float:
     """Friction work of the last `last` steps, a closed cycle, over A P0^2/pi.
 
     Parameters
@@ -97,22 +112,28 @@ def dissipation(normal_load: Array, tangential_load: Array, friction: float, add
     added : what the bodies add; (0, 0) for half-planes
     last : steps of the closed cycle at the end
 
-    The closed integral of Q dU. U is over A P0/pi, its constant part left out: it does no work in a cycle.
+    The closed integral of Q dU. U is over A P0/pi, its constant part left out: it does no work in a
+    cycle.
     """
-    # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M less that of the curvature tau Q
+    # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M
+    # less that of the curvature tau Q
     nu, tau = added.normal, added.tangential
     square = normal_load / (1 + nu * normal_load)
     g = np.linspace(0.0, float(np.max(square)), _CELLS + 1)
     # Mean of log(1/alpha) + tau alpha^2/2 over each cell.
     mean = np.diff((g - xlogy(g, g)) / 2) / np.diff(g) + tau * (g[1:] + g[:-1]) / 4
-    weights = -np.diff(mean, prepend=0.0, append=0.0)  # of M at the borders instead of m in the cells
+    # of M at the borders instead of m in the cells
+    weights = -np.diff(mean, prepend=0.0, append=0.0)
     frozen, before, shifts = np.zeros_like(g), 0.0, np.empty(len(normal_load))
     for number, (p, q, here) in enumerate(zip(normal_load, tangential_load, square, strict=True)):
         edge = int(np.searchsorted(g, here))
         carried = np.full_like(g, q)
         carried[:edge] = frozen[:edge] + tau * q * np.minimum(g[:edge], before)
         if here > before:
-            first, start = int(np.searchsorted(g, before, side="right")), float(np.interp(before, g, frozen)) + tau * q * before
+            first, start = (
+                int(np.searchsorted(g, before, side="right")),
+                float(np.interp(before, g, frozen)) + tau * q * before,
+            )
             carried[first:edge] = start + (q - start) * (g[first:edge] - before) / (here - before)
         # What friction can carry outside alpha.
         bound = friction * (1 + nu * p) * (here - g[:edge])
@@ -123,15 +144,26 @@ def dissipation(normal_load: Array, tangential_load: Array, friction: float, add
     return float(np.sum((q[1:] + q[:-1]) / 2 * np.diff(shift)))
 
 
-def dissipation_error(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
-    """Friction work over that of half-planes on the same path and steps, less 1; NaN where these dissipate nothing."""
+def dissipation_error(
+    normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int
+) -> float:
+    """Friction work over that of half-planes on the same path and steps, less 1; NaN where these
+    dissipate nothing.
+    """
     path = (normal_load, tangential_load, friction)
     plain = dissipation(*path, Curvatures(0.0, 0.0), last)
-    return dissipation(*path, added, last) / plain - 1 if plain > _NOTHING * friction**2 else float("nan")
+    return (
+        dissipation(*path, added, last) / plain - 1
+        if plain > _NOTHING * friction**2
+        else float("nan")
+    )
 
 
-def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: float) -> tuple[Array, Array, int]:
-    """P/P0 (n,) and Q/P0 (n,) of two turns of an ellipse from rest, straight to where Q is least, and the steps of a turn.
+def ellipse_path(
+    normal_amplitude: float, mean: float, amplitude: float, phase: float
+) -> tuple[Array, Array, int]:
+    """P/P0 (n,) and Q/P0 (n,) of two turns of an ellipse from rest, straight to where Q is least,
+    and the steps of a turn.
 
     Loads are over P0, the phase in rad.
     """
@@ -141,9 +173,10 @@ def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: 
     return np.concatenate([way * p[0], p]), np.concatenate([way * q[0], q]), _STEPS
 
 
-# ---------------------------------------------------------------------------------------------- contours that are no parabola
+# -------------------------------------------------------------------- contours that are no parabola
 def _potential(x: Array, flat: float) -> Array:
-    """Phi (n,) at x (n,) of a flat of half-length `flat` with edges of radius 1, its linear part left out.
+    """Phi (n,) at x (n,) of a flat of half-length `flat` with edges of radius 1, its linear part
+    left out.
 
     >>> _potential(np.array([0.0, 1.0]), 1.0).round(6).tolist()
     [0.0, 1.386294]
@@ -155,12 +188,15 @@ def _kernel(x: Array, xi: Array, flat: float) -> Array:
     """K (n, m) between points x (n,) and xi (m,): the slope of Phi where they coincide."""
     apart = x[:, None] - xi[None, :]
     slope = xlogy(x + flat, np.abs(x + flat)) - xlogy(x - flat, np.abs(x - flat)) + flat
-    quotient = (_potential(x, flat)[:, None] - _potential(xi, flat)[None, :]) / np.where(apart == 0, 1.0, apart)
+    quotient = (_potential(x, flat)[:, None] - _potential(xi, flat)[None, :]) / np.where(
+        apart == 0, 1.0, apart
+    )
     return np.where(apart == 0, slope[:, None], quotient)
 
 
 def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
-    """k of W = (1 + k a/R) times that of half-planes, for one body whose face is flat with rounded edges, and one half-plane alike.
+    """k of W = (1 + k a/R) times that of half-planes, for one body whose face is flat with rounded
+    edges, and one half-plane alike.
 
     P is constant and Q goes to and fro; both bodies have one E'.
 
@@ -173,7 +209,8 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     >>> round(work_constant(0.5, 0.6), 4)
     -0.4603
     """
-    # notation: a = R = E* = f = 1, so that E' = 2; stuck P - Q/f, load P; dG = int int dk q q/2, dG' = int int dk q m
+    # notation: a = R = E* = f = 1, so that E' = 2; stuck P - Q/f, load P; dG = int int dk q q/2,
+    # dG' = int int dk q m
     alike = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     profile = FlatRounded(radius=1.0, flat_half_length=flat) if flat > 0 else Hertz(radius=1.0)
     materials = Materials(upper=alike, lower=alike)
@@ -187,13 +224,22 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     within, share = _angles((flat / edge, 1.0), nodes)
     punch = share / np.pi @ _kernel(edge * np.sin(within), x, flat) @ force
     change = 4 * (2 / np.pi**2) * (shear * punch - force @ _kernel(x, x, flat) @ force)
-    cycle = {"mean_normal_load": load, "normal_amplitude": 0.0, "mean_tangential_load": 0.0, "tangential_amplitude": shear}
-    plain = semi_analytic.dissipation(profile=profile, material=materials, friction_coefficient=1.0, phase=0.0, **cycle)
+    cycle = {
+        "mean_normal_load": load,
+        "normal_amplitude": 0.0,
+        "mean_tangential_load": 0.0,
+        "tangential_amplitude": shear,
+    }
+    plain = semi_analytic.dissipation(
+        profile=profile, material=materials, friction_coefficient=1.0, phase=0.0, **cycle
+    )
     return float(change) / float(plain.value)
 
 
 def _angles(ends: tuple[float, ...], nodes: int) -> tuple[Array, Array]:
-    """Angles and weights (n,) of a rule over sin(angle) from -1 to 1, cut at +-`ends` and dense there (roots, logarithms)."""
+    """Angles and weights (n,) of a rule over sin(angle) from -1 to 1, cut at +-`ends` and dense
+    there (roots, logarithms).
+    """
     cuts = np.unique(np.arcsin([0.0, *ends]))
     s, weight = np.polynomial.legendre.leggauss(nodes)
     s, weight = (s + 1) / 2, weight / 2
@@ -204,7 +250,8 @@ def _angles(ends: tuple[float, ...], nodes: int) -> tuple[Array, Array]:
 
 
 def share_of(body: Elastic, materials: Materials) -> float:
-    """2 E*/E' of the body that is curved, by which its law counts: 1 for like materials, 2 on a rigid half-plane.
+    """2 E*/E' of the body that is curved, by which its law counts: 1 for like materials, 2 on a
+    rigid half-plane.
 
     >>> steel = Elastic(young_modulus=210e3, poisson_ratio=0.3)
     >>> round(share_of(steel, Materials(upper=steel, lower=steel)), 12)
@@ -213,7 +260,7 @@ def share_of(body: Elastic, materials: Materials) -> float:
     return 2 * composite_modulus(materials) * (1 - body.poisson_ratio**2) / body.young_modulus
 
 
-# ------------------------------------------------------------------------------------------------------------ corrections
+# -------------------------------------------------------------------------------------- corrections
 @dataclass(frozen=True)
 class Correction:
     """What two equal blocks do to half-plane theory, each as its value over theory's, less 1."""
@@ -226,26 +273,45 @@ class Correction:
     aspect: float  # width over height
 
 
-def added_curvatures(base: str, aspect: float, slenderness: float, poisson_ratio: float = 0.3) -> Curvatures:
-    """nu and tau of two equal blocks at a/height = `slenderness`; `base` "fixed" (sides free) or "rollers" (sides guided).
+def added_curvatures(
+    base: str, aspect: float, slenderness: float, poisson_ratio: float = 0.3
+) -> Curvatures:
+    """nu and tau of two equal blocks at a/height = `slenderness`; `base` "fixed" (sides free) or
+    "rollers" (sides guided).
 
     >>> added = added_curvatures("rollers", 2.0, 0.1)
     >>> round(added.normal, 5), round(added.tangential, 5)
     (0.00543, 0.00157)
     """
     if base == "rollers":
-        sums = [curvature_sum("rollers", tangential=way, poisson_ratio=poisson_ratio, aspect=aspect) for way in (False, True)]
+        sums = [
+            curvature_sum("rollers", tangential=way, poisson_ratio=poisson_ratio, aspect=aspect)
+            for way in (False, True)
+        ]
         return Curvatures(*(-value / 2 * slenderness**2 for value in sums))
     return Curvatures(*(float(np.exp(log(1 / aspect))) * slenderness**2 for log in _fitted()))
 
 
 @lru_cache(maxsize=1)
 def _fitted() -> tuple[PchipInterpolator, PchipInterpolator]:
-    """ln N and ln T over height/width, free sides on a fixed base: fitted at some, the layer's at 0."""
-    rows = sorted(json.loads((PUBLISHED / "laws.json").read_text(encoding="utf-8"))["curvatures"], key=lambda row: -row["aspect"])
+    """ln N and ln T over height/width, free sides on a fixed base: fitted at some, the layer's at
+    0.
+    """
+    rows = sorted(
+        json.loads((PUBLISHED / "laws.json").read_text(encoding="utf-8"))["curvatures"],
+        key=lambda row: -row["aspect"],
+    )
     at = [0.0, *(1 / row["aspect"] for row in rows)]
     normal, tangential = (
-        PchipInterpolator(at, np.log([-curvature_sum("fixed", tangential=name == "tangential") / 2, *(row[name] for row in rows)]))
+        PchipInterpolator(
+            at,
+            np.log(
+                [
+                    -curvature_sum("fixed", tangential=name == "tangential") / 2,
+                    *(row[name] for row in rows),
+                ]
+            ),
+        )
         for name in ("normal", "tangential")
     )
     return normal, tangential
@@ -257,70 +323,122 @@ def correction(scene: Scene) -> Correction:
     Raises
     ------
     InputError
-        Where the correction was not derived or not tried: other than two equal blocks of one material, a profile other than Hertz,
-        a path without a cycle, sides or Poisson's ratio other than in the maps, blocks too low or narrower than high.
+        Where the correction was not derived or not tried: other than two equal blocks of one
+        material, a profile other than Hertz, a path without a cycle, sides or Poisson's ratio other
+        than in the maps, blocks too low or narrower than high.
     """
     scene = validated(scene, Scene)
     block, ratio = scene.bodies.lower, scene.material.lower.poisson_ratio
     if not isinstance(block, Block) or block != scene.bodies.upper:
-        raise _refusal(scene, "bodies: the correction is for two equal blocks; take `halfplane run` for these")
+        raise _refusal(
+            scene, "bodies: the correction is for two equal blocks; take `halfplane run` for these"
+        )
     if scene.material.lower != scene.material.upper:
-        raise _refusal(scene, "material: the correction is for two blocks of one material; take `halfplane run`")
+        raise _refusal(
+            scene,
+            "material: the correction is for two blocks of one material; take `halfplane run`",
+        )
     if not isinstance(scene.profile, Hertz):
-        raise _refusal(scene, f"profile.kind = {scene.profile.kind!r}: the correction is for 'hertz'; take `halfplane run`")
+        raise _refusal(
+            scene,
+            f"profile.kind = {scene.profile.kind!r}: the correction is for 'hertz'; take `halfplane"
+            " run`",
+        )
     if (block.base, block.sides) not in (("fixed", "free"), ("rollers", "guided")):
         kind = f"base = {block.base!r} with sides = {block.sides!r}"
-        raise _refusal(scene, f"bodies: {kind} is in no map; the correction is for fixed and free, or rollers and guided")
+        raise _refusal(
+            scene,
+            f"bodies: {kind} is in no map; the correction is for fixed and free, or rollers and"
+            " guided",
+        )
     normal, tangential, cycle = _sampled(scene)
     largest = float(normal.max())
     height = block.height / float(contact_of(scene.profile, scene.material).half_width(largest))
     aspect = block.width / block.height
     if height < _LEAST_HEIGHT:
         raise _refusal(
-            scene, f"bodies: height = {height:.3g} half-widths is refused: the correction holds from {_LEAST_HEIGHT:g} on"
+            scene,
+            f"bodies: height = {height:.3g} half-widths is refused: the correction holds from"
+            f" {_LEAST_HEIGHT:g} on",
         )
     if aspect < _LEAST_ASPECT:
-        raise _refusal(scene, f"bodies: width/height = {aspect:.3g} is refused: the correction holds from {_LEAST_ASPECT:g} on")
+        raise _refusal(
+            scene,
+            f"bodies: width/height = {aspect:.3g} is refused: the correction holds from"
+            f" {_LEAST_ASPECT:g} on",
+        )
     if block.base == "fixed" and not _POISSON[0] <= ratio <= _POISSON[1]:
-        words = f"material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {_POISSON}"
+        words = (
+            f"material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and"
+            f" holds in {_POISSON}"
+        )
         raise _refusal(scene, words)
     added = added_curvatures(block.base, aspect, 1 / height, ratio)
-    error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
+    error = dissipation_error(
+        normal / largest, tangential / largest, scene.friction.coefficient, added, cycle
+    )
     if math.isnan(error):
-        raise _refusal(scene, "load: half-plane theory dissipates nothing here, so nothing is relative to it")
-    return Correction(error, added.pressure_error(), 1 / (1 + added.pressure_error()) - 1, added, height, aspect)
+        raise _refusal(
+            scene, "load: half-plane theory dissipates nothing here, so nothing is relative to it"
+        )
+    return Correction(
+        error, added.pressure_error(), 1 / (1 + added.pressure_error()) - 1, added, height, aspect
+    )
 
 
 def corrected_dissipation(scene: Scene, value: float) -> float:
-    """Half-plane theory's dissipation `value` of a scene with two equal blocks (`correction`) or a flat pad (`pad_correction`)."""
+    """Half-plane theory's dissipation `value` of a scene with two equal blocks (`correction`) or a
+    flat pad (`pad_correction`).
+    """
     flat_pad = isinstance(scene.profile, FlatRounded)
     return value * (1 + (pad_correction(scene) if flat_pad else correction(scene).dissipation))
 
 
 def pad_correction(scene: Scene) -> float:
-    """k a/R, by which the contour of a flat pad with rounded edges moves the dissipation of a cycle at constant P.
+    """k a/R, by which the contour of a flat pad with rounded edges moves the dissipation of a cycle
+    at constant P.
 
     Raises
     ------
     InputError
-        Other than one pad and one half-plane of one material, a pad that its size moves too, P that moves or Q that does not go
-        simply to and fro, and a/R or b/a that no finite elements were tried at.
+        Other than one pad and one half-plane of one material, a pad that its size moves too, P that
+        moves or Q that does not go simply to and fro, and a/R or b/a that no finite elements were
+        tried at.
     """
     scene = validated(scene, Scene)
     profile, bodies = scene.profile, (scene.bodies.lower, scene.bodies.upper)
     pads = [body for body in bodies if isinstance(body, Pad)]
-    if not isinstance(profile, FlatRounded) or len(pads) != 1 or not any(isinstance(body, HalfPlane) for body in bodies):
-        raise _refusal(scene, "bodies: the correction is for a pad with a flat face on a half-plane; take `halfplane run`")
+    if (
+        not isinstance(profile, FlatRounded)
+        or len(pads) != 1
+        or not any(isinstance(body, HalfPlane) for body in bodies)
+    ):
+        raise _refusal(
+            scene,
+            "bodies: the correction is for a pad with a flat face on a half-plane; take `halfplane"
+            " run`",
+        )
     if scene.material.lower != scene.material.upper:
-        raise _refusal(scene, "material: the correction is for a pad and a half-plane of one material; take `halfplane run`")
+        raise _refusal(
+            scene,
+            "material: the correction is for a pad and a half-plane of one material; take"
+            " `halfplane run`",
+        )
     if too_small := smaller_than_the_maps(profile, pads[0]):
         raise _refusal(scene, f"bodies: the pad is too small: {too_small}")
     cycle = to_and_fro(scene)
     half_width = float(contact_of(profile, scene.material).half_width(cycle.load))
     curvature, flat = half_width / profile.radius, profile.flat_half_length / half_width
-    if curvature > _MOST_CURVATURE * (1 + 1e-9) or not _FLATS[0] * (1 - 1e-9) <= flat <= _FLATS[1] * (1 + 1e-9):
-        held = f"the correction holds up to {_MOST_CURVATURE:g} and for b/a of {_FLATS[0]:g} to {_FLATS[1]:g}"
-        raise _refusal(scene, f"profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: {held}")
+    if curvature > _MOST_CURVATURE * (1 + 1e-9) or not _FLATS[0] * (1 - 1e-9) <= flat <= _FLATS[
+        1
+    ] * (1 + 1e-9):
+        held = (
+            f"the correction holds up to {_MOST_CURVATURE:g} and for b/a of {_FLATS[0]:g} to"
+            f" {_FLATS[1]:g}"
+        )
+        raise _refusal(
+            scene, f"profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: {held}"
+        )
     return work_constant(flat, cycle.ratio) * curvature
 
 
@@ -329,7 +447,10 @@ def smaller_than_the_maps(profile: FlatRounded, pad: Pad) -> str:
     width = 2 * profile.flat_half_length + 1.4 * profile.radius
     if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
         return ""
-    return f"the map `curvature` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger"
+    return (
+        f"the map `curvature` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g}"
+        " high, or larger"
+    )
 
 
 class ToAndFro(NamedTuple):
@@ -344,28 +465,43 @@ def to_and_fro(scene: Scene) -> ToAndFro:
     """The cycle of a scene; InputError where it is not of that kind."""
     *loads, cycle = _sampled(scene)
     normal, tangential = (load[-cycle - 1 :] for load in loads)
-    moves = np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > _STILL * np.abs(tangential).max()])
+    moves = np.sign(
+        np.diff(tangential)[np.abs(np.diff(tangential)) > _STILL * np.abs(tangential).max()]
+    )
     if np.ptp(normal) > _STILL * normal.max() or np.sum(moves != np.roll(moves, 1)) != 2:
-        words = "a pad's correction is for constant P and a Q that turns twice in a cycle; take `halfplane run`"
+        words = (
+            "a pad's correction is for constant P and a Q that turns twice in a cycle; take"
+            " `halfplane run`"
+        )
         raise _refusal(scene, f"load: {words}")
     load = float(normal[0])
     ratio = float(np.ptp(tangential)) / (2 * scene.friction.coefficient * load)
     if ratio >= 1:
-        raise _refusal(scene, f"load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for")
+        raise _refusal(
+            scene,
+            f"load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction"
+            " is for",
+        )
     return ToAndFro(load, ratio, float(np.abs(tangential).max()) / load)
 
 
 def _sampled(scene: Scene) -> tuple[Array, Array, int]:
-    """P and Q over the initial loading and two cycles, (n,) each, and how many of these instants are of the second cycle."""
+    """P and Q over the initial loading and two cycles, (n,) each, and how many of these instants
+    are of the second cycle.
+    """
     path = scene.load.path()
     if path.period is None:
         raise _refusal(scene, "load: the path has no cycle, and the correction is that of a cycle")
     # The corners of polygons are among the instants, for their legs last one unit.
     whole = abs(path.period - round(path.period)) < 1e-9
     legs = max(1, round(path.period)) if whole else 4
-    way = np.linspace(path.start, path.cycle_start, _PER_LEG * max(1, round(path.cycle_start - path.start)) + 1)[1:]
+    way = np.linspace(
+        path.start, path.cycle_start, _PER_LEG * max(1, round(path.cycle_start - path.start)) + 1
+    )[1:]
     cycles = path.cycle_start + np.linspace(0, 2 * path.period, 2 * legs * _PER_LEG + 1)[1:]
-    normal, tangential = (np.asarray(part, dtype=float) for part in path.at(np.concatenate([way, cycles])))
+    normal, tangential = (
+        np.asarray(part, dtype=float) for part in path.at(np.concatenate([way, cycles]))
+    )
     return normal, tangential, int(np.sum(cycles > path.cycle_start + path.period * (1 + 1e-9)))
 
 

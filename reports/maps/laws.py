@@ -1,10 +1,12 @@
-"""The maps (maps.toml), their tables and laws: errors read, fitted over the small parameter, read off between points, and bounded.
+"""The maps (maps.toml), their tables and laws: errors read, fitted over the small parameter, read
+off between points, and bounded.
 
     |e| = C s^n,    s -> 0
 
-The fit is of log |e| = log C + n log s + d s^2. The last term stands for the next one of a series in s^2 (or of one in s: then it
-is d s): without it the exponent of points that reach to large s is wrong by more than its interval. The range is found, not chosen:
-the largest s are left out until what is left shows no more curvature in the logarithms than that.
+The fit is of log |e| = log C + n log s + d s^2. The last term stands for the next one of a series
+in s^2 (or of one in s: then it is d s): without it the exponent of points that reach to large s is
+wrong by more than its interval. The range is found, not chosen: the largest s are left out until
+what is left shows no more curvature in the logarithms than that.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ _SURE = 0.5  # half the interval of an exponent up to which its law is extrapola
 _LEFT_OUT = ("address", "notes", "number", "reason")
 
 
-# ------------------------------------------------------------------------------------------------------------------- maps
+# --------------------------------------------------------------------------------------------- maps
 STUDIES = Path(__file__).with_name("studies")
 PUBLISHED = Path(__file__).parents[1] / "published" / "maps"
 
@@ -89,7 +91,10 @@ _CONTENT = tomllib.loads(Path(__file__).with_name("maps.toml").read_text(encodin
 PAGE_WORDS: dict[str, Any] = _CONTENT["words"]
 WORDS: dict[str, str] = _CONTENT["figures"]
 AXES: dict[str, str] = _CONTENT["axes"]
-MAPS = {row["name"]: Map(**row | {"charts": tuple(Chart(**chart) for chart in row["charts"])}) for row in _CONTENT["map"]}
+MAPS = {
+    row["name"]: Map(**row | {"charts": tuple(Chart(**chart) for chart in row["charts"])})
+    for row in _CONTENT["map"]
+}
 
 
 def map_named(name: str) -> Map:
@@ -99,14 +104,19 @@ def map_named(name: str) -> Map:
     return MAPS[name]
 
 
-# ----------------------------------------------------------------------------------------------------------------- tables
+# ------------------------------------------------------------------------------------------- tables
 def read(folder: Path, study: str) -> pd.DataFrame:
-    """The finished points of a study in `folder`, every cell as text; InputError where there are none."""
+    """The finished points of a study in `folder`, every cell as text; InputError where there are
+    none.
+    """
     path = folder / f"{study}.csv"
     try:
         table = pd.read_csv(path, dtype=str, keep_default_na=False)
     except OSError as reason:
-        raise InputError(f"{path}: the table of the study can't be read: {reason.strerror}; make it by `make maps`") from reason
+        raise InputError(
+            f"{path}: the table of the study can't be read: {reason.strerror}; make it by `make"
+            " maps`"
+        ) from reason
     except pd.errors.EmptyDataError:
         table = pd.DataFrame()
     if table.empty:
@@ -122,18 +132,27 @@ def numbers(table: pd.DataFrame, column: str) -> Array:
 def errors(table: pd.DataFrame, name: str) -> tuple[Array, Array]:
     """An error (n,) and its uncertainty (n,), NaN where there is none.
 
-    An error of -1 to the last digit is none either: the finite elements stick throughout, and theory's value is round-off.
+    An error of -1 to the last digit is none either: the finite elements stick throughout, and
+    theory's value is round-off.
     """
     error, doubt = numbers(table, name), f"{name}.uncertainty"
-    return np.where(error == -1.0, np.nan, error), numbers(table, doubt) if doubt in table else np.full(len(table), np.nan)
+    return np.where(error == -1.0, np.nan, error), (
+        numbers(table, doubt) if doubt in table else np.full(len(table), np.nan)
+    )
 
 
 def figures(table: pd.DataFrame) -> list[str]:
     """Names of its errors."""
-    return [name for name in table.columns if name.startswith("error.") and not name.endswith(".uncertainty")]
+    return [
+        name
+        for name in table.columns
+        if name.startswith("error.") and not name.endswith(".uncertainty")
+    ]
 
 
-def parts(table: pd.DataFrame, columns: Sequence[str]) -> Iterator[tuple[dict[str, str], pd.DataFrame]]:
+def parts(
+    table: pd.DataFrame, columns: Sequence[str]
+) -> Iterator[tuple[dict[str, str], pd.DataFrame]]:
     """The rows for each set of values of `columns`, in the order of the study."""
     named = [name for name in columns if name]
     for key, part in table.groupby(named, sort=False) if named else [((), table)]:
@@ -156,7 +175,7 @@ def points_of(study: str) -> tuple[Point, ...]:
     return expand(load_study(STUDIES / f"{study}.toml"))
 
 
-# ------------------------------------------------------------------------------------------------------------------- laws
+# --------------------------------------------------------------------------------------------- laws
 @dataclass(frozen=True)
 class Law:
     """|e| = constant s^order where s is at most `largest`; a doubt is half of a 95 % interval."""
@@ -176,7 +195,9 @@ class Law:
     points: int
     left_out: int  # resolved points at larger s that are not asymptotic
     misfit: float  # reduced chi squared; above 1 the intervals are widened by its root
-    bent: bool  # curvature of the logarithms is significant even in the fewest points: no asymptotic range was found
+    # curvature of the logarithms is significant even in the fewest points: no asymptotic range was
+    # found
+    bent: bool
 
     def agrees(self) -> bool:
         """Whether the expected exponent is in the interval of the fitted one."""
@@ -187,17 +208,24 @@ class Law:
         return self.sign * self.fixed * s**self.expected * math.exp(self.next_term * s**self.step)
 
 
-def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: float, step: float = 2.0) -> Law | None:
-    """The law of errors (n,) at s (n,), each with its uncertainty (n,); None where fewer than five points can be had.
+def fit_law(
+    s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: float, step: float = 2.0
+) -> Law | None:
+    """The law of errors (n,) at s (n,), each with its uncertainty (n,); None where fewer than five
+    points can be had.
 
     `expected` is the exponent that theory predicts, `step` that by which its series goes on.
-    A point takes part where |error| > uncertainty and where it has the sign of the point with the smallest s among these.
-    The point at the largest s is left out, and the next, while logarithms are bent or it moves the exponent out of its interval.
-    Intervals have three parts, in quadrature: independent errors of standard deviation u, widened by the root of the misfit where
-    that is above 1; an error that all points share, as points cut alike do: what the fit moves by when all errors move by +-u; and
-    terms that are left out: what it moves by without the point at the largest s.
+    A point takes part where |error| > uncertainty and where it has the sign of the point with the
+    smallest s among these. The point at the largest s is left out, and the next, while logarithms
+    are bent or it moves the exponent out of its interval. Intervals have three parts, in
+    quadrature: independent errors of standard deviation u, widened by the root of the misfit where
+    that is above 1; an error that all points share, as points cut alike do: what the fit moves by
+    when all errors move by +-u; and terms that are left out: what it moves by without the point at
+    the largest s.
 
-    >>> law = fit_law([0.1, 0.2, 0.3, 0.4, 0.5], [0.02, 0.08, 0.18, 0.32, 0.5], [1e-4] * 5, expected=2)
+    >>> law = fit_law(
+    ...     [0.1, 0.2, 0.3, 0.4, 0.5], [0.02, 0.08, 0.18, 0.32, 0.5], [1e-4] * 5, expected=2
+    ... )
     >>> round(law.order, 6), round(law.constant, 6)
     (2.0, 2.0)
     """
@@ -231,7 +259,11 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
         interval = _widened(len(x) - len(found), misfit) * math.sqrt(covariance[1, 1])
         return bool(abs(free(x[:-1], e[:-1], u[:-1])[0][1] - found[1]) > interval)
 
-    inside = (k for k in range(len(x), _FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k]) and not is_moved(x[:k], e[:k], u[:k]))
+    inside = (
+        k
+        for k in range(len(x), _FEWEST, -1)
+        if not is_bent(x[:k], e[:k], u[:k]) and not is_moved(x[:k], e[:k], u[:k])
+    )
     count = next(inside, _FEWEST)
     total, (x, e, u) = len(x), (column[:count] for column in (x, e, u))
     (log, order, _), (log_doubt, order_doubt, _), misfit = _with_doubt(x, e, u, free)
@@ -256,10 +288,14 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
     )
 
 
-def leading_constant(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, order: float) -> tuple[float, float]:
-    """k of error = s^order (k + k1 s + k2 s^2 + k3 s^3) by all points (n,), and half its 95 % interval (parts as in `fit_law`).
+def leading_constant(
+    s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, order: float
+) -> tuple[float, float]:
+    """k of error = s^order (k + k1 s + k2 s^2 + k3 s^3) by all points (n,), and half its 95 %
+    interval (parts as in `fit_law`).
 
-    For a series in s whose second term soon counts: of that, the exponential that `fit_law` takes is a poor image.
+    For a series in s whose second term soon counts: of that, the exponential that `fit_law` takes
+    is a poor image.
 
     >>> s = np.array([0.1, 0.2, 0.3, 0.4, 0.5])
     >>> round(leading_constant(s, -s * (2 + 3 * s), 1e-4 * s, 1.0)[0], 6)
@@ -299,14 +335,18 @@ def _with_doubt(
     moved = [np.maximum(e + way * u, 0.05 * e) for way in (-1.0, 1.0)]
     shared = np.max([np.abs(fit(x, there, u * there / e)[0] - found) for there in moved], axis=0)
     inner = np.argsort(x)[:-1]
-    further = np.abs(fit(x[inner], e[inner], u[inner])[0] - found) if len(inner) >= len(found) else 0.0
+    further = (
+        np.abs(fit(x[inner], e[inner], u[inner])[0] - found) if len(inner) >= len(found) else 0.0
+    )
     return found, np.sqrt(widen**2 * np.diag(covariance) + shared**2 + further**2), misfit
 
 
-# ---------------------------------------------------------------------------------------------------------- lines of a chart
+# --------------------------------------------------------------------------------- lines of a chart
 @dataclass(frozen=True)
 class Line:
-    """The points of a chart along its small parameter, other axes fixed at `at`, their law, and the exponent of its first term."""
+    """The points of a chart along its small parameter, other axes fixed at `at`, their law, and the
+    exponent of its first term.
+    """
 
     figure: str
     at: Mapping[str, str]
@@ -330,33 +370,46 @@ def lines(chart: Chart, table: pd.DataFrame, wanted: Sequence[str] = ()) -> Iter
             across, (error, doubt), law = numbers(part, chart.across), errors(part, figure), None
             s = 1 / across if chart.inverse else np.abs(across)
             if order is not None:
-                law = fit_law(s, error, doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error), order, chart.step)
+                law = fit_law(
+                    s,
+                    error,
+                    doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error),
+                    order,
+                    chart.step,
+                )
             yield Line(figure, at, s, error, doubt, law, order or 2.0)
 
 
 def along(line: Line, s: float) -> tuple[float, float]:
-    """Error and uncertainty at s: error/s^n, n the line's order, is interpolated over log s and kept beyond the ends.
+    """Error and uncertainty at s: error/s^n, n the line's order, is interpolated over log s and
+    kept beyond the ends.
 
     Below the smallest point the law goes on; of its uncertainty nothing is gained.
     """
     order = np.argsort(line.s[line.known])
     at, *columns = (column[line.known][order] for column in (line.s, line.error, line.uncertainty))
-    error, doubt = (float(np.interp(np.log(s), np.log(at), column / at**line.order)) for column in columns)
+    error, doubt = (
+        float(np.interp(np.log(s), np.log(at), column / at**line.order)) for column in columns
+    )
     return error * s**line.order, doubt * max(s, float(at[0])) ** line.order
 
 
 @dataclass(frozen=True)
 class Bound:
-    """The largest s up to which |error| + uncertainty stays below a level; None where there is no such point and no law."""
+    """The largest s up to which |error| + uncertainty stays below a level; None where there is no
+    such point and no law.
+    """
 
     s: float | None
     how: str  # "points": between two of them; "all": the largest tried; "law": extrapolated; "none"
 
 
 def bound(line: Line, level: float) -> Bound:
-    """Read a line from small s upwards; straight in logarithms between the last point below the level and the first above.
+    """Read a line from small s upwards; straight in logarithms between the last point below the
+    level and the first above.
 
-    Points at which theory's error changes its sign may fall below a level in between: the first that exceeds it counts.
+    Points at which theory's error changes its sign may fall below a level in between: the first
+    that exceeds it counts.
     """
     size = np.abs(line.error) + np.nan_to_num(line.uncertainty)
     order = [k for k in np.argsort(line.s) if np.isfinite(size[k])]
@@ -376,7 +429,10 @@ def bound(line: Line, level: float) -> Bound:
 def bound_in_words(found: Bound, inverse: bool) -> str:
     """For a table: in units of the map's axis, rounded to the safe side; * where extrapolated.
 
-    >>> [bound_in_words(Bound(0.1234, "points"), inverse) for inverse in (True, False)], bound_in_words(Bound(0.5, "all"), True)
+    >>> (
+    ...     [bound_in_words(Bound(0.1234, "points"), inverse) for inverse in (True, False)],
+    ...     bound_in_words(Bound(0.5, "all"), True),
+    ... )
     (['8.2', '0.123'], '2 (all tried)')
     """
     if found.s is None:

@@ -1,4 +1,6 @@
-"""Laws, drawings and pages of the maps from the tables of their studies; the words are in maps.toml."""
+"""Laws, drawings and pages of the maps from the tables of their studies; the words are in
+maps.toml.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,19 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reports.charts.plate import Axis, Cell, Curve, Dot, Key, Mark, Note, Panel, Plate, colour_scale, labels
+from reports.charts.plate import (
+    Axis,
+    Cell,
+    Curve,
+    Dot,
+    Key,
+    Mark,
+    Note,
+    Panel,
+    Plate,
+    colour_scale,
+    labels,
+)
 from reports.charts.templating import markdown_table
 from reports.comparison.words import with_uncertainty
 from reports.folder import MANIFEST, claim, filled
@@ -69,12 +83,16 @@ _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 o
 
 
 def require_free(folder: Path) -> None:
-    """InputError where `folder` holds a page of somebody else's that `write` would replace: to be asked before hours of sweeps."""
+    """InputError where `folder` holds a page of somebody else's that `write` would replace: to be
+    asked before hours of sweeps.
+    """
     claim(folder, (MANIFEST, "README.md", "laws.json", *(f"{name}.md" for name in MAPS)))
 
 
 def write(folder: Path) -> None:
-    """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an error; InputError without tables."""
+    """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an
+    error; InputError without tables.
+    """
     there = present(folder)
     if not there:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
@@ -95,37 +113,67 @@ def write(folder: Path) -> None:
 
 def present(folder: Path) -> list[Map]:
     """The maps whose studies all have their tables in `folder`."""
-    return [one for one in MAPS.values() if all((folder / f"{study}.csv").exists() for study in one.studies)]
+    return [
+        one
+        for one in MAPS.values()
+        if all((folder / f"{study}.csv").exists() for study in one.studies)
+    ]
 
 
 def laws_text(folder: Path, there: list[Map]) -> str:
-    """laws.json: the laws of every map, and the constants that the corrections take; six digits, which every machine gives."""
+    """laws.json: the laws of every map, and the constants that the corrections take; six digits,
+    which every machine gives.
+    """
     charts = [chart for asked in there for chart in asked.charts]
-    found = [(chart.study, line) for chart in charts for line in lines(chart, read(folder, chart.study))]
-    laws = [{"study": study, "figure": line.figure, **line.at, **asdict(line.law)} for study, line in found if line.law]
+    found = [
+        (chart.study, line) for chart in charts for line in lines(chart, read(folder, chart.study))
+    ]
+    laws = [
+        {"study": study, "figure": line.figure, **line.at, **asdict(line.law)}
+        for study, line in found
+        if line.law
+    ]
 
     def rounded(row: Mapping[str, Any]) -> dict[str, Any]:
-        return {key: float(f"{value:.6g}") if isinstance(value, float) else value for key, value in row.items()}
+        return {
+            key: float(f"{value:.6g}") if isinstance(value, float) else value
+            for key, value in row.items()
+        }
 
     return (
-        json.dumps({"laws": [rounded(law) for law in laws], "curvatures": [rounded(row) for row in _curvatures(laws)]}, indent=1)
+        json.dumps(
+            {
+                "laws": [rounded(law) for law in laws],
+                "curvatures": [rounded(row) for row in _curvatures(laws)],
+            },
+            indent=1,
+        )
         + "\n"
     )
 
 
 def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
-    """N and T of two equal blocks, sides free and base fixed, from the laws of p0 and dissipation under the paper's loop.
+    """N and T of two equal blocks, sides free and base fixed, from the laws of p0 and dissipation
+    under the paper's loop.
 
-    p0 moves by N/2 (a/h)^2; dissipation by (w_n N + w_t T) (a/h)^2, the sensitivities w from `theory`.
+    p0 moves by N/2 (a/h)^2; dissipation by (w_n N + w_t T) (a/h)^2, the sensitivities w from
+    `theory`.
     """
     p, q, cycle = ellipse_path(*_PAPER)
 
     def sensitivity(normal: float, tangential: float) -> float:
-        up, down = (dissipation_error(p, q, 1.0, Curvatures(way * normal, way * tangential), cycle) for way in (_PROBE, -_PROBE))
+        up, down = (
+            dissipation_error(p, q, 1.0, Curvatures(way * normal, way * tangential), cycle)
+            for way in (_PROBE, -_PROBE)
+        )
         return (up - down) / (2 * _PROBE)
 
     by_normal, by_tangential = sensitivity(1.0, 0.0), sensitivity(0.0, 1.0)
-    chosen = {(row["figure"], row["aspect"]): row for row in laws if row["study"] == "block" and row["base"] == "fixed"}
+    chosen = {
+        (row["figure"], row["aspect"]): row
+        for row in laws
+        if row["study"] == "block" and row["base"] == "fixed"
+    }
     for (figure, aspect), pressure in chosen.items():
         work = chosen.get(("error.dissipation", aspect))
         if figure == "error.p0" and work is not None:
@@ -135,20 +183,30 @@ def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
                 "normal": normal,
                 "normal_doubt": doubt,
                 "tangential": (work["sign"] * work["fixed"] - by_normal * normal) / by_tangential,
-                "tangential_doubt": (abs(work["fixed_doubt"]) + abs(doubt * by_normal)) / abs(by_tangential),
+                "tangential_doubt": (
+                    (abs(work["fixed_doubt"]) + abs(doubt * by_normal)) / abs(by_tangential)
+                ),
             }
 
 
-# ------------------------------------------------------------------------------------------------------------------ pages
+# -------------------------------------------------------------------------------------------- pages
 def _drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
     """(file name, SVG, caption) of a chart."""
     shown = [name for name in _DRAWN if name in figures(table)]
     if chart.up:
-        svg = _heat(chart, table, shown if chart.expected else [name for name in shown if name in _DRAWN[:2]]).svg()
+        svg = _heat(
+            chart,
+            table,
+            shown if chart.expected else [name for name in shown if name in _DRAWN[:2]],
+        ).svg()
         yield f"{chart.study}-map.svg", svg, PAGE_WORDS["map"]
     if chart.expected is not None or not chart.up:
         caption = PAGE_WORDS["discrepancy" if chart.expected is None else "law"]
-        yield f"{chart.study}-law.svg", _slopes(chart, list(lines(chart, table, shown)), shown).svg(), caption
+        yield (
+            f"{chart.study}-law.svg",
+            _slopes(chart, list(lines(chart, table, shown)), shown).svg(),
+            caption,
+        )
 
 
 def page(asked: Map, folder: Path) -> str:
@@ -159,43 +217,82 @@ def page(asked: Map, folder: Path) -> str:
         table = read(folder, chart.study)
         found = list(lines(chart, table, _TABLED))
         made += [f"## {chart.study}"] * (len(asked.charts) > 1)
-        made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in _drawings(chart, table)]
+        made += [
+            f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in _drawings(chart, table)
+        ]
         if chart.expected is not None:
-            made += [*_within(chart, found), *_laws(chart, [line for line in found if line.figure in _DRAWN])]
+            made += [
+                *_within(chart, found),
+                *_laws(chart, [line for line in found if line.figure in _DRAWN]),
+            ]
     for section in _TRIALS.get(asked.name, ()):
         made += section(folder)
     costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
-    rows = [[f"[{study}]({study}.csv)", str(len(s)), f"{np.nanmedian(s):.1f}", f"{np.nansum(s) / 60:.1f}"] for study, s in costs]
+    rows = [
+        [
+            f"[{study}]({study}.csv)",
+            str(len(s)),
+            f"{np.nanmedian(s):.1f}",
+            f"{np.nansum(s) / 60:.1f}",
+        ]
+        for study, s in costs
+    ]
     head = ["study", "points", "median seconds of a point", "minutes in all"]
-    made += ["## How it was made", PAGE_WORDS["cost"].format(name=asked.name), markdown_table(head, rows)]
+    made += [
+        "## How it was made",
+        PAGE_WORDS["cost"].format(name=asked.name),
+        markdown_table(head, rows),
+    ]
     return "\n\n".join(made) + "\n"
 
 
 def index(folder: Path, there: list[Map]) -> str:
-    """Markdown of reports/published/maps/README.md: the designer's question answered from the tables, and what is where."""
+    """Markdown of reports/published/maps/README.md: the designer's question answered from the
+    tables, and what is where.
+    """
     _, found = parts_of(load_scene(DESIGNER), folder)
     known = [part for part in found if part.values is not None]
     error, doubt = total(known, "error.dissipation")
-    missing = "" if len(known) == len(found) else f" (without {len(found) - len(known)} departures that no map here has)"
+    missing = (
+        ""
+        if len(known) == len(found)
+        else f" (without {len(found) - len(known)} departures that no map here has)"
+    )
     says = "no" if abs(error) + doubt > 0.05 else "not known" if missing else "yes"
     pressure = percent(*total(known, "error.p0"))
-    question = PAGE_WORDS["question"].format(says=says, dissipation=percent(error, doubt), missing=missing, pressure=pressure)
+    question = PAGE_WORDS["question"].format(
+        says=says, dissipation=percent(error, doubt), missing=missing, pressure=pressure
+    )
     head = ["departure", *(WORDS[figure] for figure in FIGURES), "where from"]
-    made = ["# Where the half-plane holds, and by how much it fails", "<!-- written by `halfplane map all` -->", question]
-    made += [markdown_table(head, [[part.what, *cells(part), part.how] for part in found]), PAGE_WORDS["index"]]
+    made = [
+        "# Where the half-plane holds, and by how much it fails",
+        "<!-- written by `halfplane map all` -->",
+        question,
+    ]
+    made += [
+        markdown_table(head, [[part.what, *cells(part), part.how] for part in found]),
+        PAGE_WORDS["index"],
+    ]
     for asked in there:
         points = sum(len(read(folder, study)) for study in asked.studies)
-        made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {_answer(asked, folder)} ({points} points.)"]
+        made += [
+            f"## [{asked.title}]({asked.name}.md)",
+            f"*{asked.question}* {_answer(asked, folder)} ({points} points.)",
+        ]
     return "\n\n".join(made) + "\n"
 
 
 def _answer(asked: Map, folder: Path) -> str:
-    """The first paragraph: errors at the designer's place, and from where on theory holds within 5 %."""
+    """The first paragraph: errors at the designer's place, and from where on theory holds within 5
+    %.
+    """
     tables = {chart.study: read(folder, chart.study) for chart in asked.charts}
     if asked.name == "loop":
         return _worst_loops(tables["loop"])
     if asked.name == "limits":
-        return PAGE_WORDS["limits"].format(said="; ".join(_mesh_refinement(study, table) for study, table in tables.items()))
+        return PAGE_WORDS["limits"].format(
+            said="; ".join(_mesh_refinement(study, table) for study, table in tables.items())
+        )
     return " ".join(_read_off(chart, tables[chart.study]) for chart in asked.charts)
 
 
@@ -204,9 +301,13 @@ def _read_off(chart: Chart, table: pd.DataFrame) -> str:
     said: dict[str, list[str]] = {WORDS[figure]: [] for figure in FIGURES[:2]}
     for line in found:
         value = reading_at(line, chart.sample["s"])
-        said[WORDS[line.figure]].append(f"{percent(*value) if value else 'outside the study'} ({place(line.at)})")
+        said[WORDS[line.figure]].append(
+            f"{percent(*value) if value else 'outside the study'} ({place(line.at)})"
+        )
     works = [line for line in found if line.figure == "error.dissipation"]
-    holds = ", ".join(f"{bound_in_words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in works)
+    holds = ", ".join(
+        f"{bound_in_words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in works
+    )
     off = "; ".join(f"{words}: error of {', '.join(ends)}" for words, ends in said.items())
     return f"{chart.sample['words']} {off}. Dissipation is within 5 % if {chart.within} {holds}."
 
@@ -221,34 +322,62 @@ def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
     """How far apart the engines are over a mesh refinement, and where least."""
     error, name = np.abs(errors(table, "error.dissipation")[0]), table.columns[0]
     span = f"{100 * error.max():.2g} to {100 * error.min():.2g} %"
-    return f"{study.removeprefix('limits-')}: {span}, least at {name} = {table[name].iloc[int(np.argmin(error))]}"
+    return (
+        f"{study.removeprefix('limits-')}: {span}, least at {name} ="
+        f" {table[name].iloc[int(np.argmin(error))]}"
+    )
 
 
 def _worst_loops(table: pd.DataFrame) -> str:
     """Where the same blocks hurt most and least."""
     error, doubt = errors(table, "error.dissipation")
-    pressure, size = errors(table, "error.p0")[0], np.where(np.abs(error) > doubt, np.abs(error), np.nan)
+    pressure, size = (
+        errors(table, "error.p0")[0],
+        np.where(np.abs(error) > doubt, np.abs(error), np.nan),
+    )
     ends = {"worst": int(np.nanargmax(size)), "least": int(np.nanargmin(size))}
     said = {name: with_uncertainty(100 * error[k], 100 * doubt[k]) for name, k in ends.items()}
     for name, k in ends.items():
         row = table.iloc[k]
-        said[f"{name} loop"] = f"P1/P0 = {row['amplitude']}, phase {row['phase']}°, {row['margin']} from sliding"
-    counts = {"points": len(table), "stuck": int(np.isnan(error).sum()), "unresolved": int(np.sum(np.abs(error) <= doubt))}
-    return str(PAGE_WORDS["loop"].format(**said, **counts, p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}"))
+        said[f"{name} loop"] = (
+            f"P1/P0 = {row['amplitude']}, phase {row['phase']}°, {row['margin']} from sliding"
+        )
+    counts = {
+        "points": len(table),
+        "stuck": int(np.isnan(error).sum()),
+        "unresolved": int(np.sum(np.abs(error) <= doubt)),
+    }
+    return str(
+        PAGE_WORDS["loop"].format(
+            **said, **counts, p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}"
+        )
+    )
 
 
 def _section(name: str, rows: Iterable[Sequence[str]], **values: float) -> list[str]:
     """A part of a page: its title, words with their numbers, and table."""
     words = PAGE_WORDS[name]
-    return [f"## {words['title']}", words["text"].format(**values), markdown_table(words["head"], rows)]
+    return [
+        f"## {words['title']}",
+        words["text"].format(**values),
+        markdown_table(words["head"], rows),
+    ]
 
 
 def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
     rows = [
-        [WORDS[line.figure], place(line.at), *(bound_in_words(bound(line, level), chart.inverse) for level in _LEVELS)]
+        [
+            WORDS[line.figure],
+            place(line.at),
+            *(bound_in_words(bound(line, level), chart.inverse) for level in _LEVELS),
+        ]
         for line in found
     ]
-    head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
+    head = [
+        "figure",
+        "where",
+        *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS),
+    ]
     return [
         "## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "",
         markdown_table(head, rows),
@@ -262,7 +391,9 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
         law, row = line.law, [WORDS[line.figure], place(line.at)]
         if law is None:
             few = int(np.sum(np.abs(line.error) > line.uncertainty))
-            rows.append([*row, f"no law: {few} resolved points of one sign, five needed", "", "", "", ""])
+            rows.append(
+                [*row, f"no law: {few} resolved points of one sign, five needed", "", "", "", ""]
+            )
             continue
         row += [f"{law.order:.2f} ± {law.order_doubt:.2f}"]
         row += [f"{'agrees with' if law.agrees() else '**differs from**'} {law.expected:g}"]
@@ -280,31 +411,55 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
 
 
 def _straight_exponent(line: Line) -> float:
-    """The exponent of a straight line through all resolved points, log e over log s, without the next term of the series."""
+    """The exponent of a straight line through all resolved points, log e over log s, without the
+    next term of the series.
+    """
     used = line.known & (np.abs(line.error) > line.uncertainty)
     s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
-    return float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0]) if len(s) > 1 else float("nan")
+    return (
+        float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0])
+        if len(s) > 1
+        else float("nan")
+    )
 
 
-# --------------------------------------------------------------------------------------------------------------- drawings
+# ----------------------------------------------------------------------------------------- drawings
 def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
-    """A row for each error, a column for each panel; |error| in per cent, hatched where it is not resolved."""
+    """A row for each error, a column for each panel; |error| in per cent, hatched where it is not
+    resolved.
+    """
     columns = list(parts(table, (chart.panels,)))
     every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
     low, high = max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every)))
-    bar = colour_scale("heat-colours", low, high, "|error of half-plane theory|, %", log=True, own=_BAR, width=340.0)
+    bar = colour_scale(
+        "heat-colours",
+        low,
+        high,
+        "|error of half-plane theory|, %",
+        log=True,
+        own=_BAR,
+        width=340.0,
+    )
     panels = []
     for number, figure in enumerate(shown):
         for k, (at, part) in enumerate(columns):
             where = ", ".join(f"{AXES.get(name, name)} = {value}" for name, value in at.items())
             title = f"{WORDS[figure]}{'; ' + where if where else ''}"
             panel = _cells(chart, part, figure, f"heat-{number}-{k}", title, (low, high))
-            panels.append(Cell((panel, bar) if number == len(shown) - 1 and k == 0 else (panel,), None))
-    return Plate("map", "", "", "Errors over both axes of a map", tuple(panels), {}, (), len(columns))
+            panels.append(
+                Cell((panel, bar) if number == len(shown) - 1 and k == 0 else (panel,), None)
+            )
+    return Plate(
+        "map", "", "", "Errors over both axes of a map", tuple(panels), {}, (), len(columns)
+    )
 
 
-def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str, ends: tuple[float, float]) -> Panel:
-    """Colours are of cells, lines of the values at their middles; both axes go by factors but for angles and what may be 0."""
+def _cells(
+    chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str, ends: tuple[float, float]
+) -> Panel:
+    """Colours are of cells, lines of the values at their middles; both axes go by factors but for
+    angles and what may be 0.
+    """
     error, doubt = errors(part, figure)
     size, hidden = 100 * np.abs(error), ~(np.abs(error) > doubt)
     axes, places, steps = list[Axis](), list[Array](), list[Array]()
@@ -312,11 +467,19 @@ def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str,
         place = numbers(part, column)
         values, log = np.unique(place), column != "phase" and bool(place.min() > 0)
         borders = cell_borders(values, log=log)
-        ticks = tuple((value, f"{float(f'{value:.3g}'):g}") for value in values[:: 1 if len(values) <= 6 else 2].tolist())
-        axes.append(Axis(float(borders[0]), float(borders[-1]), AXES.get(column, column), log, ticks=ticks))
+        ticks = tuple(
+            (value, f"{float(f'{value:.3g}'):g}")
+            for value in values[:: 1 if len(values) <= 6 else 2].tolist()
+        )
+        axes.append(
+            Axis(float(borders[0]), float(borders[-1]), AXES.get(column, column), log, ticks=ticks)
+        )
         places.append(place)
         steps.append(values)
-    names = [f"{value:.3g} %" + (", not resolved" if dim else "") for value, dim in zip(size, hidden, strict=True)]
+    names = [
+        f"{value:.3g} %" + (", not resolved" if dim else "")
+        for value, dim in zip(size, hidden, strict=True)
+    ]
     share = np.log(np.clip(size, *ends) / ends[0]) / np.log(ends[1] / ends[0])
     marks = heat_map((axes[0], axes[1]), (places[0], places[1]), share, names, hidden)
     if min(map(len, steps)) > 1:
@@ -327,18 +490,27 @@ def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str,
 
 
 def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> Iterator[Mark]:
-    """Lines at 1, 5 and 10 %, between points by the logarithm, as errors go by powers; none near a point without a value."""
+    """Lines at 1, 5 and 10 %, between points by the logarithm, as errors go by powers; none near a
+    point without a value.
+    """
     from matplotlib.figure import Figure
 
     def scaled(points: Array) -> list[Array]:
         """x and y of points (n, 2) between which lines are straight."""
-        return [np.exp(column) if axis.log else column for axis, column in zip(axes, points.T, strict=True)]
+        return [
+            np.exp(column) if axis.log else column
+            for axis, column in zip(axes, points.T, strict=True)
+        ]
 
     height = np.ma.masked_invalid(np.log10(np.maximum(size, 1e-4)))
-    across, up = (np.log(values) if axis.log else values for axis, values in zip(axes, steps, strict=True))
+    across, up = (
+        np.log(values) if axis.log else values for axis, values in zip(axes, steps, strict=True)
+    )
     for level, css in _LOOK_OF_LEVEL.items():
         if height.min() < np.log10(level) < height.max():
-            pieces = Figure().subplots().contour(across, up, height, levels=[np.log10(level)]).allsegs[0]
+            pieces = (
+                Figure().subplots().contour(across, up, height, levels=[np.log10(level)]).allsegs[0]
+            )
             for points in pieces:
                 x, y = scaled(points)
                 yield Curve(x, y, css)
@@ -348,42 +520,81 @@ def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> I
 
 
 def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
-    """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the predicted slope."""
+    """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the
+    predicted slope.
+    """
     panels, keys = [], dict[str, Key]()
     for number, figure in enumerate(shown):
         chosen = [line for line in found if line.figure == figure]
         marks = [mark for k, line in enumerate(chosen) for mark in _points(line, k)]
-        keys |= {place(line.at, "points"): Key(f"c{k % _LOOKS}", place(line.at, "points")) for k, line in enumerate(chosen)}
+        keys |= {
+            place(line.at, "points"): Key(f"c{k % _LOOKS}", place(line.at, "points"))
+            for k, line in enumerate(chosen)
+        }
         s, size = (
-            np.concatenate([column(line) for line in chosen]) for column in (lambda one: one.s, lambda one: np.abs(one.error))
+            np.concatenate([column(line) for line in chosen])
+            for column in (lambda one: one.s, lambda one: np.abs(one.error))
         )
         known = size[np.isfinite(size) & (size > 0)]
         if (order := chart.order(figure)) is not None:
             ends = np.array([s.min(), s.max()])
             others = "".join(f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items())
             label = f"slope {chart.expected:g}, predicted{others}"
-            marks.append(Curve(ends, 60 * float(known.max()) * (ends / ends[1]) ** order, "slope order-2", label))
+            marks.append(
+                Curve(
+                    ends,
+                    60 * float(known.max()) * (ends / ends[1]) ** order,
+                    "slope order-2",
+                    label,
+                )
+            )
             keys[label] = Key("slope order-2", label)
         wanted = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
         ticks = tuple(zip(wanted, labels(wanted), strict=True))
-        across = Axis(0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks)
-        up = Axis(max(50 * float(known.min()), 1e-6), 150 * float(known.max()), "|error|, %", log=True)
-        panels.append(Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure]))
-    return Plate("law", "", "", "Errors over the small parameter", tuple(panels), {}, tuple(keys.values()), min(2, len(shown)))
+        across = Axis(
+            0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks
+        )
+        up = Axis(
+            max(50 * float(known.min()), 1e-6), 150 * float(known.max()), "|error|, %", log=True
+        )
+        panels.append(
+            Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure])
+        )
+    return Plate(
+        "law",
+        "",
+        "",
+        "Errors over the small parameter",
+        tuple(panels),
+        {},
+        tuple(keys.values()),
+        min(2, len(shown)),
+    )
 
 
 def _points(line: Line, number: int) -> Iterator[Mark]:
-    look, size, doubt = f"c{number % _LOOKS}", 100 * np.abs(line.error), np.nan_to_num(100 * line.uncertainty)
+    look, size, doubt = (
+        f"c{number % _LOOKS}",
+        100 * np.abs(line.error),
+        np.nan_to_num(100 * line.uncertainty),
+    )
     yield bars(line.s, np.maximum(size - doubt, 1e-3 * size), size + doubt, look)
     for s, value, hidden in zip(line.s, size, size <= doubt, strict=True):
         if np.isfinite(value):
-            yield Dot(float(s), float(value), f"{look} hollow" if hidden else f"p{number % _LOOKS}", 2.8)
+            yield Dot(
+                float(s), float(value), f"{look} hollow" if hidden else f"p{number % _LOOKS}", 2.8
+            )
     if line.law is not None:
         s = np.geomspace(line.law.smallest, line.law.largest, 40)
-        yield Curve(s, [100 * abs(line.law.value(float(here))) for here in s], f"{look} fine", place(line.at, "points"))
+        yield Curve(
+            s,
+            [100 * abs(line.law.value(float(here))) for here in s],
+            f"{look} fine",
+            place(line.at, "points"),
+        )
 
 
-# --------------------------------------------------------------------------------------- theory and corrections on trial
+# ------------------------------------------------------------------ theory and corrections on trial
 def left(error: float, predicted: float) -> float:
     """Error of a corrected value: finite elements over corrected theory, less 1."""
     return (1 + error) / (1 + predicted) - 1
@@ -422,10 +633,22 @@ def _derived_blocks(folder: Path) -> list[str]:
         n, t = (-curvature_sum(base, tangential=way, aspect=width) / 2 for way in (False, True))
         known = n / 2
         if law["figure"] == "error.dissipation":
-            known = dissipation_error(p, q, 1.0, Curvatures(n * _SMALL**2, t * _SMALL**2), cycle) / _SMALL**2
+            known = (
+                dissipation_error(p, q, 1.0, Curvatures(n * _SMALL**2, t * _SMALL**2), cycle)
+                / _SMALL**2
+            )
         fit, doubt = law["sign"] * law["fixed"], law["fixed_doubt"]
-        whose = "walls and rollers, sum over images" if base == "rollers" else "layer without end, integral"
-        row = [law["figure"].removeprefix("error."), f"{base}, {aspect:g}", f"{fit:.3f} ± {doubt:.3f}", f"{known:.3f}"]
+        whose = (
+            "walls and rollers, sum over images"
+            if base == "rollers"
+            else "layer without end, integral"
+        )
+        row = [
+            law["figure"].removeprefix("error."),
+            f"{base}, {aspect:g}",
+            f"{fit:.3f} ± {doubt:.3f}",
+            f"{known:.3f}",
+        ]
         rows.append([*row, _beside(fit, doubt, known), whose])
     return _section("derived_blocks", rows)
 
@@ -436,28 +659,54 @@ def _derived_pads(folder: Path) -> list[str]:
     for line in work_lines(folder):
         known = work_constant(float(line.at["flat"]), RATIO)
         fit, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
-        rows.append([line.at["flat"], f"{fit:.3f} ± {doubt:.3f}", f"{known:.4f}", _beside(fit, doubt, known)])
+        rows.append(
+            [
+                line.at["flat"],
+                f"{fit:.3f} ± {doubt:.3f}",
+                f"{known:.4f}",
+                _beside(fit, doubt, known),
+            ]
+        )
     return _section("derived_pads", rows)
 
 
 def _odd_part(folder: Path) -> list[str]:
-    """What is left of one block's error beside half of what two equal blocks do: the coupling by the odd part of its kernel."""
+    """What is left of one block's error beside half of what two equal blocks do: the coupling by
+    the odd part of its kernel.
+    """
     rows = []
     for row in read(folder, "one-block").to_dict("records"):
-        f, aspect, height, (error, doubt) = float(row["f"]), float(row["aspect"]), float(row["height"]), _work(row)
+        f, aspect, height, (error, doubt) = (
+            float(row["f"]),
+            float(row["aspect"]),
+            float(row["height"]),
+            _work(row),
+        )
         both = added_curvatures("fixed", aspect, 1 / height)
         p, q, cycle = ellipse_path(_PAPER[0], _PAPER[1] * f, _PAPER[2] * f, _PAPER[3])
         even = dissipation_error(p, q, f, Curvatures(both.normal / 2, both.tangential / 2), cycle)
-        cells = [row["f"], row["aspect"], f"{height:.3g}", with_uncertainty(100 * error, 100 * doubt), *_percent(even)]
+        cells = [
+            row["f"],
+            row["aspect"],
+            f"{height:.3g}",
+            with_uncertainty(100 * error, 100 * doubt),
+            *_percent(even),
+        ]
         rows.append([*cells, f"{(error - even) * height**2:+.2f}"])
     return _section("odd_part", rows)
 
 
 def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
-    """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
+    """A correction of dissipation on points that nothing was fitted to: the error of theory, that
+    predicted, and what is left.
+    """
     table, points, rows, sizes = read(folder, study), points_of(study), [], []
-    scenes = {tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points}
-    for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
+    scenes = {
+        tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points
+    }
+    for row, error, doubt in zip(
+        table.to_dict("records"), *errors(table, "error.dissipation"), strict=True
+    ):
         cells = [row[column] for column in columns]
         scene = scenes[tuple(row[column] for column in points[0].coordinates)]
         if np.isnan(error):
@@ -471,11 +720,26 @@ def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
             continue
         rest = left(error, predicted)
         sizes.append((abs(error), abs(rest)))
-        rows.append([*cells, *_percent(predicted, rest), "resolved" if abs(rest) > doubt else "not resolved"])
+        rows.append(
+            [
+                *cells,
+                *_percent(predicted, rest),
+                "resolved" if abs(rest) > doubt else "not resolved",
+            ]
+        )
     before, after = 100 * np.array(sizes).T
     removed = 100 * (1 - after / before)
-    spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
-    medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
+    spans = {
+        "least": removed.min(),
+        "most": removed.max(),
+        "before": before.max(),
+        "after": after.max(),
+    }
+    medians = {
+        "median": np.median(removed),
+        "median before": np.median(before),
+        "median after": np.median(after),
+    }
     return _section(name, rows, **spans, **medians)
 
 
@@ -490,17 +754,32 @@ def _growth(folder: Path) -> list[str]:
 
 
 def _other_sign(folder: Path) -> list[str]:
-    """Other signs of beta and other alpha, beside the laws: their constant and next term interpolated over log f."""
+    """Other signs of beta and other alpha, beside the laws: their constant and next term
+    interpolated over log f.
+    """
     laws = sorted(_known(folder, "unlike", "error.dissipation"), key=lambda law: float(law["f"]))
     fs, rows = np.array([float(law["f"]) for law in laws]), []
     for row in read(folder, "unlike-held-out").to_dict("records"):
         (error, doubt), f, square = _work(row), float(row["f"]), float(row["beta"]) ** 2
         said = "none"
         if len(fs) > 1 and fs[0] <= f <= fs[-1]:
-            columns = [law["sign"] * law["fixed"] for law in laws], [law["next_term"] for law in laws]
-            constant, following = (float(np.interp(np.log(f), np.log(fs), column)) for column in columns)
+            columns = (
+                [law["sign"] * law["fixed"] for law in laws],
+                [law["next_term"] for law in laws],
+            )
+            constant, following = (
+                float(np.interp(np.log(f), np.log(fs), column)) for column in columns
+            )
             said = f"{100 * constant * square * math.exp(following * square):+.2f}"
-        rows.append([row["beta"], row["poisson"], row["f"], with_uncertainty(100 * error, 100 * doubt), said])
+        rows.append(
+            [
+                row["beta"],
+                row["poisson"],
+                row["f"],
+                with_uncertainty(100 * error, 100 * doubt),
+                said,
+            ]
+        )
     return _section("other_sign", rows)
 
 
@@ -508,10 +787,19 @@ def _other_sign(folder: Path) -> list[str]:
 _TRIALS: dict[str, tuple[Callable[[Path], list[str]], ...]] = {
     "block": (
         _derived_blocks,
-        lambda folder: _tried(folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"),
+        lambda folder: _tried(
+            folder, "corrected_blocks", "block-held-out", "base", "aspect", "height"
+        ),
     ),
-    "curvature": (_derived_pads, lambda folder: _tried(folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio")),
+    "curvature": (
+        _derived_pads,
+        lambda folder: _tried(
+            folder, "corrected_pads", "pad-held-out", "flat", "curvature", "ratio"
+        ),
+    ),
     "one-block": (_odd_part,),
-    "loop": (lambda folder: _tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),),
+    "loop": (
+        lambda folder: _tried(folder, "corrected_loops", "loop", "amplitude", "margin", "phase"),
+    ),
     "unlike": (_growth, _other_sign),
 }

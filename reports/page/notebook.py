@@ -1,4 +1,6 @@
-"""What a notebook shows of a scene and a solution, a table as HTML with every word escaped; and `plot` and `plot_loop`."""
+"""What a notebook shows of a scene and a solution, a table as HTML with every word escaped; and
+`plot` and `plot_loop`.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,15 @@ def scene_html(scene: Scene) -> str:
     upper, lower = scene.material.upper, scene.material.lower
     path = scene.load.path()
     loads = [path.at(np.linspace(leg.start, leg.end, 65)) for leg in path.legs(1)]
-    normal, tangential = (np.concatenate([np.atleast_1d(pair[k]) for pair in loads]) for k in (0, 1))
+    normal, tangential = (
+        np.concatenate([np.atleast_1d(pair[k]) for pair in loads]) for k in (0, 1)
+    )
     rows = [
         ("name", scene.name or "–"),
-        ("bodies", f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}".replace("_", "-")),
+        (
+            "bodies",
+            f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}".replace("_", "-"),
+        ),
         ("E, ν upper", f"{upper.young_modulus:.6g}, {upper.poisson_ratio:.4g}"),
         ("E, ν lower", f"{lower.young_modulus:.6g}, {lower.poisson_ratio:.4g}"),
         ("profile", scene.profile.kind.replace("_", " ")),
@@ -48,7 +55,8 @@ _STATES = ("#f2f2f2", "#9db4c0", "#d95f02", "#4b2e83")
 
 
 def solution_figure(solution: ContactSolution, time: float | None = None) -> Figure:
-    """Tractions at the stored instant next to `time`, and the states of all points through the last cycle.
+    """Tractions at the stored instant next to `time`, and the states of all points through the last
+    cycle.
 
     Without `time` the instant is that of the largest |Q| of the last cycle.
 
@@ -59,9 +67,15 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     """
     steps, now = solution.last_cycle, solution.time
     if not np.isfinite(solution.pressure).any():
-        raise InputError("plot: the solution holds no pressure; solve it with fields='pressure' and 'shear' at least")
+        raise InputError(
+            "plot: the solution holds no pressure; solve it with fields='pressure' and 'shear' at"
+            " least"
+        )
     if time is not None and not now.min() <= time <= now.max():
-        raise InputError(f"plot: time = {time:g} lies outside the solution, which goes from {now.min():.6g} to {now.max():.6g}")
+        raise InputError(
+            f"plot: time = {time:g} lies outside the solution, which goes from {now.min():.6g} to"
+            f" {now.max():.6g}"
+        )
     if time is not None:
         step = int(np.argmin(np.abs(now - time)))
     else:
@@ -74,9 +88,13 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     tractions.plot(x, solution.shear[step], color=_STATES[2], marker=mark, label="shear traction q")
     for sign in (1, -1) if friction else ():
         label = "Coulomb limit ±f p" if sign > 0 else None
-        tractions.plot(x, sign * friction * solution.pressure[step], color="0.6", linestyle=":", label=label)
+        tractions.plot(
+            x, sign * friction * solution.pressure[step], color="0.6", linestyle=":", label=label
+        )
     tractions.set_ylabel(f"p, q [{stress}]")
-    tractions.set_title(f"{solution.scene.title or solution.scene.name}, time {now[step]:.4g}", loc="left")
+    tractions.set_title(
+        f"{solution.scene.title or solution.scene.name}, time {now[step]:.4g}", loc="left"
+    )
     tractions.legend(frameon=False)
     if len(x) > 1 and len(steps) > 1:
         from matplotlib.colors import ListedColormap
@@ -84,11 +102,23 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
 
         colours = ListedColormap(list(_STATES))
         states.pcolormesh(
-            x, now[steps], solution.state[steps], cmap=colours, vmin=-0.5, vmax=3.5, shading="nearest", rasterized=True
+            x,
+            now[steps],
+            solution.state[steps],
+            cmap=colours,
+            vmin=-0.5,
+            vmax=3.5,
+            shading="nearest",
+            rasterized=True,
         )
         words = [state.name.lower().replace("_", " ") for state in SurfaceState]
-        entries = [Patch(facecolor=colour, edgecolor="0.5", label=word) for colour, word in zip(_STATES, words, strict=True)]
-        states.legend(handles=entries, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+        entries = [
+            Patch(facecolor=colour, edgecolor="0.5", label=word)
+            for colour, word in zip(_STATES, words, strict=True)
+        ]
+        states.legend(
+            handles=entries, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
+        )
         states.axhline(now[step], color="black", linewidth=0.8)
     states.set_ylabel("time")
     states.set_xlabel(f"x [{length}]")
@@ -105,24 +135,39 @@ def loop_figure(solution: ContactSolution) -> Figure:
     """
     steps = solution.last_cycle
     if not np.isfinite(solution.tangential_displacement[steps]).any():
-        raise InputError("plot_loop: the solution holds no relative tangential displacement; solve it with that field")
+        raise InputError(
+            "plot_loop: the solution holds no relative tangential displacement; solve it with that"
+            " field"
+        )
     figure, (axes,) = _axes(1, (5.5, 4.5))
     force, length, _ = solution.scene.unit_words
-    axes.plot(solution.tangential_displacement[steps], solution.tangential_load[steps], color="black")
+    axes.plot(
+        solution.tangential_displacement[steps], solution.tangential_load[steps], color="black"
+    )
     axes.set_xlabel(f"relative tangential displacement U [{length}]")
     axes.set_ylabel(f"Q [{force}/{length}]")
     repeats = solution.scene.load.path().period is not None
     of = "per cycle" if repeats else f"of the {stretch(solution.scene)}"
-    work = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {of}" if np.isfinite(solution.dissipation) else ""
-    axes.set_title("\n".join(filter(None, (solution.scene.title or solution.scene.name, work))), loc="left")
+    work = (
+        f"W = {solution.dissipation:.4g} {force}·{length}/{length} {of}"
+        if np.isfinite(solution.dissipation)
+        else ""
+    )
+    axes.set_title(
+        "\n".join(filter(None, (solution.scene.title or solution.scene.name, work))), loc="left"
+    )
     return figure
 
 
 def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
-    """A figure with `rows` axes one above the other; a notebook, which shows what a cell returns, is not to show it twice."""
+    """A figure with `rows` axes one above the other; a notebook, which shows what a cell returns,
+    is not to show it twice.
+    """
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(rows, 1, figsize=size, sharex=rows > 1, squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(
+        rows, 1, figsize=size, sharex=rows > 1, squeeze=False, layout="constrained"
+    )
     if "inline" in plt.get_backend():
         plt.close(figure)
     return figure, [row[0] for row in axes]

@@ -1,1 +1,3 @@
-"""The paper again from half-plane theory: its figures, what it states in words, its misprints, and the page of them all."""
+"""The paper again from half-plane theory: its figures, what it states in words, its misprints, and
+the page of them all.
+"""

@@ -1,10 +1,11 @@
 """The paper's two examples as the engine solves them, with the units in which the paper draws them.
 
-`Case` has the engine's answers, `Formulas` the paper's own equations, mended, written out in plain numbers: what its misprints are
-held against.
+`Case` has the engine's answers, `Formulas` the paper's own equations, mended, written out in plain
+numbers: what its misprints are held against.
 
-# notation: a0 = a(P0), A = 2/E*, unit load P0/3, so that the loads are 3, 1.1, 1, 1 as the paper prints them; in the formulas
-# t is the time of the ellipse, u = Q - f P, v = Q + f P, A = (1 + kappa)/(2 mu), x, c, a lengths of the scene
+# notation: a0 = a(P0), A = 2/E*, unit load P0/3, so that the loads are 3, 1.1, 1, 1 as the paper
+prints them; in the formulas # t is the time of the ellipse, u = Q - f P, v = Q + f P, A = (1 +
+kappa)/(2 mu), x, c, a lengths of the scene
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ LETTERS = "ABCDEFGHIJKLM"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One of the paper's ellipses on one of its profiles. Scaled: loads over P0/3, lengths over a0, slips over A P0/3."""
+    """One of the paper's ellipses on one of its profiles. Scaled: loads over P0/3, lengths over a0,
+    slips over A P0/3.
+    """
 
     scene: Scene
 
@@ -47,7 +50,9 @@ class Case:
         """The ellipse."""
         load = self.scene.load
         if not isinstance(load, EllipseLoad):
-            raise InputError(f"{self.scene.name}: the paper's figures are about an ellipse, not {load.kind}")
+            raise InputError(
+                f"{self.scene.name}: the paper's figures are about an ellipse, not {load.kind}"
+            )
         return load
 
     @property
@@ -85,16 +90,25 @@ class Case:
         return np.asarray(self.contact.half_width(load)) / self.length
 
     def solve(
-        self, time: ArrayLike | None = None, x: ArrayLike = (0.0,), fields: Iterable[str] = (), *, steady: bool = False
+        self,
+        time: ArrayLike | None = None,
+        x: ArrayLike = (0.0,),
+        fields: Iterable[str] = (),
+        *,
+        steady: bool = False,
     ) -> ContactSolution:
         """The engine's answer at scaled points `x`."""
         points = np.asarray(x, dtype=float) * self.length
-        return semi_analytic.solve(self.scene, x=points, time=time, fields=fields, cycles="steady" if steady else "all")
+        return semi_analytic.solve(
+            self.scene, x=points, time=time, fields=fields, cycles="steady" if steady else "all"
+        )
 
     @cached_property
     def events(self) -> Mapping[str, semi_analytic.Event]:
         """The paper's letters A to M."""
-        return {letter: event for event in semi_analytic.events(self.scene) for letter in event.letter}
+        return {
+            letter: event for event in semi_analytic.events(self.scene) for letter in event.letter
+        }
 
     def time(self, letter: str) -> float:
         """When the letter is."""
@@ -139,43 +153,81 @@ class Case:
 
     def density(self, x: ArrayLike) -> dict[str, Array]:
         """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
-        points, modulus = np.asarray(x, dtype=float) * self.length, composite_modulus(self.scene.material)
-        parts = {phase: pointwise_dissipation(self.contact, modulus, spans, points) for phase, spans in self.slipping.items()}
+        points, modulus = (
+            np.asarray(x, dtype=float) * self.length,
+            composite_modulus(self.scene.material),
+        )
+        parts = {
+            phase: pointwise_dissipation(self.contact, modulus, spans, points)
+            for phase, spans in self.slipping.items()
+        }
         return {phase: self.length / self.work_unit * part.total for phase, part in parts.items()}
 
     def batch(self, **changes: Any) -> dict[str, Any]:
         """Arguments of the engine's batches for this case, some of them replaced."""
-        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
-        bodies = {"profile": self.scene.profile, "material": self.scene.material, "friction_coefficient": self.friction}
+        names = (
+            "mean_normal_load",
+            "normal_amplitude",
+            "mean_tangential_load",
+            "tangential_amplitude",
+            "phase",
+        )
+        bodies = {
+            "profile": self.scene.profile,
+            "material": self.scene.material,
+            "friction_coefficient": self.friction,
+        }
         return bodies | {name: getattr(self.load, name) for name in names} | changes
 
     def circles(self, friction: ArrayLike, ratio: ArrayLike, **changes: Any) -> dict[str, Any]:
-        """The same for circles about Q = 0 (phase 90 degrees, Q1 = P1 = this unit) with P0/P1 = `ratio`."""
+        """The same for circles about Q = 0 (phase 90 degrees, Q1 = P1 = this unit) with P0/P1 =
+        `ratio`.
+        """
         loads = {
             "mean_normal_load": np.asarray(ratio) * self.unit,
             "normal_amplitude": self.unit,
             "tangential_amplitude": self.unit,
         }
-        return self.batch(friction_coefficient=friction, mean_tangential_load=0.0, **loads, **changes)
+        return self.batch(
+            friction_coefficient=friction, mean_tangential_load=0.0, **loads, **changes
+        )
 
     def with_load(self, friction: float | None = None, **changes: Any) -> Case:
         """The same with another f or other numbers of the ellipse."""
-        return Case(self.scene.vary(load=changes, friction=self.friction if friction is None else friction))
+        return Case(
+            self.scene.vary(load=changes, friction=self.friction if friction is None else friction)
+        )
 
     def ten_times(self) -> Case:
         """The same with all lengths and loads times ten: the same stresses."""
-        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+        names = (
+            "mean_normal_load",
+            "normal_amplitude",
+            "mean_tangential_load",
+            "tangential_amplitude",
+        )
         radius = 10 * self.scene.profile.model_dump()["radius"]
-        return Case(self.scene.vary(profile={"radius": radius}, load={name: 10 * getattr(self.load, name) for name in names}))
+        return Case(
+            self.scene.vary(
+                profile={"radius": radius},
+                load={name: 10 * getattr(self.load, name) for name in names},
+            )
+        )
 
     def about_no_shear(self, friction: float) -> Case:
-        """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross sliding."""
-        return self.with_load(friction=friction, mean_tangential_load=0.0, initial_loading="straight")
+        """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross
+        sliding.
+        """
+        return self.with_load(
+            friction=friction, mean_tangential_load=0.0, initial_loading="straight"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Formulas:
-    """Loads, tractions of the first cycle, fronts and slip of the steady one: equations (3) to (8), (14) and (16) to (19)."""
+    """Loads, tractions of the first cycle, fronts and slip of the steady one: equations (3) to (8),
+    (14) and (16) to (19).
+    """
 
     case: Case
 
@@ -190,7 +242,9 @@ class Formulas:
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
         """dP/dt and dQ/dt."""
         load, time = self.case.load, np.asarray(t, dtype=float)
-        return -load.normal_amplitude * np.sin(time), -load.tangential_amplitude * np.sin(time - load.phase)
+        return -load.normal_amplitude * np.sin(time), -load.tangential_amplitude * np.sin(
+            time - load.phase
+        )
 
     def level(self, letter: str, sign: int) -> float:
         """Q + sign f P at a letter."""
@@ -198,13 +252,17 @@ class Formulas:
         return event.tangential_load + sign * self.case.friction * event.normal_load
 
     def initial(self) -> tuple[float, float]:
-        """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0) tangent to the ellipse at A."""
+        """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0)
+        tangent to the ellipse at A.
+        """
         a, (dp, dq) = self.case.events["A"], self.rates(self.case.time("A"))
         beta = (float(dq / dp) * a.normal_load - a.tangential_load) / a.normal_load**2
         return float(dq / dp) - 2 * beta * a.normal_load, beta
 
     def initial_meeting(self, t: float) -> float:
-        """P_Y of equation (6), at E P_Z of (7): where the line of gradient f through the point at t meets the path O-A-B."""
+        """P_Y of equation (6), at E P_Z of (7): where the line of gradient f through the point at t
+        meets the path O-A-B.
+        """
         case, (alpha, beta) = self.case, self.initial()
         mirrored = 2 * case.time("B") - t
         if mirrored >= case.time("A"):
@@ -215,28 +273,39 @@ class Formulas:
         return 2 * level / (slope - math.sqrt(slope * slope + 4 * beta * level))
 
     def stuck(self, x: Array, load: float) -> Array:
-        """int_0^P p'(x, eta) dQ/d eta d eta along O-A and the ellipse after A, the integral in equations (5) to (7).
+        """int_0^P p'(x, eta) dQ/d eta d eta along O-A and the ellipse after A, the integral in
+        equations (5) to (7).
 
-        By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x, eta) d2Q/d eta2 d eta.
+        By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x,
+        eta) d2Q/d eta2 d eta.
         """
         case, (alpha, beta) = self.case, self.initial()
         first, edge = case.events["A"].normal_load, np.asarray(case.contact.load(x))
 
         def ellipse(p: Array) -> tuple[Array, Array]:
             """dQ/dP and its derivative on the rising half of the ellipse."""
-            turn = 2 * math.pi - np.arccos((p - case.load.mean_normal_load) / case.load.normal_amplitude)
+            turn = 2 * math.pi - np.arccos(
+                (p - case.load.mean_normal_load) / case.load.normal_amplitude
+            )
             (dp, dq), (ddp, ddq) = self.rates(turn), self.rates(turn + math.pi / 2)
             return dq / dp, (ddq * dp - dq * ddp) / dp**3
 
-        total = (alpha + 2 * beta * load if load <= first else ellipse(np.asarray(load))[0]) * case.contact.pressure(x, load)
-        for begin, end, onwards in ((0.0, min(load, first), False), (first, max(load, first), True)):
+        total = (
+            alpha + 2 * beta * load if load <= first else ellipse(np.asarray(load))[0]
+        ) * case.contact.pressure(x, load)
+        for begin, end, onwards in (
+            (0.0, min(load, first), False),
+            (first, max(load, first), True),
+        ):
             p, weights = graded(np.clip(edge, begin, end), np.full(len(x), end))
             bend = ellipse(p)[1] if onwards else np.full_like(p, 2 * beta)
             total = total - np.sum(weights * bend * case.contact.pressure(x[:, None], p), axis=-1)
         return np.asarray(total)
 
     def twin(self, t: ArrayLike) -> Array:
-        """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of the loop."""
+        """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of
+        the loop.
+        """
         return 2 * self.case.time("I") - np.asarray(t, dtype=float)
 
     def front(self, phase: str, t: ArrayLike) -> Array:
@@ -244,7 +313,11 @@ class Formulas:
         f, (p, q) = self.case.friction, self.loads(t)
         if phase == "IJ":
             return self.loads(self.twin(t))[0]
-        return (q + f * p - self.level("E", -1)) / (2 * f) if phase == "EG" else (self.level("G", 1) - q + f * p) / (2 * f)
+        return (
+            (q + f * p - self.level("E", -1)) / (2 * f)
+            if phase == "EG"
+            else (self.level("G", 1) - q + f * p) / (2 * f)
+        )
 
     def front_rate(self, phase: str, t: ArrayLike) -> Array:
         """dP_c/dt."""
@@ -270,15 +343,24 @@ class Formulas:
     def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
         """ds/dt, equations (16), (18) and (19) mended; x in or out of contact.
 
-        ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ and JM.
+        ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ
+        and JM.
         """
         own = self.driving(phase, t) * self.reach(x, self.front(phase, t))
         outside = (1 if phase == "EG" else -1) * self.rates(t)[0] * self.reach(x, self.loads(t)[0])
         return self.case.compliance * self.case.friction / math.pi * (own - outside)
 
     def moved(self, x: float, begin: float, end: float) -> float:
-        """The engine's change of s at x between two times in which the steady cycle is marched along."""
-        return float(np.diff(self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",)).slip[:, 0])[0])
+        """The engine's change of s at x between two times in which the steady cycle is marched
+        along.
+        """
+        return float(
+            np.diff(
+                self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",)).slip[
+                    :, 0
+                ]
+            )[0]
+        )
 
     def rubbing(self, phase: str, x: float, rate: Callable[[Array], ArrayLike]) -> float:
         """Integral of a rate over the times at which x rubs in a phase."""
@@ -297,7 +379,9 @@ def integral(rate: Callable[[Array], ArrayLike], begin: float, end: float) -> fl
 
 
 def sliding_limit(friction: ArrayLike) -> Array:
-    """Least P0/P1 of a circle about Q = 0 without gross sliding, sqrt(1 + f^2)/f: equation (25), mended."""
+    """Least P0/P1 of a circle about Q = 0 without gross sliding, sqrt(1 + f^2)/f: equation (25),
+    mended.
+    """
     f = np.asarray(friction, dtype=float)
     return np.sqrt(1 + f * f) / f
 
@@ -309,23 +393,31 @@ def total(parts: Mapping[str, Array]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Circles about Q = 0 (phase 90 degrees, Q1 = P1) with a(P0) and P1 the same in all: figures 7 and 10."""
+    """Circles about Q = 0 (phase 90 degrees, Q1 = P1) with a(P0) and P1 the same in all: figures 7
+    and 10.
+    """
 
     frictions: Array  # (m,) f
     ratio: Array  # (m, n) P0/P1, from the sliding limit on
     work: Array  # (m, n) W/(A P1^2)
     peak: Array  # (m, n) max W(x) a0/(A P1^2)
-    place: Array  # (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
+    # (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
+    place: Array
 
 
 def _sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
-    """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what they are: one call each."""
+    """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what
+    they are: one call each.
+    """
     friction = np.array(FRICTIONS)
-    # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself is rounding's.
+    # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself
+    # is rounding's.
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest / ratio) ** (np.linspace(0, 1, count) ** 2)
     profile = case.scene.profile.model_dump()
-    arguments = case.circles(friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio})
+    arguments = case.circles(
+        friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}
+    )
     scale = case.compliance * case.unit**2
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale
@@ -335,7 +427,9 @@ def _sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Paper:
-    """The two examples, which figures, statements and misprints draw on; what is costly is done once."""
+    """The two examples, which figures, statements and misprints draw on; what is costly is done
+    once.
+    """
 
     hertz: Case
     rounded: Case
@@ -348,12 +442,15 @@ class Paper:
     @cached_property
     def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
         """Place and size of the peak of W(x) in the two examples."""
-        return semi_analytic.peak_dissipation(**self.hertz.batch()), semi_analytic.peak_dissipation(**self.rounded.batch())
+        return semi_analytic.peak_dissipation(**self.hertz.batch()), semi_analytic.peak_dissipation(
+            **self.rounded.batch()
+        )
 
 
 @lru_cache(maxsize=1)
 def paper() -> Paper:
-    """The two examples from the library; one and the same value each time, for its parts are costly.
+    """The two examples from the library; one and the same value each time, for its parts are
+    costly.
 
     >>> round(paper().hertz.length, 12)  # a(P0) = 1 mm
     1.0

@@ -29,60 +29,135 @@ _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
 def sheets(paper: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order."""
     hertz, rounded, (sweep, other) = paper.hertz, paper.rounded, paper.sweeps
-    first = (_figure_1(rounded), _figure_2(hertz), _figure_3(hertz), _figure_4a(hertz), _figure_4b(hertz), _figure_5(hertz))
-    work = [_pointwise("figure_06", paper, 0), _swept("figure_07a", "work", sweep), _swept("figure_07b", "peak", sweep)]
+    first = (
+        _figure_1(rounded),
+        _figure_2(hertz),
+        _figure_3(hertz),
+        _figure_4a(hertz),
+        _figure_4b(hertz),
+        _figure_5(hertz),
+    )
+    work = [
+        _pointwise("figure_06", paper, 0),
+        _swept("figure_07a", "work", sweep),
+        _swept("figure_07b", "peak", sweep),
+    ]
     work += [_figure_8(rounded), _pointwise("figure_09", paper, 1)]
-    return (*first, *work, _swept("figure_10a", "work", other, sweep), _swept("figure_10b", "peak", other, sweep))
+    return (
+        *first,
+        *work,
+        _swept("figure_10a", "work", other, sweep),
+        _swept("figure_10b", "peak", other, sweep),
+    )
 
 
 def _line(x: ArrayLike, y: ArrayLike, label: str = "", look: str = "solid") -> Curve:
-    """A curve; NaN leaves a gap. Without a label it is not in the legend, but goes with a labelled one of its look."""
+    """A curve; NaN leaves a gap. Without a label it is not in the legend, but goes with a labelled
+    one of its look.
+    """
     return Curve(np.asarray(x, dtype=float), np.asarray(y, dtype=float), look, label)
 
 
 def _named(
-    x: float, y: float, text: str, shift: tuple[float, float] = (0.0, 0.0), look: str = "", *, dot: bool = False, css: str = "word"
+    x: float,
+    y: float,
+    text: str,
+    shift: tuple[float, float] = (0.0, 0.0),
+    look: str = "",
+    *,
+    dot: bool = False,
+    css: str = "word",
 ) -> Iterator[Mark]:
-    """A text about `shift` units right and up of a point, of colour `look`; a dot is drawn there if wanted."""
+    """A text about `shift` units right and up of a point, of colour `look`; a dot is drawn there if
+    wanted.
+    """
     if dot:
         yield Dot(x, y, f"p{look}" if look else "event", 2.8)
     if text:
-        yield Note(x, y, text, f"{css} t{look}" if look else css, "middle", (1.3 * shift[0], 4.0 - 1.3 * shift[1]))
+        yield Note(
+            x,
+            y,
+            text,
+            f"{css} t{look}" if look else css,
+            "middle",
+            (1.3 * shift[0], 4.0 - 1.3 * shift[1]),
+        )
 
 
-def _plate(name: str, panels: Sequence[Panel], table: Table, columns: int = 1, keys: Iterable[Key] = (), **values: float) -> Plate:
+def _plate(
+    name: str,
+    panels: Sequence[Panel],
+    table: Table,
+    columns: int = 1,
+    keys: Iterable[Key] = (),
+    **values: float,
+) -> Plate:
     """A figure with its words, and the legend of its labelled curves and bands, each once."""
     words = next(row for row in WORDS["figure"] if row["key"] == name)
-    shown = [mark for panel in panels for mark in panel.marks if isinstance(mark, Curve | Band) and mark.label]
-    legend = {mark.label: Key(mark.css, mark.label, isinstance(mark, Band)) for mark in shown} | {key.text: key for key in keys}
+    shown = [
+        mark
+        for panel in panels
+        for mark in panel.marks
+        if isinstance(mark, Curve | Band) and mark.label
+    ]
+    legend = {mark.label: Key(mark.css, mark.label, isinstance(mark, Band)) for mark in shown} | {
+        key.text: key for key in keys
+    }
     caption = filled_in(words["text"], values)
-    return Plate(name, words["title"], caption, words["alt"], tuple(panels), table, tuple(legend.values()), columns)
+    return Plate(
+        name,
+        words["title"],
+        caption,
+        words["alt"],
+        tuple(panels),
+        table,
+        tuple(legend.values()),
+        columns,
+    )
 
 
 def _panel(
-    name: str, x: tuple[float, float, str], y: tuple[float, float, str], marks: Sequence[Mark], alt: str,
-    size: tuple[float, float], ticks: tuple[tuple[float, str], ...] = (), title: str = "",
-) -> Panel:  # fmt: skip
+    name: str,
+    x: tuple[float, float, str],
+    y: tuple[float, float, str],
+    marks: Sequence[Mark],
+    alt: str,
+    size: tuple[float, float],
+    ticks: tuple[tuple[float, str], ...] = (),
+    title: str = "",
+) -> Panel:
     """A panel between axes as (low, high, words), with ticks of one's own along x."""
-    return Panel(name, Axis(*x, ticks=ticks), Axis(*y), marks, alt, *size, title, equal=name == "figure_02")
+    return Panel(
+        name, Axis(*x, ticks=ticks), Axis(*y), marks, alt, *size, title, equal=name == "figure_02"
+    )
 
 
-# --------------------------------------------------------------------------------------------------- loads and tractions
+# ------------------------------------------------------------------------------ loads and tractions
 def _figure_1(case: Case) -> Plate:
-    """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn much higher."""
+    """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn
+    much higher.
+    """
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
     foot = height * 0.45 / height[0]
-    circle, turn = np.linspace(0.0, 2 * math.pi, 121), np.linspace(math.radians(70), math.radians(160), 31)
+    circle, turn = (
+        np.linspace(0.0, 2 * math.pi, 121),
+        np.linspace(math.radians(70), math.radians(160), 31),
+    )
     axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
-    weight, tip = ((axle[0] + r * math.cos(mass), axle[1] + r * math.sin(mass)) for r in (0.55, 1.6))
+    weight, tip = (
+        (axle[0] + r * math.cos(mass), axle[1] + r * math.sin(mass)) for r in (0.55, 1.6)
+    )
     strut = [1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))]
     ring, end = axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn)
     marks: list[Mark] = [
         Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
         _line([-2.6, 2.6], [0.0, 0.0]),
         Band(x, foot, np.full(len(x), 1.1), "body upper"),
-        _line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
+        _line(
+            np.concatenate([x, x[::-1], x[:1]]),
+            np.concatenate([foot, np.full(len(x), 1.1), foot[:1]]),
+        ),
         Arrow((-2.5, 0.22), (-2.0, 0.22), "solid"),
         *_named(-2.5, 0.22, "x, Q", (14.0, 9.0)),
         Arrow((-0.505, -0.2), (0.505, -0.2), "solid"),
@@ -95,7 +170,9 @@ def _figure_1(case: Case) -> Plate:
         _line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), look="bold"),
         _line([axle[0], weight[0]], [axle[1], weight[1]], look="faint"),
         *_named(*axle, "", dot=True),
-        _line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), look="c1 broad-line"),
+        _line(
+            weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), look="c1 broad-line"
+        ),
         Arrow(weight, tip, "c1"),
         *_named(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (72.0, 14.0), "1"),
         _line(ring, end, look="faint"),
@@ -105,12 +182,26 @@ def _figure_1(case: Case) -> Plate:
         *_named(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
     ]
     across, up = Axis(-2.8, 3.6, ""), Axis(-0.95, 3.6, "")
-    panel = Panel("figure_01", across, up, marks, "A motor on its foot", 620.0, 440.0, bare=True, room=(0.0, 0.0, 0.0, 0.0))
-    return _plate("figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": height})
+    panel = Panel(
+        "figure_01",
+        across,
+        up,
+        marks,
+        "A motor on its foot",
+        620.0,
+        440.0,
+        bare=True,
+        room=(0.0, 0.0, 0.0, 0.0),
+    )
+    return _plate(
+        "figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": height}
+    )
 
 
 def _figure_2(case: Case) -> Plate:
-    """The initial loading and the ellipse in the plane of the loads, with the letters and the lines that define them."""
+    """The initial loading and the ellipse in the plane of the loads, with the letters and the lines
+    that define them.
+    """
     f, cone = case.friction, np.array([0.0, 4.6])
     points = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load]) / case.unit
@@ -141,25 +232,38 @@ def _figure_2(case: Case) -> Plate:
     for (p, q), letters in groups.items():
         away = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
         away = away / np.hypot(*away)
-        marks += _named(p, q, ", ".join(letters), (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True)
+        marks += _named(
+            p, q, ", ".join(letters), (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True
+        )
     marks += _named(0.0, 0.0, "O", (18.0, -9.0), dot=True)
     across, up = (0.0, 4.6, "normal load P / (P₀/3)"), (-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", across, up, marks, "Load path with its letters", (640.0, 480.0))
     order = sorted(case.events, key=case.time)
-    columns = {name: [float(points[letter][k]) for letter in order] for k, name in enumerate(("P", "Q", "front load"))}
+    columns = {
+        name: [float(points[letter][k]) for letter in order]
+        for k, name in enumerate(("P", "Q", "front load"))
+    }
     table: Table = {"letter": order, "t": [case.time(letter) for letter in order]}
-    return _plate("figure_02", [panel], {**table, **{f"{name} / (P0/3)": column for name, column in columns.items()}})
+    return _plate(
+        "figure_02",
+        [panel],
+        {**table, **{f"{name} / (P0/3)": column for name, column in columns.items()}},
+    )
 
 
 def _figure_3(case: Case) -> Plate:
-    """Pressure and shear traction at A to M; what slips is filled between zero and the limit of friction."""
+    """Pressure and shear traction at A to M; what slips is filled between zero and the limit of
+    friction.
+    """
     x, scale = np.linspace(-1.25, 1.25, 251), case.length / case.unit
     times = [case.time(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
     limits, shears = case.friction * solution.pressure * scale, solution.shear * scale
     loads = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
     axes, panels = ((-1.25, 1.25, "x / a(P₀)"), (-2.4, 2.4, "traction · a(P₀) / (P₀/3)")), []
-    for letter, limit, shear, state, (p, q) in zip(LETTERS, limits, shears, solution.state, loads, strict=True):
+    for letter, limit, shear, state, (p, q) in zip(
+        LETTERS, limits, shears, solution.state, loads, strict=True
+    ):
         marks: list[Mark] = []
         for which, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
             if (here := state == which).any():
@@ -168,16 +272,32 @@ def _figure_3(case: Case) -> Plate:
         marks += [_line(x, limit, "f p", "faint solid"), _line(x, -limit, "−f p", "faint dash")]
         marks.append(_line(x, shear, "shear traction q", "shear-q"))
         title = f"{letter}   P = {p:.2f}, Q = {q:.2f}"
-        panels.append(_panel(f"figure_03-{letter}", *axes, marks, f"Tractions at {letter}", (270.0, 240.0), (), title))
+        panels.append(
+            _panel(
+                f"figure_03-{letter}",
+                *axes,
+                marks,
+                f"Tractions at {letter}",
+                (270.0, 240.0),
+                (),
+                title,
+            )
+        )
     pressures = {f"f p at {letter}": limit for letter, limit in zip(LETTERS, limits, strict=True)}
-    table = {"x / a(P0)": x} | pressures | {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
+    table = (
+        {"x / a(P0)": x}
+        | pressures
+        | {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
+    )
     return _plate("figure_03", panels, table, columns=4)
 
 
-# --------------------------------------------------------------------------------------------------- contact and stick
+# -------------------------------------------------------------------------------- contact and stick
 @dataclass(frozen=True, eq=False)
 class Zones:
-    """Half-widths over a0 (n,) and the direction of slip, 0 where all sticks; turning points of slip stand there twice."""
+    """Half-widths over a0 (n,) and the direction of slip, 0 where all sticks; turning points of
+    slip stand there twice.
+    """
 
     time: Array
     contact: Array
@@ -195,20 +315,35 @@ class Zones:
         """What slips, a band for each direction."""
         for sign, (css, label) in _DIRECTIONS.items():
             here = self.direction == sign
-            yield Band(x, np.where(here, self.stick, np.nan), np.where(here, self.contact, np.nan), css, label + more)
+            yield Band(
+                x,
+                np.where(here, self.stick, np.nan),
+                np.where(here, self.contact, np.nan),
+                css,
+                label + more,
+            )
 
     def table(self, case: Case, first: str, x: Array) -> Table:
         """The numbers of the figure."""
-        edges: Table = {"a / a(P0)": self.contact, "c / a(P0)": self.stick, "direction of slip": self.direction}
+        edges: Table = {
+            "a / a(P0)": self.contact,
+            "c / a(P0)": self.stick,
+            "direction of slip": self.direction,
+        }
         return {first: x, "t": self.time, "P / (P0/3)": case.loads(self.time)[0], **edges}
 
 
 def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Zones:
     """The zones between marks (time, direction of slip up to the next)."""
-    time = np.concatenate([np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)])
+    time = np.concatenate(
+        [np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)]
+    )
     once, places = np.unique(time, return_inverse=True)
     solution = case.solve(time=once)
-    contact, stick = (width[places] / case.length for width in (solution.contact_half_width, solution.stick_half_width))
+    contact, stick = (
+        width[places] / case.length
+        for width in (solution.contact_half_width, solution.stick_half_width)
+    )
     stick[::count] = contact[
         ::count
     ]  # a turning point belongs to what ends there; the second time to what starts, where all sticks
@@ -218,22 +353,45 @@ def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Z
 def _steady_marks(case: Case) -> list[tuple[float, int]]:
     """Turning points of slip of a steady revolution from M on."""
     turn = 2 * math.pi
-    return [(case.time("M"), -1), (case.time("G") + turn, 0), (case.time("I") + turn, 1), (case.time("M") + turn, 0)]
+    return [
+        (case.time("M"), -1),
+        (case.time("G") + turn, 0),
+        (case.time("I") + turn, 1),
+        (case.time("M") + turn, 0),
+    ]
 
 
 def _figure_4a(case: Case) -> Plate:
     """Half-widths over the way that P has gone."""
-    turns = ((case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True))
-    # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the instants.
+    turns = (
+        (case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True)
+    )
+    # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the
+    # instants.
     zones = _zones(case, [(case.scene.load.path().start, 0), *turns], 181)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
-    places = {letter: float(np.interp(case.time(letter), zones.time, way)) for letter in sorted(case.events)}
+    places = {
+        letter: float(np.interp(case.time(letter), zones.time, way))
+        for letter in sorted(case.events)
+    }
     marks = list(zones.drawn(way))
     for letter, place in places.items():
-        marks += _named(place, float(case.width(case.events[letter].normal_load)), letter, (0.0, 9.0), dot=True)
+        marks += _named(
+            place, float(case.width(case.events[letter].normal_load)), letter, (0.0, 9.0), dot=True
+        )
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
-    ticks += [(places[letter], f"{case.events[letter].normal_load / case.unit:.3g}") for letter in "ACDFHKLM"]
-    across, alt = (0.0, float(way[-1]) + 0.05, "normal load P / (P₀/3), along its path"), "Half-widths over the path of P"
+    ticks += [
+        (places[letter], f"{case.events[letter].normal_load / case.unit:.3g}")
+        for letter in "ACDFHKLM"
+    ]
+    across, alt = (
+        (
+            0.0,
+            float(way[-1]) + 0.05,
+            "normal load P / (P₀/3), along its path",
+        ),
+        "Half-widths over the path of P",
+    )
     panel = _panel("figure_04a", across, _HALF_WIDTH, marks, alt, (820.0, 420.0), tuple(ticks))
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
 
@@ -242,30 +400,55 @@ def _figure_4b(case: Case) -> Plate:
     """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
     others = {f: case.about_no_shear(f) for f in FRICTIONS}
     first, last, start = others[FRICTIONS[0]], others[FRICTIONS[-1]], others[FRICTIONS[0]].time("M")
-    # Stick and slip of the least coefficient, filled; two revolutions, for its letters are elsewhere.
+    # Stick and slip of the least coefficient, filled; two revolutions, for its letters are
+    # elsewhere.
     marks = _steady_marks(last)
     zones = _zones(last, [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)])
     angle = np.degrees(zones.time - start)
     inside = (angle >= 0) & (angle <= 360)
-    angle, zones = angle[inside], Zones(*(getattr(zones, one.name)[inside] for one in fields(zones)))
+    angle, zones = (
+        angle[inside],
+        Zones(*(getattr(zones, one.name)[inside] for one in fields(zones))),
+    )
     bands = [
-        Band(angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick, f = {last.friction:g}"),
+        Band(
+            angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick, f = {last.friction:g}"
+        ),
         *zones.slipping(angle, f", f = {last.friction:g}"),
     ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     grid = np.linspace(1e-6, 360.0, 721)
-    columns = {f: other.solve(time=start + np.radians(grid)).stick_half_width / other.length for f, other in others.items()}
-    curves = [_line(grid, c, f"c / a(P₀), f = {f}", look) for (f, c), look in zip(columns.items(), _FAMILY, strict=True)]
+    columns = {
+        f: other.solve(time=start + np.radians(grid)).stick_half_width / other.length
+        for f, other in others.items()
+    }
+    curves = [
+        _line(grid, c, f"c / a(P₀), f = {f}", look)
+        for (f, c), look in zip(columns.items(), _FAMILY, strict=True)
+    ]
     contact = case.width(first.solve(time=start + np.radians(grid)).normal_load)
     curves.append(_line(grid, contact, "contact, a / a(P₀)", "bold"))
-    across, alt = (0.0, 360.0, "angle θ of the cycle after M for f = 1  [degrees]"), "Half-widths over the angle"
-    panel = _panel("figure_04b", across, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0), _DEGREES)
-    table = {"theta [degrees]": grid, "a / a(P0)": contact} | {f"c / a(P0), f = {f}": c for f, c in columns.items()}
+    across, alt = (
+        (
+            0.0,
+            360.0,
+            "angle θ of the cycle after M for f = 1  [degrees]",
+        ),
+        "Half-widths over the angle",
+    )
+    panel = _panel(
+        "figure_04b", across, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0), _DEGREES
+    )
+    table = {"theta [degrees]": grid, "a / a(P0)": contact} | {
+        f"c / a(P0), f = {f}": c for f, c in columns.items()
+    }
     return _plate("figure_04b", [panel], table)
 
 
 def _figure_5(case: Case) -> Plate:
-    """Extent of contact and slip above, displacement of four points beneath: slip broad, separation dotted."""
+    """Extent of contact and slip above, displacement of four points beneath: slip broad, separation
+    dotted.
+    """
     start, angles = case.time("M"), (0.0, 360.0, _ANGLE)
     zones = _zones(case, _steady_marks(case))
     above = list(zones.drawn(np.degrees(zones.time - start)))
@@ -281,24 +464,50 @@ def _figure_5(case: Case) -> Plate:
         css = look if look == "d" else f"c{look}"
         above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
         above += _named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
-        for which, broad in ((SurfaceState.SLIP_FORWARD, "forward"), (SurfaceState.SLIP_REVERSE, "reverse")):
+        for which, broad in (
+            (SurfaceState.SLIP_FORWARD, "forward"),
+            (SurfaceState.SLIP_REVERSE, "reverse"),
+        ):
             if (state == which).any():
-                below.append(_line(turn, np.where(_grown(state == which), y, np.nan), "", f"{broad} broad-line"))
+                below.append(
+                    _line(
+                        turn, np.where(_grown(state == which), y, np.nan), "", f"{broad} broad-line"
+                    )
+                )
         below.append(_line(turn, np.where(state == SurfaceState.OPEN, np.nan, y), "", css))
-        below.append(_line(turn, np.where(_grown(state == SurfaceState.OPEN), y, np.nan), "", f"{css} dot"))
+        below.append(
+            _line(turn, np.where(_grown(state == SurfaceState.OPEN), y, np.nan), "", f"{css} dot")
+        )
         peak = int(np.argmin(y))
         below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
     low, high = float(moved.min()), float(moved.max())
     up = (low - 0.12 * (high - low), high + 0.08 * (high - low), "displacement / (A P₀/3)")
     extent, alt = (0.5, 1.28, "x / a(P₀)"), "Displacement of four points over the angle"
     panels = [
-        _panel("figure_05-zones", angles, extent, above, "Zones over the angle", (760.0, 330.0), _DEGREES),
+        _panel(
+            "figure_05-zones",
+            angles,
+            extent,
+            above,
+            "Zones over the angle",
+            (760.0, 330.0),
+            _DEGREES,
+        ),
         _panel("figure_05-slip", angles, up, below, alt, (760.0, 360.0), _DEGREES),
     ]
-    looks = {"faint solid": "sticking", "forward broad-line": "slipping forward", "reverse broad-line": "slipping in reverse"}
+    looks = {
+        "faint solid": "sticking",
+        "forward broad-line": "slipping forward",
+        "reverse broad-line": "slipping in reverse",
+    }
     keys = [Key(css, text) for css, text in (looks | {"faint dot": "separated"}).items()]
-    table: Table = {"theta [degrees]": turn} | {f"s/(A P0/3) at x = {x}": y for x, y in zip(POINTS, moved.T, strict=True)}
-    states = {f"state at x = {x}": [int(s) for s in state] for x, state in zip(POINTS, solution.state.T, strict=True)}
+    table: Table = {"theta [degrees]": turn} | {
+        f"s/(A P0/3) at x = {x}": y for x, y in zip(POINTS, moved.T, strict=True)
+    }
+    states = {
+        f"state at x = {x}": [int(s) for s in state]
+        for x, state in zip(POINTS, solution.state.T, strict=True)
+    }
     return _plate("figure_05", panels, {**table, **states}, keys=keys)
 
 
@@ -311,13 +520,22 @@ def _figure_8(case: Case) -> Plate:
     """Contact and stick of the flat and rounded contact."""
     zones, flat = _zones(case, _steady_marks(case)), float(case.width(0.0))
     angle = np.degrees(zones.time - case.time("M"))
-    marks = [*zones.drawn(angle), _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot")]
+    marks = [
+        *zones.drawn(angle),
+        _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot"),
+    ]
     across, alt = (0.0, 360.0, _ANGLE), "Half-widths over the angle"
     panel = _panel("figure_08", across, _HALF_WIDTH, marks, alt, (700.0, 420.0), _DEGREES)
-    return _plate("figure_08", [panel], zones.table(case, "theta [degrees]", angle), flat=flat, friction=case.friction)
+    return _plate(
+        "figure_08",
+        [panel],
+        zones.table(case, "theta [degrees]", angle),
+        flat=flat,
+        friction=case.friction,
+    )
 
 
-# ----------------------------------------------------------------------------------------------------------------- work
+# --------------------------------------------------------------------------------------------- work
 def _pointwise(name: str, paper: Paper, number: int) -> Plate:
     """Figures 6 and 9: W(x) with its parts."""
     case, peak = (paper.hertz, paper.rounded)[number], paper.peaks[number]
@@ -337,24 +555,46 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
         *_named(outer, 1.12 * top, f"edge of contact {outer:.3f}", (-50.0, 6.0), css="tick"),
         *_named(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
-    across, up = (0.95 * inner, outer + 0.05 * inner, "x / a(P₀)"), (0.0, 1.22 * top, "W(x) · a(P₀) / (A f² P₀²)")
+    across, up = (
+        (0.95 * inner, outer + 0.05 * inner, "x / a(P₀)"),
+        (
+            0.0,
+            1.22 * top,
+            "W(x) · a(P₀) / (A f² P₀²)",
+        ),
+    )
     panel = _panel(name, across, up, marks, "Pointwise dissipation over x", (640.0, 400.0))
-    table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": whole} | {f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")}
+    table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": whole} | {
+        f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")
+    }
     return _plate(name, [panel], table, fraction=share, place=place)
 
 
 def _swept(name: str, what: str, sweep: Sweep, other: Sweep | None = None) -> Plate:
-    """Figures 7 and 10: curves of one quantity over P0/P1, one for each f; another sweep in pale lines beneath."""
+    """Figures 7 and 10: curves of one quantity over P0/P1, one for each f; another sweep in pale
+    lines beneath.
+    """
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[what]
     values, largest, marks = getattr(sweep, what), float(getattr(sweep, what).max()), list[Mark]()
     if other is not None:
         largest = max(largest, float(getattr(other, what).max()))
-        for number, (ratio, value) in enumerate(zip(other.ratio, getattr(other, what), strict=True)):
+        for number, (ratio, value) in enumerate(
+            zip(other.ratio, getattr(other, what), strict=True)
+        ):
             marks.append(_line(ratio, value, "" if number else "Hertz, same f", "faint solid fine"))
-    for number, (f, ratio, value) in enumerate(zip(sweep.frictions, sweep.ratio, values, strict=True)):
+    for number, (f, ratio, value) in enumerate(
+        zip(sweep.frictions, sweep.ratio, values, strict=True)
+    ):
         marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
         marks += _named(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
     across, up = (1.0, float(sweep.ratio.max()), "P₀ / P₁"), (0.0, 1.08 * largest, label)
     panel = _panel(name, across, up, marks, f"{label} over P₀/P₁", (620.0, 400.0))
-    table = {f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)}
-    return _plate(name, [panel], table | {f"{what}, f = {f:g}": value for f, value in zip(sweep.frictions, values, strict=True)})
+    table = {
+        f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)
+    }
+    return _plate(
+        name,
+        [panel],
+        table
+        | {f"{what}, f = {f:g}": value for f, value in zip(sweep.frictions, values, strict=True)},
+    )

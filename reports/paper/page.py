@@ -1,4 +1,6 @@
-"""The paper again from the engine: its figures, its statements with verdicts, its misprints with their proofs, on one page."""
+"""The paper again from the engine: its figures, its statements with verdicts, its misprints with
+their proofs, on one page.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,19 @@ from reports.paper.cases import Paper, paper
 from reports.paper.figures import sheets
 from reports.paper.misprints import proofs
 from reports.paper.statements import judged
-from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, proven_in_words, row
+from reports.paper.tables import (
+    WORDS,
+    Misprint,
+    Statement,
+    Verdict,
+    as_columns,
+    proven_in_words,
+    row,
+)
 
 SOURCE = (
-    "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
-    "Sciences, doi:10.1016/j.ijmecsci.2011.11.006"
+    "“Energy dissipation in a frictional incomplete contact with varying normal load”,"
+    " International Journal of Mechanical Sciences, doi:10.1016/j.ijmecsci.2011.11.006"
 )
 
 
@@ -68,13 +78,21 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
     with stages.stage("figures"):
         figures = sheets(examples)
     with filled(out) as folder:
-        (folder / "statements.csv").write_text(table_text(as_columns(said, "statement")), encoding="utf-8")
-        (folder / "misprints.csv").write_text(table_text(as_columns(wrong, "misprint")), encoding="utf-8")
+        (folder / "statements.csv").write_text(
+            table_text(as_columns(said, "statement")), encoding="utf-8"
+        )
+        (folder / "misprints.csv").write_text(
+            table_text(as_columns(wrong, "misprint")), encoding="utf-8"
+        )
         (folder / "figures").mkdir()
         with stages.stage("SVG and CSV"):
             for figure in figures:
-                (folder / "figures" / f"{figure.name}.svg").write_text(figure.svg(), encoding="utf-8")
-                (folder / "figures" / f"{figure.name}.csv").write_text(figure.csv(), encoding="utf-8")
+                (folder / "figures" / f"{figure.name}.svg").write_text(
+                    figure.svg(), encoding="utf-8"
+                )
+                (folder / "figures" / f"{figure.name}.csv").write_text(
+                    figure.csv(), encoding="utf-8"
+                )
         with stages.stage("page"):
             program, digest = script()
             page = template("paper.html").render(

@@ -1,4 +1,5 @@
-"""What the paper states, each statement against the engine: a verdict and the numbers that the words of paper.toml name.
+"""What the paper states, each statement against the engine: a verdict and the numbers that the
+words of paper.toml name.
 
 Equations and figures are the paper's; x and half-widths are over a0 = a(P0), work over A f^2 P0^2.
 """
@@ -31,13 +32,24 @@ _HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
 
 def judged(paper: Paper) -> dict[str, Found]:
     """Key of a statement -> its verdict and numbers."""
-    return tractions(paper.hertz) | course(paper.hertz) | loads(paper) | work(paper.hertz) | _comparisons(paper)
+    return (
+        tractions(paper.hertz)
+        | course(paper.hertz)
+        | loads(paper)
+        | work(paper.hertz)
+        | _comparisons(paper)
+    )
 
 
-# ------------------------------------------------------------------------------------------ tractions of the first cycle
+# --------------------------------------------------------------------- tractions of the first cycle
 def tractions(case: Case) -> dict[str, Found]:
     """Equations (5) to (8) against the engine's shear traction, and what the transient leaves."""
-    formulas, x, f, pressure = Formulas(case), np.array(_PLACES) * case.length, case.friction, case.contact.pressure
+    formulas, x, f, pressure = (
+        Formulas(case),
+        np.array(_PLACES) * case.length,
+        case.friction,
+        case.contact.pressure,
+    )
     a, b, c, d, e, g = (case.time(letter) for letter in "ABCDEG")
 
     def error(time: float, found: Array) -> float:
@@ -60,8 +72,12 @@ def tractions(case: Case) -> dict[str, Found]:
         forward[f"error at {name}"] = error(t, q)
     reverse, met = {}, formulas.initial_meeting(e)
     for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
-        now, turned, first = (pressure(x, p) for p in (load(t), float(formulas.front("EG", t)), met))
-        reverse[f"error at {name}"] = error(t, formulas.stuck(x, met) + f * (2 * turned - now - first))
+        now, turned, first = (
+            pressure(x, p) for p in (load(t), float(formulas.front("EG", t)), met)
+        )
+        reverse[f"error at {name}"] = error(
+            t, formulas.stuck(x, met) + f * (2 * turned - now - first)
+        )
     worst = [max(errors.values()) for errors in (forward, reverse)]
 
     # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
@@ -72,30 +88,46 @@ def tractions(case: Case) -> dict[str, Found]:
     slowest = float(np.max((moved[2] - moved[1]) / before / ((moved[2] - moved[0]) / (e - b))))
     rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest}
     return {
-        "(5)": (judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT), {"error in full stick": stick, "error in slip": slip}),
+        "(5)": (
+            judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT),
+            {"error in full stick": stick, "error in slip": slip},
+        ),
         "(6)": (judge(worst[0] <= EXACT), forward | {"largest error": worst[0]}),
-        "full stick at E": (judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5), rest),
+        "full stick at E": (
+            judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5),
+            rest,
+        ),
         "(7)": (judge(worst[1] <= EXACT), reverse | {"largest error": worst[1]}),
         "residual tractions": _residual_tractions(case),
     }
 
 
 def _residual_tractions(case: Case) -> Found:
-    """What the slip of the transient leaves: the locked-in slip, and the tractions that the initial loading alone has not."""
+    """What the slip of the transient leaves: the locked-in slip, and the tractions that the initial
+    loading alone has not.
+    """
     formulas = Formulas(case)
-    inner, outer = formulas.initial_meeting(case.time("E")), float(formulas.front("EG", case.time("G")))
+    inner, outer = (
+        formulas.initial_meeting(case.time("E")),
+        float(formulas.front("EG", case.time("G"))),
+    )
     bounds, shares = case.width([inner, outer]), np.linspace(0.01, 0.99, 50)
     x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
-    slip = case.solve(time=[case.time(letter) for letter in "BGM"], x=x, fields=("slip",)).slip / (case.compliance * case.unit)
+    slip = case.solve(time=[case.time(letter) for letter in "BGM"], x=x, fields=("slip",)).slip / (
+        case.compliance * case.unit
+    )
     locked, later = np.abs(slip[1] - slip[0]), float(np.max(np.abs(slip[2] - slip[1])))
     within, between = float(np.max(locked[:50])), float(np.min(locked[50:]))
 
-    # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to P_T would have left.
+    # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
+    # P_T would have left.
     widest = float(case.width(case.events["G"].normal_load))
     x = np.array([0.0, bounds[0], 0.7 * bounds[1] + 0.3 * widest, 0.1 * bounds[1] + 0.9 * widest])
     shear = case.solve(time=[case.time("G")], x=x, fields=("shear",)).shear[0]
     place = x * case.length
-    hooks = case.contact.pressure(place, case.events["G"].normal_load) - case.contact.pressure(place, outer)
+    hooks = case.contact.pressure(place, case.events["G"].normal_load) - case.contact.pressure(
+        place, outer
+    )
     new = (shear + case.friction * hooks - formulas.stuck(place, outer)) * case.length / case.unit
     share, beyond = float(new[0] / new[1]), float(np.max(np.abs(new[2:])))
     holds = max(within, later, beyond) <= _ROUNDING < between
@@ -110,21 +142,30 @@ def _residual_tractions(case: Case) -> Found:
     }
 
 
-# ------------------------------------------------------------------------------------------ stick, slip and separation
+# ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
     """Stick, slip and separation through the cycle."""
     turn, t = 2 * math.pi, {letter: case.time(letter) for letter in LETTERS}
-    zones = (case.solve(time=np.linspace(t[first], t[last], 203)[1:-1]) for first, last in ("GI", "IM"))
+    zones = (
+        case.solve(time=np.linspace(t[first], t[last], 203)[1:-1]) for first, last in ("GI", "IM")
+    )
     held, slid = ((zone.contact_half_width - zone.stick_half_width) / case.length for zone in zones)
     stuck = {
         "deepest slip in G-I": float(held.max()),
         "least slip in I-M": float(slid.min()),
         "share of the cycle": (t["I"] - t["G"]) / turn,
     }
-    first, reverse, forward = (float(case.width(case.events[letter].front_load)) for letter in "EGM")
+    first, reverse, forward = (
+        float(case.width(case.events[letter].front_load)) for letter in "EGM"
+    )
     stick = case.solve(time=np.linspace(t["B"], t["E"], 201)).stick_half_width / case.length
     contact = case.width([case.events[letter].normal_load for letter in "BC"])
-    ends = {"c at B": float(stick[0]), "c at E": float(stick[-1]), "a at B": float(contact[0]), "a at C": float(contact[1])}
+    ends = {
+        "c at B": float(stick[0]),
+        "c at E": float(stick[-1]),
+        "a at B": float(contact[0]),
+        "a at C": float(contact[1]),
+    }
     fall = float(np.min(-np.diff(stick)))
     times = {"forward": (t["M"] - t["I"]) / turn, "reverse": (t["G"] - t["E"]) / turn}
     # From G of the first cycle on: the engine marches along it, later ones it looks up.
@@ -132,8 +173,14 @@ def course(case: Case) -> dict[str, Found]:
     net = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return {
         "stick from G to I": (judge(held.max() <= _ROUNDING < slid.min()), stuck),
-        "transient slip": (judge(first < case.stick_edge), {"first cycle": first, "steady": case.stick_edge}),
-        "slip advances from B to E": (judge(fall > 0 and contact[1] > contact[0]), {"least fall of c in a step": fall} | ends),
+        "transient slip": (
+            judge(first < case.stick_edge),
+            {"first cycle": first, "steady": case.stick_edge},
+        ),
+        "slip advances from B to E": (
+            judge(fall > 0 and contact[1] > contact[0]),
+            {"least fall of c in a step": fall} | ends,
+        ),
         "slip as deep forward as in reverse": (
             judge(abs(forward - reverse) <= _ROUNDING),
             {"forward": forward, "reverse": reverse},
@@ -148,21 +195,28 @@ def course(case: Case) -> dict[str, Found]:
 
 
 def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
-    """Mean speed of a particle that is always in contact: over its own time of slip, and over that of the contact."""
+    """Mean speed of a particle that is always in contact: over its own time of slip, and over that
+    of the contact.
+    """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
     distance, duration = np.zeros(2), np.zeros(2)
     for span in (span for part in case.slipping.values() for span in part):
         begin, end = (float(time[0]) for time in slip_times(span, edge_load))
         if end > begin:
             way = 0 if span.direction > 0 else 1
-            slip = case.solve(time=[begin + span.delay, end + span.delay], x=[x], fields=("slip",)).slip[:, 0]
+            slip = case.solve(
+                time=[begin + span.delay, end + span.delay], x=[x], fields=("slip",)
+            ).slip[:, 0]
             distance[way] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
             duration[way] += end - begin
     phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
     own, phase = (float(np.divide(*(distance / time))) for time in (duration, phases))
     speeds = {"speeds while the point slips": own, "speeds over the phases": phase}
     ways = {"distance forward": distance[0], "distance reverse": distance[1]}
-    times = {"time forward": duration[0] / (2 * math.pi), "time reverse": duration[1] / (2 * math.pi)}
+    times = {
+        "time forward": duration[0] / (2 * math.pi),
+        "time reverse": duration[1] / (2 * math.pi),
+    }
     found = speeds | {name: float(value) for name, value in (ways | times).items()}
     return judge(own < 1 - _ROUNDING, nearly=phase < 1 - _ROUNDING), found
 
@@ -173,10 +227,18 @@ def _point_history(case: Case, x: float) -> Found:
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     found = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     stated = _sequence(_HISTORIES[x])
-    letters = [{"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}[name] for name in found]
+    letters = [
+        {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}[name]
+        for name in found
+    ]
     turns = [stated[k:] + stated[:k] for k in range(len(stated))]
-    numbers = {"share of separation": float(np.mean(states == SurfaceState.OPEN)), "runs": len(found)}
-    return judge(letters in turns), numbers | {"history": ", ".join(found).replace("open", "separation")}
+    numbers = {
+        "share of separation": float(np.mean(states == SurfaceState.OPEN)),
+        "runs": len(found),
+    }
+    return judge(letters in turns), numbers | {
+        "history": ", ".join(found).replace("open", "separation")
+    }
 
 
 def _sequence(states: Sequence[str]) -> list[str]:
@@ -196,51 +258,93 @@ def one_way_slip(case: Case) -> Found:
         grid = np.linspace(low, high, 101)
         rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)
         low, high = float(grid[rubbed[-1]]), float(grid[rubbed[-1] + 1])
-    edge, widest = (low + high) / 2, max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
+    edge, widest = (
+        (low + high) / 2,
+        max(float(case.width(case.events[letter].normal_load)) for letter in "EG"),
+    )
     return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": widest}
 
 
-# ---------------------------------------------------------------------------------------- other loads, the other profile
+# ------------------------------------------------------------------- other loads, the other profile
 def loads(paper: Paper) -> dict[str, Found]:
     """What the zones of slip and the dissipation depend on."""
     case, rounded, frictions = paper.hertz, paper.rounded, np.array(FRICTIONS)
     cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
     times = {letter: np.array([each.time(letter) for each in cases]) for letter in "EGI"}
     later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
-    shift = {f"shift of {letter} in degrees": math.degrees(row[-1] - row[0]) for letter, row in times.items()}
+    shift = {
+        f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
+        for letter, row in times.items()
+    }
     shift["G earlier in degrees"] = -shift["shift of G in degrees"]
     onset = later["E"] and later["I"]
 
     mean = case.load.mean_tangential_load
-    arguments = case.batch(friction_coefficient=frictions, mean_tangential_load=mean * np.array([[1.0], [0.0]]))
+    arguments = case.batch(
+        friction_coefficient=frictions, mean_tangential_load=mean * np.array([[1.0], [0.0]])
+    )
     slides = semi_analytic.dissipation(**arguments).reason == semi_analytic.Reason.SLIDING
-    counts = {"sliding with Q0": int(slides[0].sum()), "sliding with Q0 = 0": int(slides[1].sum()), "Q0": mean / case.unit}
+    counts = {
+        "sliding with Q0": int(slides[0].sum()),
+        "sliding with Q0 = 0": int(slides[1].sum()),
+        "Q0": mean / case.unit,
+    }
     which = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
 
-    means = [case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight") for q in (-1.0, 0.0, 0.5)]
+    means = [
+        case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight")
+        for q in (-1.0, 0.0, 0.5)
+    ]
     polygon = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
     ways = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
     by_mean, by_way = _changes(case, means), _changes(case, ways)
 
     def shear(of: Case, x: Array) -> Array:
-        return of.solve(time=[of.time("M") + 2 * math.pi], x=x, fields=("shear",)).shear * case.length / case.unit
+        return (
+            of.solve(time=[of.time("M") + 2 * math.pi], x=x, fields=("shear",)).shear
+            * case.length
+            / case.unit
+        )
 
-    inside, outside = np.linspace(0, case.stick_edge * 0.999, 50), np.linspace(case.stick_edge * 1.001, case.outer_edge, 50)
-    within, beyond = (max(float(np.max(np.abs(shear(o, x) - shear(case, x)))) for o in ways) for x in (inside, outside))
+    inside, outside = (
+        np.linspace(0, case.stick_edge * 0.999, 50),
+        np.linspace(case.stick_edge * 1.001, case.outer_edge, 50),
+    )
+    within, beyond = (
+        max(float(np.max(np.abs(shear(o, x) - shear(case, x)))) for o in ways)
+        for x in (inside, outside)
+    )
     forgets = max(by_way.values()) <= _ROUNDING and beyond <= _ROUNDING < within
-    flat, bands = float(rounded.width(0.0)), [each.outer_edge - each.stick_edge for each in (case, rounded)]
+    flat, bands = (
+        float(rounded.width(0.0)),
+        [each.outer_edge - each.stick_edge for each in (case, rounded)],
+    )
     return {
         "friction delays slip": (judge(onset and later["G"], nearly=onset), shift),
-        "coefficients of figure 4b": (judge(not slides[0].any(), nearly=not slides[1].any()), counts | which),
+        "coefficients of figure 4b": (
+            judge(not slides[0].any(), nearly=not slides[1].any()),
+            counts | which,
+        ),
         "mean shear force": (judge(max(by_mean.values()) <= _ROUNDING), by_mean),
-        "initial loading": (judge(forgets), by_way | {"change of q inside": within, "change of q outside": beyond}),
-        "slip in the radii": (judge(rounded.stick_edge > flat), {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat}),
-        "narrow bands": (judge(bands[1] < bands[0]), {"hertz": bands[0], "flat and rounded": bands[1]}),
+        "initial loading": (
+            judge(forgets),
+            by_way | {"change of q inside": within, "change of q outside": beyond},
+        ),
+        "slip in the radii": (
+            judge(rounded.stick_edge > flat),
+            {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat},
+        ),
+        "narrow bands": (
+            judge(bands[1] < bands[0]),
+            {"hertz": bands[0], "flat and rounded": bands[1]},
+        ),
     }
 
 
 def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
-    """Largest change of the stick half-width through the cycle, and of W as closed integral of Q dU: that way to it knows Q0."""
+    """Largest change of the stick half-width through the cycle, and of W as closed integral of Q
+    dU: that way to it knows Q0.
+    """
 
     def zones(of: Case) -> Array:
         return of.solve(time=of.round_times(73)).stick_half_width / of.length
@@ -250,20 +354,32 @@ def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
     return {"change of c": zone, "change of W": work}
 
 
-# ------------------------------------------------------------------------------------------------------ work of friction
+# --------------------------------------------------------------------------------- work of friction
 def work(case: Case) -> dict[str, Found]:
     """The phases' shares of the work, and W(x) at the ends of the slip zone."""
-    batch, inner, outer = semi_analytic.dissipation(**case.batch()), case.stick_edge, case.outer_edge
+    batch, inner, outer = (
+        semi_analytic.dissipation(**case.batch()),
+        case.stick_edge,
+        case.outer_edge,
+    )
     share = float(batch.forward / batch.value)
     shares = {"share of forward slip": share, "share of reverse slip": 1 - share}
-    values = total(case.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9]))).tolist()
+    values = total(
+        case.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9]))
+    ).tolist()
     stuck, last, middle = max(values[:2]), values[3], values[2]
-    ends = {"largest at the ends over mid-zone": max(stuck, last) / middle, "in the stick zone": stuck}
+    ends = {
+        "largest at the ends over mid-zone": max(stuck, last) / middle,
+        "in the stick zone": stuck,
+    }
 
     def exponent(origin: float, sense: float) -> float:
         """d ln W / d ln(distance) close to an end."""
         distance = (outer - inner) * np.array([1e-6, 1e-5])
-        return float(np.diff(np.log(total(case.density(origin + sense * distance))))[0] / np.diff(np.log(distance))[0])
+        return float(
+            np.diff(np.log(total(case.density(origin + sense * distance))))[0]
+            / np.diff(np.log(distance))[0]
+        )
 
     at_stick, at_edge = exponent(inner, 1.0), exponent(outer, -1.0)
     return {
@@ -273,7 +389,10 @@ def work(case: Case) -> dict[str, Found]:
             ends | {"at the outer edge over mid-zone": last / middle},
         ),
         "slope at the stick edge": (judge(at_stick > 1 + _EXPONENT_SLACK), {"exponent": at_stick}),
-        "slope at the outer edge": (judge(abs(at_edge - 1) <= _EXPONENT_SLACK), {"exponent": at_edge}),
+        "slope at the outer edge": (
+            judge(abs(at_edge - 1) <= _EXPONENT_SLACK),
+            {"exponent": at_edge},
+        ),
         "root at the outer edge": (
             judge(abs(at_edge - 0.5) <= _EXPONENT_SLACK, nearly=abs(at_edge - 0.5) <= 0.1),
             {"exponent": at_edge},
@@ -282,42 +401,67 @@ def work(case: Case) -> dict[str, Found]:
 
 
 def _comparisons(paper: Paper) -> dict[str, Found]:
-    """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal loads, f, material and a0."""
-    cases, (hertz, rounded), names = (paper.hertz, paper.rounded), paper.sweeps, ("Hertz", "flat and rounded")
+    """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal
+    loads, f, material and a0.
+    """
+    cases, (hertz, rounded), names = (
+        (paper.hertz, paper.rounded),
+        paper.sweeps,
+        ("Hertz", "flat and rounded"),
+    )
     found: dict[str, Found] = {}
     for name, case, peak in zip(names, cases, paper.peaks, strict=True):
         place = float(peak.fraction)
         numbers = {"fraction": place, "x/a0": float(peak.place) / case.length}
-        found[f"place of the peak, {name}"] = judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02), numbers
+        found[f"place of the peak, {name}"] = (
+            judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02),
+            numbers,
+        )
     ends = {
         f"{name}, {end}": float(s.place[0, k])
         for name, s in zip(names, paper.sweeps, strict=True)
         for end, k in (("near", 0), ("far", -1))
     }
-    close = (all(low < place < high for place in ends.values()) for low, high in ((0.6, 0.65), (0.55, 0.7)))
+    close = (
+        all(low < place < high for place in ends.values())
+        for low, high in ((0.6, 0.65), (0.55, 0.7))
+    )
 
-    # Exponents in P0 between neighbours of a sweep at constant a(P0); at constant R, a grows like sqrt(P0).
+    # Exponents in P0 between neighbours of a sweep at constant a(P0); at constant R, a grows like
+    # sqrt(P0).
     slopes = {
-        (what, k): np.diff(np.log(getattr(sweep, what)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
+        (what, k): (
+            np.diff(np.log(getattr(sweep, what)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
+        )
         for k, sweep in enumerate(paper.sweeps)
         for what in ("work", "peak")
     }
     steepest = {
-        what: max(float(np.max(np.diff(getattr(sweep, what), axis=1))) for sweep in paper.sweeps) for what in ("work", "peak")
+        what: max(float(np.max(np.diff(getattr(sweep, what), axis=1))) for sweep in paper.sweeps)
+        for what in ("work", "peak")
     }
     gap = float(np.min(slopes["peak", 0] - 0.5 - slopes["work", 0]))
-    falls = {f"fall of {what}": float(np.divide(*getattr(hertz, what)[0, [0, -1]])) for what in ("work", "peak")}
+    falls = {
+        f"fall of {what}": float(np.divide(*getattr(hertz, what)[0, [0, -1]]))
+        for what in ("work", "peak")
+    }
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
     best = {int(place) for merit in merits for place in np.argmax(merit, axis=1)}
     whole = [case.steady.dissipation / case.work_unit for case in cases]
-    tops = [float(peak.value) * case.length / case.work_unit for case, peak in zip(cases, paper.peaks, strict=True)]
+    tops = [
+        float(peak.value) * case.length / case.work_unit
+        for case, peak in zip(cases, paper.peaks, strict=True)
+    ]
     works, peaks = whole[1] / whole[0], tops[1] / tops[0]
     spans = [
         {"least": float(over.min()), "largest": float(over.max())}
         for over in (rounded.work / hertz.work, rounded.peak / hertz.peak)
     ]
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    spread, share = [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps], float(np.mean(slopes["peak", 1] > slopes["peak", 0]))
+    spread, share = (
+        [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps],
+        float(np.mean(slopes["peak", 1] > slopes["peak", 0])),
+    )
     ratio, place_of = rounded.ratio[-1], rounded.place[-1]
     last = int(np.argmax(np.abs(np.diff(place_of))))
     weaker = {
@@ -332,12 +476,33 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
     }
     return found | {
         "place of the peak, all loads": (judge(*close), ends),
-        "global dissipation before sliding": (judge(steepest["work"] < 0), {"largest step": steepest["work"]}),
+        "global dissipation before sliding": (
+            judge(steepest["work"] < 0),
+            {"largest step": steepest["work"]},
+        ),
         "peak before sliding": (judge(steepest["peak"] < 0), {"largest step": steepest["peak"]}),
-        "work falls faster than its peak": (judge(gap > 0), falls | {"least gap of exponents": gap}),
-        "best designs close to sliding": (judge(best == {0}), {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])}),
-        "five times the energy": (judge_number(works, 5, 0, slack=0.2), {"quotient of work": works} | spans[0]),
-        "eight times the peak": (judge_number(peaks, 8, 0, slack=0.2), {"quotient of peaks": peaks} | spans[1]),
-        "weaker dependence of the peak": (judge(bool(np.all(spread[1] < spread[0])) and share == 1), weaker),
-        "figure of merit": (judge(works < peaks), {"quotient of merits": works / peaks, "five over eight": 5 / 8}),
+        "work falls faster than its peak": (
+            judge(gap > 0),
+            falls | {"least gap of exponents": gap},
+        ),
+        "best designs close to sliding": (
+            judge(best == {0}),
+            {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])},
+        ),
+        "five times the energy": (
+            judge_number(works, 5, 0, slack=0.2),
+            {"quotient of work": works} | spans[0],
+        ),
+        "eight times the peak": (
+            judge_number(peaks, 8, 0, slack=0.2),
+            {"quotient of peaks": peaks} | spans[1],
+        ),
+        "weaker dependence of the peak": (
+            judge(bool(np.all(spread[1] < spread[0])) and share == 1),
+            weaker,
+        ),
+        "figure of merit": (
+            judge(works < peaks),
+            {"quotient of merits": works / peaks, "five over eight": 5 / 8},
+        ),
     }

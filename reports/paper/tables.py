@@ -1,4 +1,6 @@
-"""The rows of the paper's two tables: words from paper.toml, numbers from rules, and how numbers become verdicts."""
+"""The rows of the paper's two tables: words from paper.toml, numbers from rules, and how numbers
+become verdicts.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 EXACT, APART = 1e-9, 1e-3
-"""A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares of the right value."""
-WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(Path(__file__).with_name("paper.toml").read_text(encoding="utf-8"))
+"""A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares
+of the right value.
+"""
+WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(
+    Path(__file__).with_name("paper.toml").read_text(encoding="utf-8")
+)
 _PROVEN = {True: "yes", False: "no", None: "by reading"}
 
 
@@ -55,14 +61,19 @@ Found = tuple[Any, dict[str, Any]]
 
 
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with its numbers, in Python's formats and `_small`; names hold any sign but : and braces.
+    """A text of paper.toml with its numbers, in Python's formats and `_small`; names hold any sign
+    but : and braces.
 
     >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
 
     def number(found: re.Match[str]) -> str:
-        return _small(values[found[1]]) if found[2] == "small" else format(values[found[1]], found[2] or "")
+        return (
+            _small(values[found[1]])
+            if found[2] == "small"
+            else format(values[found[1]], found[2] or "")
+        )
 
     return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
 
@@ -70,7 +81,12 @@ def filled_in(text: str, values: Mapping[str, Any]) -> str:
 def row(kind: type[Row], words: Mapping[str, str], found: Found) -> Row:
     """A row of either table."""
     numbers = {name: value for name, value in found[1].items() if not isinstance(value, str)}
-    cells: list[Any] = [*(words[one.name] for one in fields(kind)[:-3]), filled_in(words["text"], found[1]), found[0], numbers]
+    cells: list[Any] = [
+        *(words[one.name] for one in fields(kind)[:-3]),
+        filled_in(words["text"], found[1]),
+        found[0],
+        numbers,
+    ]
     return kind(*cells)
 
 
@@ -84,12 +100,19 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
 
 
 def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
-    """Confirmed if `computed` rounds to `printed` at that many decimal digits, refined within a share `slack`, else contradicted.
+    """Confirmed if `computed` rounds to `printed` at that many decimal digits, refined within a
+    share `slack`, else contradicted.
 
-    >>> judge_number(0.72705, 0.73, 2).value, judge_number(0.8742, 0.88, 2).value, judge_number(0.557, 5.0, 0).value
+    >>> (
+    ...     judge_number(0.72705, 0.73, 2).value,
+    ...     judge_number(0.8742, 0.88, 2).value,
+    ...     judge_number(0.557, 5.0, 0).value,
+    ... )
     ('confirmed', 'refined', 'contradicted')
     """
-    return judge(round(computed, digits) == printed, abs(computed - printed) <= slack * abs(printed))
+    return judge(
+        round(computed, digits) == printed, abs(computed - printed) <= slack * abs(printed)
+    )
 
 
 def _small(value: float) -> str:
@@ -118,7 +141,10 @@ def proven_in_words(row: Misprint) -> str:
 def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict[str, list[str]]:
     """Columns of one of the tables for CSV; `key` heads the first."""
     heads = {"key": key, "words": "the paper", "values": "numbers"}
-    return {heads.get(one.name, one.name): [_cell(getattr(row, one.name)) for row in rows] for one in fields(rows[0])}
+    return {
+        heads.get(one.name, one.name): [_cell(getattr(row, one.name)) for row in rows]
+        for one in fields(rows[0])
+    }
 
 
 def _cell(value: Any) -> str:

@@ -1,17 +1,22 @@
-"""A result of another code: read into one form, put beside a reference, judged by the same metrics, its likely faults named.
+"""A result of another code: read into one form, put beside a reference, judged by the same metrics,
+its likely faults named.
 
-reading.py         which reader takes which file; tables of text (their numbers: `scenes.text_tables.text_table`)
+reading.py         which reader takes which file; tables of text (their numbers:
+                   `scenes.text_tables.text_table`)
 abaqus.py          reports of field output; reports of XY data are tables
-fields.py          VTU, VTK and PVD; field_files.py, vtk_files.py: read by pyvista in a process of its own
+fields.py          VTU, VTK and PVD; field_files.py, vtk_files.py: read by pyvista in a process of
+                   its own
 calculix.py        CalculiX' results as tractions; calculix_files.py: the forms .frd and .dat
 mapping.py         names of columns, factors of units, signs
 surface.py         the one form; surface of a foreign mesh
 history.py         which instant is which on the scene's load path
-solution.py        units and signs that can't be; the result as a ContactSolution: states, edges, friction work, by the same
-                   rule in the reference
+solution.py        units and signs that can't be; the result as a ContactSolution: states, edges,
+                   friction work, by the same rule in the reference
 against.py         the score
-diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in words
+diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in
+                   words
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
-loop_branches.py   at constant P: turning points of Q, branches of the memory curve, f by least squares, area of the rows
+loop_branches.py   at constant P: turning points of Q, branches of the memory curve, f by least
+                   squares, area of the rows
 study.py           a folder of meshes: orders, and what no mesh removes
 """

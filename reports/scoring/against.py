@@ -1,4 +1,6 @@
-"""A foreign result against a reference: the same comparison, metrics and page as between the two engines."""
+"""A foreign result against a reference: the same comparison, metrics and page as between the two
+engines.
+"""
 
 from __future__ import annotations
 
@@ -42,11 +44,11 @@ def score(
     Parameters
     ----------
     x : (n_points,) places on the surface, 0 in the middle of the contact [length]
-    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q along +x on the lower body.
-        q None: the pressure is scored alone
+    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q
+        along +x on the lower body. q None: the pressure is scored alone
     scene : the question, or its name or file
-    time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the integrals of p and q
-    loads : (P, Q), (n_steps,) each [force / thickness]
+    time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the
+    integrals of p and q loads : (P, Q), (n_steps,) each [force / thickness]
     slip : like p [length], upper over lower; only with it has the result slip and dissipation
     code : what computed it, for the page
     mapping : units and signs for certain, which are guessed, and named in `guesses`, without
@@ -61,37 +63,78 @@ def score(
     >>> import numpy as np, semi_analytic
     >>> x = np.linspace(-1.2, 1.2, 241)
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
-    >>> found = score(x, 1.01 * exact.pressure[0], exact.shear[0], scene="cattaneo-mindlin", time=1.5, code="mine")
+    >>> found = score(
+    ...     x,
+    ...     1.01 * exact.pressure[0],
+    ...     exact.shear[0],
+    ...     scene="cattaneo-mindlin",
+    ...     time=1.5,
+    ...     code="mine",
+    ... )
     >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
     (0.01, True)
     """
     asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
-    series = {"time": time, "normal_load": loads[0] if loads else None, "tangential_load": loads[1] if loads else None}
+    series = {
+        "time": time,
+        "normal_load": loads[0] if loads else None,
+        "tangential_load": loads[1] if loads else None,
+    }
     result = surface_result(code or "the arrays", code, x, fields, series)
-    return diagnosed(score_surface(result, mapping or Mapping(), asked, against=against, tolerances=tolerances))
+    return diagnosed(
+        score_surface(result, mapping or Mapping(), asked, against=against, tolerances=tolerances)
+    )
 
 
 def score_file(
-    path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact", tolerances: dict[str, float] | None = None
+    path: Path,
+    mapping: Mapping,
+    scene: Scene,
+    *,
+    against: Against = "exact",
+    tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through `mapping`."""
+    """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through
+    `mapping`.
+    """
     if path.suffix.lower() == OWN and path.is_file():
-        return score_solution(own_solution(path, scene), (), None, against=against, polygon=True, tolerances=tolerances)
+        return score_solution(
+            own_solution(path, scene),
+            (),
+            None,
+            against=against,
+            polygon=True,
+            tolerances=tolerances,
+        )
     sure = mapping.times is not None or mapping.columns.time is not None
-    return score_surface(read(path, mapping), mapping, scene, against=against, sure_of_times=sure, tolerances=tolerances)
+    return score_surface(
+        read(path, mapping),
+        mapping,
+        scene,
+        against=against,
+        sure_of_times=sure,
+        tolerances=tolerances,
+    )
 
 
 def own_solution(path: Path, scene: Scene) -> ContactSolution:
-    """The solution of a NetCDF file of the project's own; InputError for another file or another scene."""
+    """The solution of a NetCDF file of the project's own; InputError for another file or another
+    scene.
+    """
     try:
         solution = ContactSolution.load(path)
     except (OSError, KeyError, ValueError) as reason:
-        raise InputError(f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})") from reason
+        raise InputError(
+            f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})"
+        ) from reason
     for part in ("material", "profile", "friction", "load"):
         own, asked = getattr(solution.scene, part), getattr(scene, part)
         if own != asked:
-            raise InputError(f"{path}: it answers another scene: {part} is {own!r} there and {asked!r} in {scene.name}")
+            raise InputError(
+                f"{path}: it answers another scene: {part} is {own!r} there and {asked!r} in"
+                f" {scene.name}"
+            )
     return solution
 
 
@@ -121,9 +164,9 @@ def score_solution(
 ) -> Report:
     """A solution against a fresh reference, without diagnoses.
 
-    `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out of a foreign result.
-    `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
-    instants are all the increments of a solver.
+    `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out
+    of a foreign result. `polygon` asks for theory on the straight steps between the instants as
+    well, which tells the error of the steps where the instants are all the increments of a solver.
 
     Raises
     ------
@@ -138,41 +181,71 @@ def score_solution(
         import semi_analytic
 
         reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
-    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}  # the reference then holds none too
-    reference = replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
+    # the reference then holds none too
+    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
+    reference = replace(
+        reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking})
+    )
     _refuse_beside(solution, reference)
     steps = None  # theory on the increments of a solver; none for an answer that takes no steps
-    if polygon and against == "exact" and solution.engine == "halfplane_fe" and DERIVED not in solution.settings:
+    if (
+        polygon
+        and against == "exact"
+        and solution.engine == "halfplane_fe"
+        and DERIVED not in solution.settings
+    ):
         from reports.comparison.budget import theory_on_steps
 
         steps = theory_on_steps(solution)
     if whole is None and derived(solution):
         whole = whole_path(solution.scene)
-    like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
+    like, words = (
+        (reference, ())
+        if whole is None
+        else by_same_rule(reference, solution, scales(whole).half_width)
+    )
     # Without a rule that both follow the reference stands for itself.
     plain = None if like is reference else reference
-    found = compare(like, solution, polygon_reference=steps, scales_from=whole, plain_reference=plain, tolerances=tolerances)
+    found = compare(
+        like,
+        solution,
+        polygon_reference=steps,
+        scales_from=whole,
+        plain_reference=plain,
+        tolerances=tolerances,
+    )
     checks = certificates(reference)
-    found = replace(found, reference=reference, reference_certificates=checks, notes=(*words, *found.notes))
+    found = replace(
+        found, reference=reference, reference_certificates=checks, notes=(*words, *found.notes)
+    )
     return Report(found, guesses=guesses)
 
 
 def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
-    """InputError where no point of a result can be judged: all lie beside the contact, or its instants have none."""
-    left, right = (np.interp(solution.time, reference.time, np.nan_to_num(edge)) for edge in reference.contact_edges.T)
-    if np.any((solution.x > left[:, None]) & (solution.x < right[:, None])) or not solution.pressure.any():
+    """InputError where no point of a result can be judged: all lie beside the contact, or its
+    instants have none.
+    """
+    left, right = (
+        np.interp(solution.time, reference.time, np.nan_to_num(edge))
+        for edge in reference.contact_edges.T
+    )
+    if (
+        np.any((solution.x > left[:, None]) & (solution.x < right[:, None]))
+        or not solution.pressure.any()
+    ):
         return
     source = solution.settings.get("source", solution.engine)
     if np.all(left >= right):
         first, last = solution.time[[0, -1]]
         raise InputError(
-            f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no contact: state the scene's "
-            "times of its instants, by a column or by times of a mapping"
+            f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no"
+            " contact: state the scene's times of its instants, by a column or by times of a"
+            " mapping"
         )
     raise InputError(
-        f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to {solution.x[-1]:.6g}, the "
-        f"contact from {left.min():.6g} to {right.max():.6g}; state its x at the middle of the contact by x_offset of a mapping, "
-        "in the scene's length"
+        f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to"
+        f" {solution.x[-1]:.6g}, the contact from {left.min():.6g} to {right.max():.6g}; state its"
+        " x at the middle of the contact by x_offset of a mapping, in the scene's length"
     )
 
 

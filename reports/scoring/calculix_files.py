@@ -1,7 +1,9 @@
-"""CalculiX' files: .frd, nodes, elements and chosen result blocks of every frame; .dat, its printed tables and resultants.
+"""CalculiX' files: .frd, nodes, elements and chosen result blocks of every frame; .dat, its printed
+tables and resultants.
 
-The form of .frd is that of the manual of CalculiX GraphiX ("Result Format"). A line begins with a key: `2C` nodes, `3C` elements,
-`100C` a result block, ` -4` its name, ` -5` a component of it, ` -1` a record, ` -2` its continuation, ` -3` the end of a block.
+The form of .frd is that of the manual of CalculiX GraphiX ("Result Format"). A line begins with a
+key: `2C` nodes, `3C` elements, `100C` a result block, ` -4` its name, ` -5` a component of it, `
+-1` a record, ` -2` its continuation, ` -3` the end of a block.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from scenes.files import check_size
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
+# bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside
+# the engines
+LARGEST = 2**29
 _FARTHEST = 1e100  # the square of a larger coordinate would be none
 _WIDTH = 12  # characters a number, with no blank kept between two
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
@@ -31,7 +35,9 @@ _INTEGER = re.compile(r" *[+-]?\d{1,18} *", re.ASCII)
 
 
 class FrdElement(NamedTuple):
-    """One element: its number, its kind as the .frd form counts them (1 brick of 8 nodes, 9 quadrangle of 4, ...), its nodes."""
+    """One element: its number, its kind as the .frd form counts them (1 brick of 8 nodes, 9
+    quadrangle of 4, ...), its nodes.
+    """
 
     number: int
     kind: int
@@ -44,14 +50,17 @@ class FrdBlock:
 
     name: str  # DISP, STRESS, CONTACT, ...
     time: float  # that its header states: total time of the step
-    components: tuple[str, ...]  # of the columns, such as COPEN, CSLIP1, CSLIP2, CPRESS, CSHEAR1, CSHEAR2
+    # of the columns, such as COPEN, CSLIP1, CSLIP2, CPRESS, CSHEAR1, CSHEAR2
+    components: tuple[str, ...]
     nodes: Integers  # (n_records,), numbers
     values: Array  # (n_records, n_components)
     line: int  # of its header in the file
 
     def column(self, component: str) -> Array:
         """(n_records,); KeyError where the block has no such component."""
-        return self.values[:, dict(zip(self.components, range(len(self.components)), strict=True))[component]]
+        return self.values[
+            :, dict(zip(self.components, range(len(self.components)), strict=True))[component]
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,14 +78,18 @@ class FrdFile:
     ended: bool  # whether the file has its end (9999), which CalculiX writes last
 
 
-def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()) -> FrdFile:
-    """Nodes, elements, and the result blocks of the `names`; where there is none, those of the names `instead`.
+def read_frd(
+    path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()
+) -> FrdFile:
+    """Nodes, elements, and the result blocks of the `names`; where there is none, those of the
+    names `instead`.
 
     Raises
     ------
     InputError
-        File, line and what was expected there: not ASCII, broken off, a record that is not of fixed width, a number that is none,
-        fewer records than announced; or a file of more than half a GB.
+        File, line and what was expected there: not ASCII, broken off, a record that is not of fixed
+        width, a number that is none, fewer records than announced; or a file of more than half a
+        GB.
     """
     path = Path(path)
     _check_size(path)
@@ -92,7 +105,11 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: C
             match line[:6].strip():
                 case "1U":
                     text = line[5:].strip()
-                    version += [text.removeprefix(own).strip() for own in ("UPGM", "UVERSION") if text.startswith(own)]
+                    version += [
+                        text.removeprefix(own).strip()
+                        for own in ("UPGM", "UVERSION")
+                        if text.startswith(own)
+                    ]
                 case "2C":
                     nodes, points = lines.nodes(line)
                 case "3C":
@@ -107,12 +124,23 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: C
                     if name in names and not best:
                         blocks.clear()
                     if name in names or (name in instead and not best):
-                        blocks.append(FrdBlock(name, time, components, *lines.table(records, label, len(components)), at))
+                        blocks.append(
+                            FrdBlock(
+                                name,
+                                time,
+                                components,
+                                *lines.table(records, label, len(components)),
+                                at,
+                            )
+                        )
                 case "9999":
                     ended = True
                     break
     if not len(nodes):
-        raise InputError(f"{path}: no block of nodes (a line that begins with 2C): this is not a result file of CalculiX")
+        raise InputError(
+            f"{path}: no block of nodes (a line that begins with 2C): this is not a result file of"
+            " CalculiX"
+        )
     found = tuple(elements), tuple(times), tuple(blocks), tuple(named)
     return FrdFile(path, " ".join(version), nodes, points, *found, ended)
 
@@ -125,7 +153,9 @@ def _check_size(path: Path) -> None:
 
 
 class _Record(NamedTuple):
-    """One record of a block: the number of its line, that line from the node's number on, and its continuations."""
+    """One record of a block: the number of its line, that line from the node's number on, and its
+    continuations.
+    """
 
     line: int
     text: str
@@ -133,7 +163,9 @@ class _Record(NamedTuple):
 
 
 class _Lines(Iterator[str]):
-    """Lines of a file without their ends, the number of the last one taken, and what is made of them."""
+    """Lines of a file without their ends, the number of the last one taken, and what is made of
+    them.
+    """
 
     def __init__(self, path: Path, lines: Iterable[str]) -> None:
         self.path, self._numbered, self.number = path, enumerate(lines, start=1), 0
@@ -147,13 +179,16 @@ class _Lines(Iterator[str]):
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
     def records(self, header: str, what: str, at: int) -> tuple[int, list[_Record]]:
-        """Characters of a node's number, and the records of a block, as many as its header in line `at` announces."""
+        """Characters of a node's number, and the records of a block, as many as its header in line
+        `at` announces.
+        """
         announced = self.integer(header[24:36], "the count of records in columns 25 to 36", at)
         form = self.integer(header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", at)
         if form not in _LABELS:
             raise InputError(
-                f"{self.path}: line {at}: the file is binary (form {form}), and only the ASCII forms are read; "
-                "write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
+                f"{self.path}: line {at}: the file is binary (form {form}), and only the ASCII"
+                " forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE"
+                " OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
         found: list[_Record] = []
         for line in self:
@@ -163,13 +198,19 @@ class _Lines(Iterator[str]):
                 found[-1].more.append(line[3:])
             elif line.startswith(" -3"):
                 if len(found) != announced:
-                    raise self.refusal(f"{announced} {what} as announced here, found {len(found)}", at)
+                    raise self.refusal(
+                        f"{announced} {what} as announced here, found {len(found)}", at
+                    )
                 return _LABELS[form], found
             else:
                 raise self.refusal(
-                    f"the head of a record (-1), then its rest (-2), or the end of the block (-3), found {line[:40]!r}"
+                    "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
+                    f" found {line[:40]!r}"
                 )
-        raise self.refusal(f"the end of the block (-3): the file breaks off after {len(found)} of {announced} {what}")
+        raise self.refusal(
+            f"the end of the block (-3): the file breaks off after {len(found)} of {announced}"
+            f" {what}"
+        )
 
     def nodes(self, header: str) -> tuple[Integers, Array]:
         at = self.number
@@ -185,7 +226,10 @@ class _Lines(Iterator[str]):
         at = self.number
         label, records = self.records(header, "elements", at)
         for line, head, more in records:
-            own, kind = self.integer(head[:label], "an element's number", line), self.integer(head[label:][:5], "its kind", line)
+            own, kind = (
+                self.integer(head[:label], "an element's number", line),
+                self.integer(head[label:][:5], "its kind", line),
+            )
             words = (text[k : k + label] for text in more for k in range(0, len(text), label))
             nodes = tuple(self.integer(word, "a node's number", line + 1) for word in words)
             if not nodes:
@@ -202,8 +246,11 @@ class _Lines(Iterator[str]):
         for _ in range(count):
             line = next(self, "")
             if not line.startswith(" -5"):
-                raise self.refusal(f"the name of a component (-5), {count} in all, found {line[:40]!r}")
-            if line[33:38].strip() != "1":  # ALL, which a viewer works out, is announced and is not in the file
+                raise self.refusal(
+                    f"the name of a component (-5), {count} in all, found {line[:40]!r}"
+                )
+            # ALL, which a viewer works out, is announced and is not in the file
+            if line[33:38].strip() != "1":
                 found.append(line[5:13].strip())
         return name, tuple(found)
 
@@ -214,13 +261,20 @@ class _Lines(Iterator[str]):
             body = text[label:] + "".join(rest[label:] for rest in more)
             if len(body) != _WIDTH * columns:
                 length = f"{3 + label + _WIDTH * columns} in all, found {3 + label + len(body)}"
-                raise self.refusal(f"{columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line)
+                raise self.refusal(
+                    f"{columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line
+                )
             nodes.append(self.integer(text[:label], "a node's number", line))
             words += [body[k : k + _WIDTH] for k in range(0, len(body), _WIDTH)]
         try:
             values = np.array(words, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
-            values = np.array([self.float(word, "a number", records[k // columns].line) for k, word in enumerate(words)])
+            values = np.array(
+                [
+                    self.float(word, "a number", records[k // columns].line)
+                    for k, word in enumerate(words)
+                ]
+            )
         return np.array(nodes, np.int64), values.reshape(len(nodes), columns)
 
     def float(self, text: str, what: str = "a number", number: int = 0) -> float:
@@ -239,11 +293,19 @@ class _Lines(Iterator[str]):
         return int(text)
 
 
-# ------------------------------------------------------------------------------------------------------------- printed tables
-# The titles: " what (columns) for scope and time 0.5E+00" and " statistics for slave set A, master set B and time 0.5E+00".
-_TITLE = re.compile(r" ?(?P<what>[a-z][^()]*?) ?\((?P<columns>[^)]*)\) for (?P<scope>.*?) and time\s*(?P<time>\S+)\s*")
-_STATISTICS = re.compile(r" ?statistics for slave set (?P<slave>[^,]+), ?master set (?P<master>.+?) and time\s*(?P<time>\S+)\s*")
-# Words that stand for the numbers of what a row belongs to, and how many numbers they are; other tables name their values alone.
+# ----------------------------------------------------------------------------------- printed tables
+# The titles: " what (columns) for scope and time 0.5E+00" and " statistics for slave set A, master
+# set B and time 0.5E+00".
+_TITLE = re.compile(
+    r" ?(?P<what>[a-z][^()]*?) ?\((?P<columns>[^)]*)\) for (?P<scope>.*?) and"
+    r" time\s*(?P<time>\S+)\s*"
+)
+_STATISTICS = re.compile(
+    r" ?statistics for slave set (?P<slave>[^,]+), ?master set (?P<master>.+?) and"
+    r" time\s*(?P<time>\S+)\s*"
+)
+# Words that stand for the numbers of what a row belongs to, and how many numbers they are; other
+# tables name their values alone.
 _IDS = {"slave node": 1, "slave element+face": 2}
 
 
@@ -284,7 +346,8 @@ def read_dat(path: str | Path) -> DatFile:
     Raises
     ------
     InputError
-        File, line and what was expected: a row that is no row of its table, resultants that break off; a file of over half a GB.
+        File, line and what was expected: a row that is no row of its table, resultants that break
+        off; a file of over half a GB.
     """
     path = Path(path)
     _check_size(path)
@@ -292,12 +355,16 @@ def read_dat(path: str | Path) -> DatFile:
     file, tables, pairs = _Lines(path, ()), list[DatTable](), list[PairForce]()
 
     def after(at: int, heading: str) -> Array:
-        """Six numbers on the line after next of a heading among the statistics whose title is line `at` (from 1)."""
+        """Six numbers on the line after next of a heading among the statistics whose title is line
+        `at` (from 1).
+        """
         for number, line in enumerate(lines[at : at + 19], start=at + 1):
             if line.strip().startswith(heading) and number + 1 < len(lines):
                 words = lines[number + 1].split()
                 if len(words) != 6:
-                    raise file.refusal(f"6 numbers under {heading!r}, found {len(words)}", number + 2)
+                    raise file.refusal(
+                        f"6 numbers under {heading!r}, found {len(words)}", number + 2
+                    )
                 return np.array([file.float(word, number=number + 2) for word in words])
         raise file.refusal(f"{heading!r} below this title: the file breaks off", at)
 
@@ -305,25 +372,61 @@ def read_dat(path: str | Path) -> DatFile:
         if " time" not in line:
             continue
         if title := _STATISTICS.fullmatch(line):
-            force, normal = after(at, "total surface force")[:3], after(at, "center of gravity and mean normal")[3:]
+            force, normal = (
+                after(at, "total surface force")[:3],
+                after(at, "center of gravity and mean normal")[3:],
+            )
             pairs.append(
-                PairForce(title["slave"].strip(), title["master"].strip(), file.float(title["time"], number=at), force, normal)
+                PairForce(
+                    title["slave"].strip(),
+                    title["master"].strip(),
+                    file.float(title["time"], number=at),
+                    force,
+                    normal,
+                )
             )
         elif title := _TITLE.fullmatch(line):
             # Its rows: below the title and blank lines, up to the next blank line or title.
             first = next((k for k in range(at, len(lines)) if lines[k].strip()), len(lines))
-            last = next((k for k in range(first, len(lines)) if not lines[k].strip() or " time" in lines[k]), len(lines))
+            last = next(
+                (
+                    k
+                    for k in range(first, len(lines))
+                    if not lines[k].strip() or " time" in lines[k]
+                ),
+                len(lines),
+            )
             rows, columns = [row.split() for row in lines[first:last]], title["columns"].split(",")
             n_values = len(columns) - (columns[0].strip() in _IDS)
             n_ids = _IDS.get(columns[0].strip(), max(len(rows[0]) - n_values, 0) if rows else 0)
             for number, row in enumerate(rows, start=first + 1):
                 if len(row) != n_ids + n_values:
-                    raise file.refusal(f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number)
-            counted, what = list(enumerate(rows, start=first + 1)), "the number of a node, element or face"
-            ids = np.array([[file.integer(word, what, k) for word in row[:n_ids]] for k, row in counted], np.int64)
-            values = np.array([[file.float(word, number=k) for word in row[n_ids:]] for k, row in counted], float)
+                    raise file.refusal(
+                        f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number
+                    )
+            counted, what = (
+                list(enumerate(rows, start=first + 1)),
+                "the number of a node, element or face",
+            )
+            ids = np.array(
+                [[file.integer(word, what, k) for word in row[:n_ids]] for k, row in counted],
+                np.int64,
+            )
+            values = np.array(
+                [[file.float(word, number=k) for word in row[n_ids:]] for k, row in counted], float
+            )
             shaped = ids.reshape(len(rows), n_ids), values.reshape(len(rows), n_values)
-            tables.append(DatTable(title["what"], title["scope"].strip(), file.float(title["time"], number=at), *shaped))
+            tables.append(
+                DatTable(
+                    title["what"],
+                    title["scope"].strip(),
+                    file.float(title["time"], number=at),
+                    *shaped,
+                )
+            )
     if not tables and not pairs:
-        raise InputError(f"{path}: no table of CalculiX in it (a title that ends with 'and time ...'); *CONTACT PRINT writes them")
+        raise InputError(
+            f"{path}: no table of CalculiX in it (a title that ends with 'and time ...'); *CONTACT"
+            " PRINT writes them"
+        )
     return DatFile(path, tuple(tables), tuple(pairs))

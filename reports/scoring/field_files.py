@@ -1,4 +1,5 @@
-"""Field files that other programs wrote, of one instant or of many: VTU, legacy VTK, and PVD, their collection.
+"""Field files that other programs wrote, of one instant or of many: VTU, legacy VTK, and PVD, their
+collection.
 
 pyvista reads them in a process of its own, bounded in time and memory: see `vtk_files`.
 """
@@ -42,8 +43,8 @@ class FieldPart:
     ----------
     name : of its file
     points : (n_points, 3) [length]
-    cells : (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces, 3 of solids
-    point_fields : name -> (n_points,) or (n_points, k)
+    cells : (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces,
+    3 of solids point_fields : name -> (n_points,) or (n_points, k)
     cell_fields : name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
     """
 
@@ -56,7 +57,9 @@ class FieldPart:
 
 @dataclass(frozen=True, eq=False)
 class FieldFrame:
-    """One instant: its time as the collection states it (None for a single file), and its parts, each with fields of its own."""
+    """One instant: its time as the collection states it (None for a single file), and its parts,
+    each with fields of its own.
+    """
 
     time: float | None
     parts: tuple[FieldPart, ...]
@@ -70,8 +73,8 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     Raises
     ------
     InputError
-        File and what is wrong: can't be read, broken, larger than half a GB (2 GB unpacked), longer than five minutes to read, no
-        instant, a file of the collection missing.
+        File and what is wrong: can't be read, broken, larger than half a GB (2 GB unpacked), longer
+        than five minutes to read, no instant, a file of the collection missing.
     """
     path = Path(path)
     if path.suffix.lower() != ".pvd":
@@ -81,7 +84,10 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
         raise InputError(f"{path}: the collection is empty")
     for time, file in entries:
         if not file.is_file():
-            raise InputError(f"{path}: it names {file.name}, which is not there; keep the files of a collection together")
+            raise InputError(
+                f"{path}: it names {file.name}, which is not there; keep the files of a collection"
+                " together"
+            )
         if not np.isfinite(time):
             raise InputError(f"{path}: {file.name} has no time in it (timestep)")
     parts = _parts([file for _, file in entries])
@@ -92,7 +98,9 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
 
 
 def collected_files(path: Path) -> tuple[Path, ...]:
-    """The files that a .pvd names; none of any other file. InputError where the collection is broken."""
+    """The files that a .pvd names; none of any other file. InputError where the collection is
+    broken.
+    """
     return tuple(file for _, file in _entries(path)) if path.suffix.lower() == ".pvd" else ()
 
 
@@ -103,8 +111,14 @@ def _entries(path: Path) -> list[tuple[float, Path]]:
         with within_memory(path, UNPACKED):
             root = ElementTree.parse(path).getroot()
         if root.get("type") != "Collection":
-            raise InputError(f"{path}: a VTKFile of type Collection is expected, this is {root.tag} of type {root.get('type')}")
-        return [(float(entry.get("timestep", "nan")), path.parent / str(entry.get("file"))) for entry in root.iter("DataSet")]
+            raise InputError(
+                f"{path}: a VTKFile of type Collection is expected, this is {root.tag} of type"
+                f" {root.get('type')}"
+            )
+        return [
+            (float(entry.get("timestep", "nan")), path.parent / str(entry.get("file")))
+            for entry in root.iter("DataSet")
+        ]
     except (OSError, ElementTree.ParseError, ValueError) as reason:
         raise _broken(path, f"{type(reason).__name__}: {reason}") from reason
 
@@ -117,14 +131,20 @@ def _check_size(path: Path) -> None:
 
 
 def _broken(path: Path, reason: str) -> InputError:
-    return InputError(f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form ({reason[:300]})")
+    return InputError(
+        f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form"
+        f" ({reason[:300]})"
+    )
 
 
 def _parts(paths: Sequence[Path]) -> list[FieldPart]:
     """The mesh and fields of each file, in their order."""
     for path in paths:
         if path.suffix.lower() not in _SUFFIXES:
-            raise InputError(f"{path}: no reader for {path.suffix!r} within a collection; it reads {', '.join(_SUFFIXES)}")
+            raise InputError(
+                f"{path}: no reader for {path.suffix!r} within a collection; it reads"
+                f" {', '.join(_SUFFIXES)}"
+            )
         _check_size(path)
     with np.load(io.BytesIO(_read_apart(paths)), allow_pickle=False) as content:
         arrays = {name: content[name] for name in content.files}
@@ -132,31 +152,39 @@ def _parts(paths: Sequence[Path]) -> list[FieldPart]:
 
 
 def _read_apart(paths: Sequence[Path]) -> bytes:
-    """What `vtk_files` writes of these files, in a process that may end, grow or take long without harm to this one."""
+    """What `vtk_files` writes of these files, in a process that may end, grow or take long without
+    harm to this one.
+    """
     command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
     asked = json.dumps([str(path.absolute()) for path in paths]).encode()
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     try:
-        done = subprocess.run(command, input=asked, capture_output=True, timeout=SECONDS, env=environment, check=False)
+        done = subprocess.run(
+            command, input=asked, capture_output=True, timeout=SECONDS, env=environment, check=False
+        )
     except subprocess.TimeoutExpired as late:
         raise InputError(
-            f"{_last(paths, late.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s, which is the limit; write the "
-            "contact surface alone, and fewer instants"
+            f"{_last(paths, late.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s, which"
+            " is the limit; write the contact surface alone, and fewer instants"
         ) from late
     if done.returncode == 0:
         return done.stdout
     path, reason = _last(paths, done.stderr)
     if any(words in done.stderr.decode(errors="replace") for words in _OUT_OF_MEMORY):
         raise InputError(
-            f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the limit; write the contact surface "
-            "alone"
+            f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the"
+            " limit; write the contact surface alone"
         )
     raise _broken(path, reason or f"VTK's reader ended with code {done.returncode}")
 
 
 def _last(paths: Sequence[Path], printed: bytes) -> tuple[Path, str]:
     """The file that `vtk_files` was reading when it ended, and its reason if it gave one."""
-    lines = [line for line in printed.decode(errors="replace").splitlines() if line.startswith('{"file": ')]
+    lines = [
+        line
+        for line in printed.decode(errors="replace").splitlines()
+        if line.startswith('{"file": ')
+    ]
     last: dict[str, Any] = json.loads(lines[-1]) if lines else {"file": 0}
     return paths[int(last["file"])], str(last.get("reason", ""))
 
@@ -165,18 +193,28 @@ def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart
     """The part of a file out of the arrays of `vtk_files.arrays_of`."""
     dimensions = arrays[f"{prefix}dimensions"].tolist()
     blocks = range(len(dimensions))
-    of_points, of_cells = arrays[f"{prefix}point names"].tolist(), arrays[f"{prefix}cell names"].tolist()
+    of_points, of_cells = (
+        arrays[f"{prefix}point names"].tolist(),
+        arrays[f"{prefix}cell names"].tolist(),
+    )
     return FieldPart(
         path.name,
         arrays[f"{prefix}points"],
-        tuple((dimension, arrays[f"{prefix}cells.{number}"]) for number, dimension in enumerate(dimensions)),
+        tuple(
+            (dimension, arrays[f"{prefix}cells.{number}"])
+            for number, dimension in enumerate(dimensions)
+        ),
         {name: arrays[f"{prefix}point.{k}"] for k, name in enumerate(of_points)},
-        {name: tuple(arrays[f"{prefix}cell.{k}.{number}"] for number in blocks) for k, name in enumerate(of_cells)},
+        {
+            name: tuple(arrays[f"{prefix}cell.{k}.{number}"] for number in blocks)
+            for k, name in enumerate(of_cells)
+        },
     )
 
 
 def joined(parts: Sequence[FieldPart]) -> FieldPart:
-    """The parts as one mesh, with the fields that all of them have: choose parts that have what is looked for.
+    """The parts as one mesh, with the fields that all of them have: choose parts that have what is
+    looked for.
 
     Raises
     ------
@@ -186,15 +224,29 @@ def joined(parts: Sequence[FieldPart]) -> FieldPart:
     if len(parts) == 1:
         return parts[0]
     starts = np.concatenate([[0], np.cumsum([len(part.points) for part in parts])])
-    of_points = [name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)]
-    of_cells = [name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)]
+    of_points = [
+        name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)
+    ]
+    of_cells = [
+        name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)
+    ]
     for field in of_points:
         if len({part.point_fields[field].shape[1:] for part in parts}) > 1:
-            raise InputError(f"{parts[0].name}: {field} has another number of components than in {parts[1].name}; write one form")
+            raise InputError(
+                f"{parts[0].name}: {field} has another number of components than in"
+                f" {parts[1].name}; write one form"
+            )
     return FieldPart(
         ", ".join(part.name for part in parts),
         np.concatenate([part.points for part in parts]),
-        tuple((kind, rows + start) for part, start in zip(parts, starts, strict=False) for kind, rows in part.cells),
+        tuple(
+            (kind, rows + start)
+            for part, start in zip(parts, starts, strict=False)
+            for kind, rows in part.cells
+        ),
         {name: np.concatenate([part.point_fields[name] for part in parts]) for name in of_points},
-        {name: tuple(block for part in parts for block in part.cell_fields[name]) for name in of_cells},
+        {
+            name: tuple(block for part in parts for block in part.cell_fields[name])
+            for name in of_cells
+        },
     )

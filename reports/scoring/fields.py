@@ -1,8 +1,9 @@
 """Tractions on the contact surface out of field files, VTU, legacy VTK and their collection PVD.
 
-They are looked for in this order: pressure and shear by name; a vector of contact traction; the stress, of which p = -sigma_yy and
-q = sigma_xy are the traction on the lower body's outward normal +y (the upper's normal -y turns it, and what acts on the lower body
-turns it again). Of a collection whose files hold different fields, those that hold what is taken are read, the others named.
+They are looked for in this order: pressure and shear by name; a vector of contact traction; the
+stress, of which p = -sigma_yy and q = sigma_xy are the traction on the lower body's outward normal
++y (the upper's normal -y turns it, and what acts on the lower body turns it again). Of a collection
+whose files hold different fields, those that hold what is taken are read, the others named.
 """
 
 from __future__ import annotations
@@ -16,7 +17,14 @@ from numpy.typing import NDArray
 
 from reports.scoring.field_files import FieldFrame, FieldPart, joined, read_frames
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, stated_times
-from reports.scoring.surface import SAME, SurfaceResult, extent, material_above, one_plane, surface_result
+from reports.scoring.surface import (
+    SAME,
+    SurfaceResult,
+    extent,
+    material_above,
+    one_plane,
+    surface_result,
+)
 from scenes import InputError
 from scenes.text_tables import plain
 
@@ -27,8 +35,14 @@ _Components = dict[Quantity, str]
 
 _VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
 _STRESSES = ("stress", "cauchy_stress", "cauchy_stress_tensor", "stress_tensor", "sigma", "S")
-# Where sigma_yy and sigma_xy stand among the components: VTK's order of a symmetric tensor, rows of 3 x 3, Voigt's of the plane.
-_YY_XY = {6: (1, 3, "xx, yy, zz, xy, yz, xz"), 9: (4, 1, "rows of 3 x 3"), 3: (1, 2, "xx, yy, xy"), 4: (1, 3, "xx, yy, zz, xy")}
+# Where sigma_yy and sigma_xy stand among the components: VTK's order of a symmetric tensor, rows of
+# 3 x 3, Voigt's of the plane.
+_YY_XY = {
+    6: (1, 3, "xx, yy, zz, xy, yz, xz"),
+    9: (4, 1, "rows of 3 x 3"),
+    3: (1, 2, "xx, yy, xy"),
+    4: (1, 3, "xx, yy, zz, xy"),
+}
 
 
 def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -37,7 +51,8 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     Raises
     ------
     InputError
-        File and what is wrong: see `field_files.read_frames`; no tractions under a known name; no surface; a mesh that changes.
+        File and what is wrong: see `field_files.read_frames`; no tractions under a known name; no
+        surface; a mesh that changes.
     """
     frames = read_frames(path)
     whole = joined(frames[0].parts).points
@@ -45,23 +60,32 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         other = joined(frame.parts).points
         if other.shape != whole.shape or np.max(np.abs(other - whole)) > SAME * extent(whole):
             raise InputError(
-                f"{path}: the points of instant {k} are not those of the first; give all instants on one undeformed mesh"
+                f"{path}: the points of instant {k} are not those of the first; give all instants"
+                " on one undeformed mesh"
             )
     kind, components, words = _tractions(path, frames[0], mapping)
-    numbers, mesh, left_out = _parts_with(path, frames[0], mapping, [n for q, n in components.items() if q != "slip"])
+    numbers, mesh, left_out = _parts_with(
+        path, frames[0], mapping, [n for q, n in components.items() if q != "slip"]
+    )
     if "slip" in components and not _holds(mesh, components["slip"]):
         left_out.append(
-            f"{components['slip']} is not in all of the files that hold {' and '.join(list(components.values())[:-1])}, "
-            "and was left out"
+            f"{components['slip']} is not in all of the files that hold"
+            f" {' and '.join(list(components.values())[:-1])}, and was left out"
         )
         del components["slip"]
     rows, body, how = _surface(path, mesh, mapping)
-    factors = {quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components}
+    factors = {
+        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
+    }
     if kind != "fields":  # the traction on the lower body is (q, -p), on the upper one (-q, p)
-        on_upper = kind == "vector" and (mapping.signs.shear == "on upper" if mapping.signs.shear else body == "upper")
+        on_upper = kind == "vector" and (
+            mapping.signs.shear == "on upper" if mapping.signs.shear else body == "upper"
+        )
         stress = (mapping.factors.stress or 1.0) * (-1 if on_upper else 1)
         factors = {"pressure": -stress, "shear": stress}
-        words = words.format("upper" if on_upper or (kind == "stress" and body == "upper") else "lower")
+        words = words.format(
+            "upper" if on_upper or (kind == "stress" and body == "upper") else "lower"
+        )
     taken: dict[str, list[Array]] = {quantity: [] for quantity in components}
     for k, frame in enumerate(frames, start=1):
         try:
@@ -69,7 +93,9 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
             for quantity, name in components.items():
                 taken[quantity].append(factors[quantity] * _component(part, name)[rows])
         except (KeyError, IndexError) as reason:
-            raise InputError(f"{path}: instant {k} has no field {reason}, which the first one has") from reason
+            raise InputError(
+                f"{path}: instant {k} has no field {reason}, which the first one has"
+            ) from reason
     times = [frame.time for frame in frames]
     series = None if None in times else converted(mapping, "time", np.array(times, float))
     if mapping.times is not None:
@@ -80,52 +106,86 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
 
 
 def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _Components, str]:
-    """The first way to tractions that an instant offers ("fields", "vector" or "stress"), its components, and a sentence on it."""
+    """The first way to tractions that an instant offers ("fields", "vector" or "stress"), its
+    components, and a sentence on it.
+    """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     scalars = [name for name, values in fields.items() if values.ndim == 1]
     vectors = {name: values for name, values in fields.items() if values.ndim == 2}
     stated = mapping.columns.pressure or mapping.columns.shear
-    names = [*scalars, *(f"{name}:{k}" for name, values in vectors.items() for k in range(values.shape[1]) if stated)]
+    names = [
+        *scalars,
+        *(
+            f"{name}:{k}"
+            for name, values in vectors.items()
+            for k in range(values.shape[1])
+            if stated
+        ),
+    ]
     if stated or find_column(mapping, "pressure", scalars, str(path)) is not None:
         quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
-        found = {q: find_column(mapping, q, names, str(path), needed=q == "pressure") for q in quantities}
+        found = {
+            q: find_column(mapping, q, names, str(path), needed=q == "pressure") for q in quantities
+        }
         components = {q: name for q, name in found.items() if name is not None}
         shear = f" and {components['shear']}" if "shear" in components else ", without a shear"
         return "fields", components, f"tractions are the fields {components['pressure']}{shear}"
-    for name in (name for name, values in vectors.items() if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS)):
+    for name in (
+        name
+        for name, values in vectors.items()
+        if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS)
+    ):
         return (
             "vector",
             {"pressure": f"{name}:1", "shear": f"{name}:0"},
             f"tractions are the field {name}, taken to act on the {{}} body",
         )
-    for name in (name for name, values in vectors.items() if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES)):
+    for name in (
+        name
+        for name, values in vectors.items()
+        if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES)
+    ):
         yy, xy, order = _order(path, name, vectors[name])
         words = (
-            f"no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {{}} body's nodal {name} (components "
-            f"{order}), which is extrapolated to the surface and coarser than contact tractions"
+            "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
+            f" nodal {name} (components {order}), which is extrapolated to the surface and coarser"
+            " than contact tractions"
         )
         return "stress", {"pressure": f"{name}:{yy}", "shear": f"{name}:{xy}"}, words
     cells = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
-    average = f" (values of cells, {listed([*cells])}, are not read: average them to points)" if cells else ""
+    average = (
+        f" (values of cells, {listed([*cells])}, are not read: average them to points)"
+        if cells
+        else ""
+    )
     raise InputError(
-        f"{path}: neither contact pressure, nor contact traction, nor stress at points among "
-        f"{listed([*fields]) or 'no fields'}{average}; name them by columns.pressure and columns.shear of a mapping "
-        "(components as 'name:0')"
+        f"{path}: neither contact pressure, nor contact traction, nor stress at points among"
+        f" {listed([*fields]) or 'no fields'}{average}; name them by columns.pressure and"
+        " columns.shear of a mapping (components as 'name:0')"
     )
 
 
 def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
-    """Where sigma_yy and sigma_xy stand among the components of a stress, and their order in words."""
+    """Where sigma_yy and sigma_xy stand among the components of a stress, and their order in
+    words.
+    """
     count = values.shape[1]
     if count not in _YY_XY:
-        raise InputError(f"{path}: {name} has {count} components, and {', '.join(map(str, sorted(_YY_XY)))} are understood")
+        raise InputError(
+            f"{path}: {name} has {count} components, and {', '.join(map(str, sorted(_YY_XY)))} are"
+            " understood"
+        )
     if count == 4 and np.any(values[:, 1]) and np.array_equal(values[:, 1], values[:, 2]):
         return 3, 1, "rows of 2 x 2, since the second and third are equal"
     return _YY_XY[count]
 
 
-def _parts_with(path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]) -> tuple[list[int], FieldPart, list[str]]:
-    """The parts that hold all the named fields, and what marks the surface where any part does; as one mesh; the others named."""
+def _parts_with(
+    path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]
+) -> tuple[list[int], FieldPart, list[str]]:
+    """The parts that hold all the named fields, and what marks the surface where any part does; as
+    one mesh; the others named.
+    """
     names, marker = (
         [*names, *([mapping.columns.slip] if isinstance(mapping.columns.slip, str) else [])],
         str(mapping.surface or "").partition("=")[0],
@@ -135,11 +195,19 @@ def _parts_with(path: Path, frame: FieldFrame, mapping: Mapping, names: list[str
         [name for name in names if not _holds(part, name)] + [marker] * (any(marks) and not own)
         for part, own in zip(frame.parts, marks, strict=True)
     ]
-    said = [f"{part.name} has no {listed(lack)}" for part, lack in zip(frame.parts, lacks, strict=True) if lack]
+    said = [
+        f"{part.name} has no {listed(lack)}"
+        for part, lack in zip(frame.parts, lacks, strict=True)
+        if lack
+    ]
     numbers = [k for k, lack in enumerate(lacks) if not lack]
     if not numbers:
         raise InputError(f"{path}: no file of it has all that is to be read: {'; '.join(said)}")
-    return numbers, joined([frame.parts[k] for k in numbers]), [f"{words}: left out" for words in said]
+    return (
+        numbers,
+        joined([frame.parts[k] for k in numbers]),
+        [f"{words}: left out" for words in said],
+    )
 
 
 def _holds(part: FieldPart, name: str) -> bool:
@@ -157,28 +225,40 @@ def _component(part: FieldPart, name: str) -> Array:
     return part.point_fields[whole][:, int(k)]
 
 
-# ------------------------------------------------------------------------------------------------- where the surface lies
+# --------------------------------------------------------------------------- where the surface lies
 def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, str, list[str]]:
-    """Rows of points in one plane, ascending in x, whose face they are ("lower" or "upper"), and how they were found.
+    """Rows of points in one plane, ascending in x, whose face they are ("lower" or "upper"), and
+    how they were found.
 
     They are what the mapping marks, else the whole of a path, else the face at y = y_offset.
     """
-    height, bulk = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0), _bulk(mesh)
+    height, bulk = (
+        mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0),
+        _bulk(mesh),
+    )
     tolerance, above = SAME * extent(mesh.points), material_above(mesh.points, bulk)
     faces = {
-        name: np.flatnonzero((np.abs(height) <= tolerance) & side) for name, side in (("lower", above < 0), ("upper", above > 0))
+        name: np.flatnonzero((np.abs(height) <= tolerance) & side)
+        for name, side in (("lower", above < 0), ("upper", above > 0))
     }
     if mapping.surface is not None:
-        chosen, notes = _marked(path, mesh, mapping.surface), [f"the surface is what {mapping.surface} marks"]
+        chosen, notes = (
+            _marked(path, mesh, mapping.surface),
+            [f"the surface is what {mapping.surface} marks"],
+        )
     elif np.ptp(height) <= tolerance or not bulk:
         chosen = np.arange(len(height))
         notes = [f"{mesh.name} is taken for the surface alone, since it has no cells of a body"]
     elif body := next((name for name, rows in faces.items() if len(rows)), ""):
-        chosen, notes = faces[body], [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"]
+        chosen, notes = (
+            faces[body],
+            [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"],
+        )
     else:
         raise InputError(
-            f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from {mesh.points[:, 1].min():.6g} to "
-            f"{mesh.points[:, 1].max():.6g}); say where it lies by y_offset, or what marks it by surface of a mapping"
+            f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from"
+            f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
+            " by y_offset, or what marks it by surface of a mapping"
         )
     if np.any(above[chosen] < 0) and np.any(above[chosen] > 0):
         chosen = chosen[above[chosen] < 0]
@@ -188,9 +268,11 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
 
 
 def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
-    """Rows of points that a field of points or of cells marks: NAME=VALUE by a tag's value, NAME where it is not 0.
+    """Rows of points that a field of points or of cells marks: NAME=VALUE by a tag's value, NAME
+    where it is not 0.
 
-    A set that meshio writes into a VTU is -1 outside and counts from 0 inside: where -1 occurs it is what is not marked.
+    A set that meshio writes into a VTU is -1 outside and counts from 0 inside: where -1 occurs it
+    is what is not marked.
     """
     name, equal, value = surface.partition("=")
     fault = f"{path}: surface = {surface!r}"
@@ -200,8 +282,8 @@ def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
         fields, places = mesh.cell_fields, [cells for _, cells in mesh.cells]
     if name not in fields:
         raise InputError(
-            f"{fault} of the mapping names no field of it ({listed([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); "
-            "NAME or NAME=VALUE"
+            f"{fault} of the mapping names no field of it"
+            f" ({listed([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or NAME=VALUE"
         )
     blocks = fields[name]
     if any(block.ndim != 1 for block in blocks):
@@ -212,7 +294,9 @@ def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
         raise InputError(f"{fault}: {value!r} is no number") from reason
     none = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
     flags = [block != none if wanted is None else block == wanted for block in blocks]
-    rows = np.unique(np.concatenate([own[flag].ravel() for own, flag in zip(places, flags, strict=True)]))
+    rows = np.unique(
+        np.concatenate([own[flag].ravel() for own, flag in zip(places, flags, strict=True)])
+    )
     if not len(rows):
         raise InputError(f"{fault} marks nothing in it")
     return rows

@@ -1,4 +1,6 @@
-"""Where on the scene's load path the instants of a foreign result lie: by its times, else by its loads, else by its resultants."""
+"""Where on the scene's load path the instants of a foreign result lie: by its times, else by its
+loads, else by its resultants.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,9 @@ Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 Loads = tuple[Array, Array]
 
-# Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file states them, printed to some
-# digits; and of resultants, which the trapezoidal rule takes from the pressures of a mesh of perhaps ten elements.
+# Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file
+# states them, printed to some digits; and of resultants, which the trapezoidal rule takes from the
+# pressures of a mesh of perhaps ten elements.
 _STATED, _INTEGRATED = 0.005, 0.05
 _CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
 _PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
@@ -24,16 +27,18 @@ _PRINTED_LOAD = 1e-5  # of the largest load: those printed to six digits miss on
 _SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
 _PLACES = 64  # at which one instant may lie
-# Costs of a place, over that of a mean step, and for each revolution gone ahead among equal matches; a step back by so small a part
-# of a revolution costs as much as a mean step ahead.
+# Costs of a place, over that of a mean step, and for each revolution gone ahead among equal
+# matches; a step back by so small a part of a revolution costs as much as a mean step ahead.
 _DISTANCE, _AHEAD, _BACK = 1e3, 1e-9, 3000.0
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found, and what was guessed.
+    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found,
+    and what was guessed.
 
-    `either_sign`: the shear itself told the instants, and turned round it would have told others, as well.
+    `either_sign`: the shear itself told the instants, and turned round it would have told others,
+    as well.
     """
 
     time: Array
@@ -46,12 +51,17 @@ class History:
 
 def resultants(result: SurfaceResult) -> Loads:
     """int p dx and int q dx by the trapezoidal rule, (n_steps,) each [force / thickness]."""
-    normal, tangential = (np.asarray(np.trapezoid(field, result.x, axis=1)) for field in (result.pressure, result.shear))
+    normal, tangential = (
+        np.asarray(np.trapezoid(field, result.x, axis=1))
+        for field in (result.pressure, result.shear)
+    )
     return normal, tangential
 
 
 def without_tangential_load(scene: Scene) -> bool:
-    """Whether Q is 0 throughout the path of the scene, so that P alone says which instant is which."""
+    """Whether Q is 0 throughout the path of the scene, so that P alone says which instant is
+    which.
+    """
     path = scene.load.path()
     normal, tangential = path.at(_samples(path, 1))
     return float(np.max(np.abs(tangential))) <= _SAME * float(np.max(normal))
@@ -60,8 +70,8 @@ def without_tangential_load(scene: Scene) -> bool:
 def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
     """The instants of `result` on the path of `scene`.
 
-    Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where they can't be the scene's and the
-    loads or the tractions tell better.
+    Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where
+    they can't be the scene's and the loads or the tractions tell better.
 
     Raises
     ------
@@ -79,22 +89,36 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
             except InputError:
                 raise fault from None
             why = str(fault).removeprefix(f"{result.source}: ").split(";", maxsplit=1)[0]
-            return replace(other, guess=f"the file's times can't be those of the scene's path and were not used ({why})")
+            return replace(
+                other,
+                guess=(
+                    f"the file's times can't be those of the scene's path and were not used ({why})"
+                ),
+            )
     if result.normal_load is not None and result.tangential_load is not None:
-        return _by_loads(result, scene, (result.normal_load, result.tangential_load), _STATED, "the loads that it states")
+        return _by_loads(
+            result,
+            scene,
+            (result.normal_load, result.tangential_load),
+            _STATED,
+            "the loads that it states",
+        )
     return _by_resultants(result, scene)
 
 
 def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
-    """By the integrals of the tractions, less what the trapezoidal rule misses of theory at the instants so found."""
+    """By the integrals of the tractions, less what the trapezoidal rule misses of theory at the
+    instants so found.
+    """
     import semi_analytic
 
     by = "the integrals of its pressure and shear over x"
     alone = not result.sheared
     if alone and not without_tangential_load(scene):
         raise InputError(
-            f"{result.source}: without a shear the pressure alone does not say which instant is which: state the times of the "
-            "scene's path, by a column or by times of a mapping, or P and Q"
+            f"{result.source}: without a shear the pressure alone does not say which instant is"
+            " which: state the times of the scene's path, by a column or by times of a mapping, or"
+            " P and Q"
         )
     if alone:
         by = "the integral of its pressure over x, with Q = 0 as throughout the scene"
@@ -118,33 +142,47 @@ def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
             raise
         found = other
     for _ in range(_CORRECTIONS):
-        theory = semi_analytic.solve(scene, x=result.x, time=found.time, fields=("pressure", "shear"))
+        theory = semi_analytic.solve(
+            scene, x=result.x, time=found.time, fields=("pressure", "shear")
+        )
         own = (np.trapezoid(field, result.x, axis=1) for field in (theory.pressure, theory.shear))
-        missed = [integral - load for integral, load in zip(own, (found.normal_load, found.tangential_load), strict=True)]
+        missed = [
+            integral - load
+            for integral, load in zip(own, (found.normal_load, found.tangential_load), strict=True)
+        ]
         loads = normal - integrated * missed[0], sense * tangential - missed[1]
-        found = _by_loads(result, scene, loads, _INTEGRATED, f"{by}, less what that misses of theory")
+        found = _by_loads(
+            result, scene, loads, _INTEGRATED, f"{by}, less what that misses of theory"
+        )
     sheared = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
     return replace(found, either_sign=sheared and turned(-sense, by) is not None)
 
 
 def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
     path = scene.load.path()
-    last = path.initial_loading[-1].end if path.period is None else path.cycle_start + scene.cycles * path.period
+    last = (
+        path.initial_loading[-1].end
+        if path.period is None
+        else path.cycle_start + scene.cycles * path.period
+    )
     time = _snapped(stated, path, scene)
     if np.any(np.diff(time) <= 0):
         step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
         raise InputError(
-            f"{result.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g} after {time[step - 1]:.9g}"
+            f"{result.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g}"
+            f" after {time[step - 1]:.9g}"
         )
     beyond = np.flatnonzero((time < path.start) | (time > last))
     if len(beyond):
         rounds = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
-            f"{result.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside the scene's path, which goes from "
-            f"{path.start:.6g} to {last:.6g}{rounds}; state each instant's time there by the key times of a mapping"
+            f"{result.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside"
+            f" the scene's path, which goes from {path.start:.6g} to {last:.6g}{rounds}; state each"
+            " instant's time there by the key times of a mapping"
         )
     normal, tangential = path.at(time)
-    # At the times stated, loads stated must be the scene's, and so must the integral of the pressure.
+    # At the times stated, loads stated must be the scene's, and so must the integral of the
+    # pressure.
     size = float(np.max(normal)) or 1.0
     for name, own, theirs, limit in (
         ("P", result.normal_load, normal, _STATED),
@@ -154,14 +192,19 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
         if own is not None and np.any(np.abs(own - theirs) > limit * size):
             step = int(np.flatnonzero(np.abs(own - theirs) > limit * size)[0])
             raise InputError(
-                f"{result.source}: its history is not the scene's: at instant {step + 1}, time {time[step]:.6g}, {name} is "
-                f"{own[step]:.6g} and the scene's {theirs[step]:.6g}{_constant_ratio(own, theirs, size)}"
+                f"{result.source}: its history is not the scene's: at instant {step + 1}, time"
+                f" {time[step]:.6g}, {name} is {own[step]:.6g} and the scene's"
+                f" {theirs[step]:.6g}{_constant_ratio(own, theirs, size)}"
             )
-    return History(time, normal, tangential, ("its instants were matched by the times that it states",))
+    return History(
+        time, normal, tangential, ("its instants were matched by the times that it states",)
+    )
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `_PRINTED_TIME` of a cycle."""
+    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less
+    than `_PRINTED_TIME` of a cycle.
+    """
     ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
     close = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
     after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
@@ -177,19 +220,24 @@ def _constant_ratio(own: Array, theirs: Array, size: float) -> str:
     ratio = own[loaded] / theirs[loaded]
     if np.ptp(ratio) > 0.01 * abs(ratio[0]) or abs(ratio[0] - 1) < 0.01 or ratio[0] == 0:
         return ""
-    hint = "the other sign?" if ratio[0] < 0 else "a thickness of that size (thickness), other units (factors), or half a model?"
+    hint = (
+        "the other sign?"
+        if ratio[0] < 0
+        else "a thickness of that size (thickness), other units (factors), or half a model?"
+    )
     return f", {ratio[0]:.4g} times as much at every instant: {hint}"
 
 
-# --------------------------------------------------------------------------------------------------- by the loads, in order
+# --------------------------------------------------------------------------- by the loads, in order
 def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, by: str) -> History:
     """In order along the path; where every instant lies on the cycle, in its last one."""
     path = scene.load.path()
     size = float(np.max(path.at(_samples(path, 1))[0]))
     if np.max(loads[0]) <= _STATED * size:
         raise InputError(
-            f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's {size:.4g}: too little to tell "
-            "its instants by; see to thickness and factors of the mapping, or state the times"
+            f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's"
+            f" {size:.4g}: too little to tell its instants by; see to thickness and factors of the"
+            " mapping, or state the times"
         )
     best: tuple[float, Array] | None = None
     for times in _windows(path, scene):
@@ -206,19 +254,30 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
     if off > limit:
         step = int(np.flatnonzero(_distance(path, time, loads) / size > limit)[0])
         raise InputError(
-            f"{result.source}: its history is not the scene's: at instant {step + 1} P = {loads[0][step]:.6g} and "
-            f"Q = {loads[1][step]:.6g} (from {by}), and the nearest that the scene's path has, in order, is P = {normal[step]:.6g} "
-            f"and Q = {tangential[step]:.6g} at time {time[step]:.6g}{_constant_ratio(loads[0], normal, size)}"
+            f"{result.source}: its history is not the scene's: at instant {step + 1} P ="
+            f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {by}), and the nearest that"
+            f" the scene's path has, in order, is P = {normal[step]:.6g} and Q ="
+            f" {tangential[step]:.6g} at time"
+            f" {time[step]:.6g}{_constant_ratio(loads[0], normal, size)}"
         )
-    notes = [f"its instants were matched to the load path by {by}; the farthest is {off:.1e} of the largest P away"]
-    if path.period is not None and time[0] >= path.cycle_start + (scene.cycles - 2) * path.period - 1e-9:
+    notes = [
+        f"its instants were matched to the load path by {by}; the farthest is {off:.1e} of the"
+        " largest P away"
+    ]
+    if (
+        path.period is not None
+        and time[0] >= path.cycle_start + (scene.cycles - 2) * path.period - 1e-9
+    ):
         what = "the instant lies" if len(time) == 1 else "all instants lie"
         notes.append(
-            f"{what} on the cycle, which comes back: one of the last of {scene.cycles} cycles was taken, the steady state; "
-            "if it is an earlier one, state the times"
+            f"{what} on the cycle, which comes back: one of the last of {scene.cycles} cycles was"
+            " taken, the steady state; if it is an earlier one, state the times"
         )
     if path.period is None and len(time) > 1:
-        notes.append("where the path passes the same loads more than once between two instants, the wrong pass may have been taken")
+        notes.append(
+            "where the path passes the same loads more than once between two instants, the wrong"
+            " pass may have been taken"
+        )
     return History(time, normal, tangential, tuple(notes))
 
 
@@ -249,7 +308,8 @@ def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
     """Times among which instants are looked for: the last cycle, then the whole path."""
     if path.period is not None:
         start = path.cycle_start + (scene.cycles - 1) * path.period
-        # Twice round, so that a loop that starts elsewhere finds its end; the second is the first again.
+        # Twice round, so that a loop that starts elsewhere finds its end; the second is the first
+        # again.
         yield start + path.period * np.linspace(-min(1, scene.cycles - 1), 1, 2 * _SAMPLES + 1)
     yield _samples(path, scene.cycles)
 
@@ -261,11 +321,13 @@ def _samples(path: LoadPath, cycles: int) -> Array:
 
 
 def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: float) -> Array:
-    """Ascending times, (n_steps,), among `times` (n,): of the places where the path is near to each load, those that cost least.
+    """Ascending times, (n_steps,), among `times` (n,): of the places where the path is near to each
+    load, those that cost least.
 
-    A place costs the square of its distance, over that of the instant that lies farthest from the path, `_DISTANCE` times; a step
-    the square of its length over the mean one. So of places that are equally near, to and fro on one line or in one revolution
-    after another, the evenest are taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
+    A place costs the square of its distance, over that of the instant that lies farthest from the
+    path, `_DISTANCE` times; a step the square of its length over the mean one. So of places that
+    are equally near, to and fro on one line or in one revolution after another, the evenest are
+    taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
     to a turn may put an instant before the last one, by a small part of a revolution.
     """
     normal, tangential = path.at(times)
@@ -289,7 +351,8 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
 
 
 def _nearest(squares: Array) -> Places:
-    """The samples (k,) at which the squared distance is least among its neighbours, the `_PLACES` nearest of them.
+    """The samples (k,) at which the squared distance is least among its neighbours, the `_PLACES`
+    nearest of them.
 
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]
@@ -300,28 +363,36 @@ def _nearest(squares: Array) -> Places:
 
 
 def _chords(across: Array, up: Array) -> tuple[Array, Array]:
-    """Of the chords between neighbouring samples (..., n), counted from the origin: where its foot lies on each, as a share of the
-    chord, and its squared distance, (..., n - 1) each.
+    """Of the chords between neighbouring samples (..., n), counted from the origin: where its foot
+    lies on each, as a share of the chord, and its squared distance, (..., n - 1) each.
     """
     along, aside = np.diff(across), np.diff(up)
     length = along**2 + aside**2
-    share = np.clip(-(across[..., :-1] * along + up[..., :-1] * aside) / np.where(length > 0, length, 1.0), 0.0, 1.0)
+    share = np.clip(
+        -(across[..., :-1] * along + up[..., :-1] * aside) / np.where(length > 0, length, 1.0),
+        0.0,
+        1.0,
+    )
     return share, (across[..., :-1] + share * along) ** 2 + (up[..., :-1] + share * aside) ** 2
 
 
 def _squares(across: Array, up: Array) -> Array:
-    """Squared distance of the origin from the path at each of its samples (n,): from the nearer of the chords that meet there.
+    """Squared distance of the origin from the path at each of its samples (n,): from the nearer of
+    the chords that meet there.
 
-    From the samples themselves it would be their luck on which of two branches, to and fro on one line, an instant lies.
+    From the samples themselves it would be their luck on which of two branches, to and fro on one
+    line, an instant lies.
     """
     chord = _chords(across, up)[1]
     return np.minimum(np.append(chord, chord[-1]), np.insert(chord, 0, chord[0]))
 
 
 def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Array:
-    """The nearest times between the neighbours of the samples `chosen`: the feet on chords ten times shorter, six times over.
+    """The nearest times between the neighbours of the samples `chosen`: the feet on chords ten
+    times shorter, six times over.
 
-    A foot misses the path's by the square of its chord; squares of distances alone are flat to 1e-8 of a cycle around it.
+    A foot misses the path's by the square of its chord; squares of distances alone are flat to 1e-8
+    of a cycle around it.
     """
     time, rows = times[chosen], np.arange(len(chosen))
     low, high = times[np.maximum(chosen - 1, 0)], times[np.minimum(chosen + 1, len(times) - 1)]

@@ -1,20 +1,24 @@
-"""A measured loop of Q over the relative displacement U as the reference: which f fits it, and how theory and finite elements lie.
+"""A measured loop of Q over the relative displacement U as the reference: which f fits it, and how
+theory and finite elements lie.
 
-# notation: A = 2/E*, C compliance of the rig, f friction coefficient, W area of the loop, tau time on the scene's cycle,
-#           r factor of the file's Q over the scene's
+# notation: A = 2/E*, C compliance of the rig, f friction coefficient, W area of the loop, tau time
+#           on the scene's cycle, r factor of the file's Q over the scene's
 
 A rig measures U beside the loads, and in it its own elastic compliance:
 
     U = r U(tau; f/r) + C Q + U0 + noise,   Q = r Q(tau) + Q0 + noise
 
-where U(tau; f) is that of the steady cycle of the scene. Loads that are r times as large with the same f slip as those of the scene
-with f/r. U of half-planes hangs on a datum length by a term that is linear in Q at constant P: a fitted C takes it in, a given one
-is that of the rig beyond `profile.datum_length`.
+where U(tau; f) is that of the steady cycle of the scene. Loads that are r times as large with the
+same f slip as those of the scene with f/r. U of half-planes hangs on a datum length by a term that
+is linear in Q at constant P: a fitted C takes it in, a given one is that of the rig beyond
+`profile.datum_length`.
 
-At constant P, with one highest and one lowest Q in a cycle, nothing depends on the form of Q over time: rows are placed by their Q
-and their branch (`loop_branches`). Where P varies, tau follows from the order of the rows, or from their times: period and phase
-are those with which Q fits the scene's best. C and U0 are found by linear least squares, f by a scan and a bounded search on the
-sum of squares, and its interval is where that sum exceeds the least one by what chance gives in 95 %.
+At constant P, with one highest and one lowest Q in a cycle, nothing depends on the form of Q over
+time: rows are placed by their Q and their branch (`loop_branches`). Where P varies, tau follows
+from the order of the rows, or from their times: period and phase are those with which Q fits the
+scene's best. C and U0 are found by linear least squares, f by a scan and a bounded search on the
+sum of squares, and its interval is where that sum exceeds the least one by what chance gives in 95
+%.
 """
 
 from __future__ import annotations
@@ -47,20 +51,32 @@ from scenes.unit_words import unit_factor
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
 
-_SHIFT_NAMES = ("U", "u", "displacement", "relative displacement", "tangential displacement", "shift", "slip", "U1")
+_SHIFT_NAMES = (
+    "U",
+    "u",
+    "displacement",
+    "relative displacement",
+    "tangential displacement",
+    "shift",
+    "slip",
+    "U1",
+)
 _BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
 # Rows that show with how many digits numbers are written.
 _DIGITS_SEEN = 1000
 _FEWEST, _LEAST_CYCLES, _MOST_CYCLES = 40, 0.9, 2000
 # Parts of the cycle in which rows are averaged for the figures.
 _PARTS = 200
-# Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range of U.
+# Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range
+# of U.
 _INSTANTS = 721
-# Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a line.
+# Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a
+# line.
 _SCANNED, _WIDEST = 60, 40.0
 # Error of a fitted f by theory at so many instants, straight between, of itself.
 _OF_THEORY = 1e-5
-# Rows that do not follow the scene's Q better than this share of its amplitude are another experiment's.
+# Rows that do not follow the scene's Q better than this share of its amplitude are another
+# experiment's.
 _FOLLOWS = 0.15
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
 _CHI = 3.841
@@ -68,9 +84,11 @@ _CHI = 3.841
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any; `said` what was assumed.
+    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any;
+    `said` what was assumed.
 
-    `resolution` is the step of U and of Q that the digits of the rows resolve, 0 where they hold every digit.
+    `resolution` is the step of U and of Q that the digits of the rows resolve, 0 where they hold
+    every digit.
     """
 
     source: str
@@ -83,11 +101,13 @@ class MeasuredLoop:
 
 @dataclass(frozen=True)
 class LoopRow:
-    """One loop: area W [energy per thickness] and its uncertainty, slope dU/dQ of the straight line through it [1/stress].
+    """One loop: area W [energy per thickness] and its uncertainty, slope dU/dQ of the straight line
+    through it [1/stress].
 
-    `friction` is its coefficient, None of the measured one; `distance` the root mean square of its distances in U from the means of
-    the rows in each part of the cycle [length], NaN of the measured one. `by_distance` and `by_noise` are the parts of
-    `area_uncertainty`: what lies between the rows of the polygon, and 95 % of their scatter.
+    `friction` is its coefficient, None of the measured one; `distance` the root mean square of its
+    distances in U from the means of the rows in each part of the cycle [length], NaN of the
+    measured one. `by_distance` and `by_noise` are the parts of `area_uncertainty`: what lies
+    between the rows of the polygon, and 95 % of their scatter.
     """
 
     name: str
@@ -106,14 +126,15 @@ class LoopScore:
 
     Attributes
     ----------
-    friction, low, high : f that fits best and its 95 % interval; high None where no larger f can be told from it
-    compliance, compliance_fitted : of the rig [1/stress]
+    friction, low, high : f that fits best and its 95 % interval; high None where no larger f can be
+    told from it compliance, compliance_fitted : of the rig [1/stress]
     scale : r, the file's Q over the scene's
     cycles : how many the rows cover
     noise : rms of U about the best fit [length]
     rows : measured, then each computed loop
     said : what was assumed
-    tau, shift, load, curves : the rows on the cycle [share], and each computed loop (U with the rig, Q), for the figure
+    tau, shift, load, curves : the rows on the cycle [share], and each computed loop (U with the
+        rig, Q), for the figure
     """
 
     scene: Scene
@@ -136,19 +157,33 @@ class LoopScore:
     @property
     def agrees(self) -> bool:
         """Whether the scene's own f lies in the interval."""
-        return self.low <= self.scene.friction.coefficient <= (math.inf if self.high is None else self.high)
+        return (
+            self.low
+            <= self.scene.friction.coefficient
+            <= (math.inf if self.high is None else self.high)
+        )
 
     @property
     def sentence(self) -> str:
         """The finding."""
-        ends = [self.low, self.friction] if self.high is None else [self.low, self.friction, self.high]
+        ends = (
+            [self.low, self.friction] if self.high is None else [self.low, self.friction, self.high]
+        )
         # As many digits as tell the ends of the interval from its middle.
-        digits = next((count for count in range(4, 16) if len({f"{end:.{count}g}" for end in ends}) == len(set(ends))), 16)
+        digits = next(
+            (
+                count
+                for count in range(4, 16)
+                if len({f"{end:.{count}g}" for end in ends}) == len(set(ends))
+            ),
+            16,
+        )
         high = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
         lies = "lies within" if self.agrees else "lies outside"
         return (
-            f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %: {self.low:.{digits}g} to {high}); the scene's "
-            f"f = {self.scene.friction.coefficient:.{max(digits, 4)}g} {lies} this interval."
+            f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %:"
+            f" {self.low:.{digits}g} to {high}); the scene's f ="
+            f" {self.scene.friction.coefficient:.{max(digits, 4)}g} {lies} this interval."
         )
 
 
@@ -158,13 +193,22 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     Raises
     ------
     InputError
-        As the reader of tables; for a column that is missing or in a unit that can't be turned into the scene's, for too few rows.
+        As the reader of tables; for a column that is missing or in a unit that can't be turned into
+        the scene's, for too few rows.
     """
-    table = text_table(path, known=_is_of_loops, example="U,Q", numbered=_is_numbered(mapping), by_number=_BY_NUMBER)
+    table = text_table(
+        path,
+        known=_is_of_loops,
+        example="U,Q",
+        numbered=_is_numbered(mapping),
+        by_number=_BY_NUMBER,
+    )
     names, where = table.names, str(path)
     alone = not table.head and len(names) == 2  # the other of two columns without names
     force = find_column(mapping, "tangential_load", names, where, needed=not alone)
-    stated = find_column(mapping, "slip", names, where) if mapping.columns.slip is not None else None
+    stated = (
+        find_column(mapping, "slip", names, where) if mapping.columns.slip is not None else None
+    )
     if alone and force is None and stated is not None:
         force = names[1 - names.index(stated)]
     shifts = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
@@ -173,23 +217,39 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         shift = names[1 - names.index(force)]
     if shift is None or force is None:
         raise InputError(
-            f"{where}: no column for the relative displacement (looked for {', '.join(_SHIFT_NAMES[:4])} ...) among "
-            f"{listed(names)}; name it by columns.slip of a mapping"
+            f"{where}: no column for the relative displacement (looked for"
+            f" {', '.join(_SHIFT_NAMES[:4])} ...) among {listed(names)}; name it by columns.slip of"
+            " a mapping"
         )
     if shift == force:
-        raise InputError(f"{where}: the mapping takes {shift!r} for U and for Q; state columns.slip and columns.tangential_load")
+        raise InputError(
+            f"{where}: the mapping takes {shift!r} for U and for Q; state columns.slip and"
+            " columns.tangential_load"
+        )
     time = find_column(mapping, "time", names, where)
-    said, times = [f"U is the column {shift!r} and Q the column {force!r}"], {shift: 1.0, force: 1.0}
+    said, times = (
+        [f"U is the column {shift!r} and Q the column {force!r}"],
+        {
+            shift: 1.0,
+            force: 1.0,
+        },
+    )
     columns: tuple[tuple[str, float | None, Literal["length", "load"], str], ...] = (
         (shift, mapping.factors.length, "length", units(scene)[1]),
         (force, mapping.factors.load, "load", load_unit(scene)),
     )
     for name, factor, key, wanted in columns:
         inside = table.units[names.index(name)]
-        if key == "load" and "/" in inside and factor is None and "thickness" in mapping.model_fields_set:
+        if (
+            key == "load"
+            and "/" in inside
+            and factor is None
+            and "thickness" in mapping.model_fields_set
+        ):
             raise InputError(
-                f"{where}: the column {name!r} is in {inside}, a force per length, and the mapping states a thickness, by which "
-                "forces are divided: take thickness out of the mapping, or state factors.load"
+                f"{where}: the column {name!r} is in {inside}, a force per length, and the mapping"
+                " states a thickness, by which forces are divided: take thickness out of the"
+                " mapping, or state factors.load"
             )
         if inside and inside != wanted and factor is None:
             by_thickness = ""
@@ -204,17 +264,22 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
                     continue
                 by_thickness = ", or the thickness of the contact, by which it is divided"
             raise InputError(
-                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state factors.{key} in a mapping, by "
-                f"which it is multiplied{by_thickness}"
+                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state"
+                f" factors.{key} in a mapping, by which it is multiplied{by_thickness}"
             )
     count = len(table.values)
     if count < _FEWEST:
-        raise InputError(f"{where}: {count} rows are too few for a loop: at least {_FEWEST} are needed")
+        raise InputError(
+            f"{where}: {count} rows are too few for a loop: at least {_FEWEST} are needed"
+        )
     rows = np.arange(count, dtype=float) if time is None else table.column(time)
     back = np.flatnonzero(np.diff(rows) <= 0)
     if len(back):
         k = int(back[0]) + 1
-        raise InputError(f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in the order of time")
+        raise InputError(
+            f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in"
+            " the order of time"
+        )
     u = converted(mapping, "slip", times[shift] * table.column(shift))
     q = converted(mapping, "tangential_load", times[force] * table.column(force))
     steps = np.array([_step_of_digits(table.column(name)) for name in (shift, force)])
@@ -223,7 +288,11 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     for name, values in ((shift, u), (force, q)):
         if not np.ptp(values) > 0:
             raise InputError(f"{where}: {name} is the same in every row: there is no loop")
-    said.append("Rows follow each other evenly in time" if time is None else f"Times of the rows are the column {time!r}")
+    said.append(
+        "Rows follow each other evenly in time"
+        if time is None
+        else f"Times of the rows are the column {time!r}"
+    )
     return MeasuredLoop(where, u, q, rows - rows[0], tuple(said), (step_of_shift, step_of_load))
 
 
@@ -239,16 +308,29 @@ def _is_numbered(mapping: Mapping) -> bool:
 
 
 def _step_of_digits(values: Array) -> float:
-    """The step of the last digit that rows (n,) are written with; of most of them, since zeros at the end do not show.
+    """The step of the last digit that rows (n,) are written with; of most of them, since zeros at
+    the end do not show.
 
-    >>> _step_of_digits(np.array([0.25, 0.3, -0.17])), _step_of_digits(np.array([12.0, 1500.0, 7.0]))
+    >>> (
+    ...     _step_of_digits(np.array([0.25, 0.3, -0.17])),
+    ...     _step_of_digits(np.array([12.0, 1500.0, 7.0])),
+    ... )
     (0.01, 1.0)
     """
-    places = [int(Decimal(repr(value)).normalize().as_tuple().exponent) for value in values[:_DIGITS_SEEN].tolist()]
+    places = [
+        int(Decimal(repr(value)).normalize().as_tuple().exponent)
+        for value in values[:_DIGITS_SEEN].tolist()
+    ]
     return float(10.0 ** int(np.floor(np.median(places)))) if places else 0.0
 
 
-def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None = None, against: Against = "exact") -> LoopScore:
+def score_loop(
+    loop: MeasuredLoop,
+    scene: Scene,
+    *,
+    rig_compliance: float | None = None,
+    against: Against = "exact",
+) -> LoopScore:
     """The f that fits a measured loop best, its interval, and the loops of the engines beside it.
 
     Parameters
@@ -259,7 +341,8 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     Raises
     ------
     InputError
-        For a scene whose loads do not repeat or have no Q, for rows that cover less than a cycle or do not follow its Q.
+        For a scene whose loads do not repeat or have no Q, for rows that cover less than a cycle or
+        do not follow its Q.
 
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")  # f = 0.5
@@ -268,7 +351,9 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     >>> exact = semi_analytic.solve(scene, x=0.0, time=times, fields="tangential_displacement")
     >>> row = np.arange(200) % 100
     >>> rig = exact.tangential_displacement + 1e-5 * exact.tangential_load
-    >>> found = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share, ()), scene)
+    >>> found = score_loop(
+    ...     MeasuredLoop("rig", rig[row], exact.tangential_load[row], share, ()), scene
+    ... )
     >>> round(found.friction, 3), round(found.compliance, 7)
     (0.5, 1e-05)
     """
@@ -276,8 +361,8 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
         raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
     if scene.unsymmetric:
         raise InputError(
-            f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U hangs on where it is measured, "
-            "and the loop's area is not the dissipation"
+            f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U"
+            " hangs on where it is measured, and the loop's area is not the dissipation"
         )
     for name, values in (("U", loop.shift), ("Q", loop.load)):
         if not np.ptp(values) > 0:
@@ -291,33 +376,54 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
     slope_of_rows = _slope(loop.shift, np.interp(share, _SHARES, load_of_cycle))
     rows = [
-        LoopRow("measured", None, area.value, area.uncertainty, slope_of_rows, math.nan, area.by_distance, area.by_noise),
+        LoopRow(
+            "measured",
+            None,
+            area.value,
+            area.uncertainty,
+            slope_of_rows,
+            math.nan,
+            area.by_distance,
+            area.by_noise,
+        ),
     ]
     said.append(
-        f"W as measured is the area of the polygon of the rows over {area.cycles} {'cycle' if area.cycles == 1 else 'cycles'}: "
-        f"± {area.by_distance:.2g} by what lies between rows, ± {area.by_noise:.2g} by their scatter (95 %)"
+        f"W as measured is the area of the polygon of the rows over {area.cycles}"
+        f" {'cycle' if area.cycles == 1 else 'cycles'}: ± {area.by_distance:.2g} by what lies"
+        f" between rows, ± {area.by_noise:.2g} by their scatter (95 %)"
     )
     curves: list[tuple[str, Array, Array]] = []
 
     def add(name: str, coefficient: float, shift: Array) -> None:
         """A computed loop, U (n_instants,) of theory or finite elements at the scene's loads."""
-        _, compliance, origin = _against_rows(loop, shift, share, load_of_cycle, scale, rig_compliance)
+        _, compliance, origin = _against_rows(
+            loop, shift, share, load_of_cycle, scale, rig_compliance
+        )
         with_rig = scale * shift + compliance * load_of_cycle + origin
         work = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
         shift_at_rows = np.interp(share, _SHARES, with_rig)
         _, rest = _means(share, loop.shift - shift_at_rows)
         slope = _slope(shift_at_rows, np.interp(share, _SHARES, load_of_cycle))
-        rows.append(LoopRow(name, coefficient, work, 0.0, slope, math.sqrt(float(np.mean(rest**2)))))
+        rows.append(
+            LoopRow(name, coefficient, work, 0.0, slope, math.sqrt(float(np.mean(rest**2))))
+        )
         curves.append((name, with_rig, load_of_cycle + fit.offset))
 
     cases = {"best f": fit.friction / scale, "the scene's f": scene.friction.coefficient / scale}
     for name, coefficient in cases.items():
         if coefficient < least:
-            said.append(f"With {name}, {scale * coefficient:.4g}, the measured loads slide grossly: there is no such loop")
+            said.append(
+                f"With {name}, {scale * coefficient:.4g}, the measured loads slide grossly: there"
+                " is no such loop"
+            )
             continue
         add(f"theory, {name}", scale * coefficient, _theory(fit.scene, coefficient))
         if against == "fe":
-            add(f"finite elements, {name}", scale * coefficient, _finite_elements(fit.scene, coefficient))
+            add(
+                f"finite elements, {name}",
+                scale * coefficient,
+                _finite_elements(fit.scene, coefficient),
+            )
     return LoopScore(
         scene=fit.scene,
         source=loop.source,
@@ -338,7 +444,7 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     )
 
 
-# --------------------------------------------------------------------------------------------------------------- the fits
+# ----------------------------------------------------------------------------------------- the fits
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """f with its interval, the rig, and where the rows lie.
@@ -379,7 +485,10 @@ def _is_one_loop(scene: Scene) -> bool:
 def _said_of_scale(scale: float) -> list[str]:
     if abs(scale - 1) <= 1e-3:
         return []
-    return [f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P as in the scene"]
+    return [
+        f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P"
+        " as in the scene"
+    ]
 
 
 def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
@@ -389,7 +498,9 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
     range_of_scene = float(np.ptp(tangential))
     first_scale = (branches.highest.load - branches.lowest.load) / range_of_scene
     least = first_scale * _least_friction(scene)
-    fit = fit_branches(loop.shift, loop.load, branches, scene, least, rig_compliance, loop.resolution)
+    fit = fit_branches(
+        loop.shift, loop.load, branches, scene, least, rig_compliance, loop.resolution
+    )
     scale = (fit.highest - fit.lowest) / range_of_scene
     # Where the scene has the row's Q, on the same branch.
     bottom, top = int(np.argmin(tangential[:-1])), int(np.argmax(tangential[:-1]))
@@ -399,10 +510,15 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
         loads = tangential[instants % (_INSTANTS - 1)]
         order = slice(None) if end == top else slice(None, None, -1)
         load_of_scene = tangential[bottom] + (loop.load[on_branch] - fit.lowest) / scale
-        share[on_branch] = np.interp(load_of_scene, loads[order], instants[order] / (_INSTANTS - 1)) % 1.0
+        share[on_branch] = (
+            np.interp(load_of_scene, loads[order], instants[order] / (_INSTANTS - 1)) % 1.0
+        )
     said = [
-        f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and {fit.highest:.6g}; P is constant, so that "
-        "the form of Q and U over time counts for nothing",
+        (
+            f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
+            f" {fit.highest:.6g}; P is constant, so that the form of Q and U over time counts for"
+            " nothing"
+        ),
         *_said_of_scale(scale),
     ]
     return _Fit(
@@ -423,7 +539,12 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
 
 
 def _against_rows(
-    loop: MeasuredLoop, shift: Array, share: Array, load_of_cycle: Array, scale: float, rig_compliance: float | None
+    loop: MeasuredLoop,
+    shift: Array,
+    share: Array,
+    load_of_cycle: Array,
+    scale: float,
+    rig_compliance: float | None,
 ) -> tuple[float, float, float]:
     """Sum of squares, C and U0 with this U (n_instants,) of theory."""
     load = np.interp(share, _SHARES, load_of_cycle)
@@ -456,11 +577,17 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
     ends = trials[max(best - 1, 0)], trials[min(best + 1, _SCANNED - 1)]
 
     def best_of(*where: Any) -> float:
-        return float(minimize_scalar(squares, bounds=ends, args=where, method="bounded", options={"xatol": 1e-7}).x)
+        return float(
+            minimize_scalar(
+                squares, bounds=ends, args=where, method="bounded", options={"xatol": 1e-7}
+            ).x
+        )
 
     at = min(best_of(), float(trials[best]), key=squares)
     best_shift = _theory(scene, math.exp(at))
-    lowest, compliance, _ = _against_rows(loop, best_shift, share, scale * tangential, scale, rig_compliance)
+    lowest, compliance, _ = _against_rows(
+        loop, best_shift, share, scale * tangential, scale, rig_compliance
+    )
     freedom = len(share) - 3 - fitted
     # The scatter is at least what the digits of the rows leave.
     noise = max(math.sqrt(lowest / freedom), loop.resolution[0] / math.sqrt(12))
@@ -468,21 +595,35 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
     friction = scale * math.exp(at)
 
     def apart(beyond: Array) -> float:
-        """How far the f is at which the sum of squares passes the limit, on the way to the nearest trial where it has."""
+        """How far the f is at which the sum of squares passes the limit, on the way to the nearest
+        trial where it has.
+        """
         if not len(beyond):
             return math.inf
         far = beyond[np.argmin(np.abs(beyond - at))]
-        return abs(scale * math.exp(brentq(lambda z: squares(z) - limit, at, far, xtol=1e-7)) - friction)
+        return abs(
+            scale * math.exp(brentq(lambda z: squares(z) - limit, at, far, xtol=1e-7)) - friction
+        )
 
     down, up = (apart(trials[(sums > limit) & side]) for side in (trials < at, trials > at))
-    # Noise of Q leaves place and size of the load open. A loop that is shifted in time opens: f is found again with each.
+    # Noise of Q leaves place and size of the load open. A loop that is shifted in time opens: f is
+    # found again with each.
     noise_of_load, place_error, scale_error = _noise_of_load(loop, share, scale, tangential)
-    others = (np.mod(share + 1.96 * place_error, 1.0), scale), (share, scale * (1 + 1.96 * scale_error))
+    others = (
+        (np.mod(share + 1.96 * place_error, 1.0), scale),
+        (
+            share,
+            scale * (1 + 1.96 * scale_error),
+        ),
+    )
     moved = [other[1] * math.exp(best_of(*other)) - friction for other in others]
     own = friction * _OF_THEORY
     cycles = float(loop.time[-1] / place.period)
     said = [
-        f"The rows cover {cycles:.4g} cycles and follow the scene's Q over time to {100 * place.misfit:.2g} % of its amplitude",
+        (
+            f"The rows cover {cycles:.4g} cycles and follow the scene's Q over time to"
+            f" {100 * place.misfit:.2g} % of its amplitude"
+        ),
         *_said_of_scale(scale),
     ]
     return _Fit(
@@ -502,7 +643,7 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
     )
 
 
-# ------------------------------------------------------------------------------------------------------------ the engines
+# -------------------------------------------------------------------------------------- the engines
 _SHARES = np.linspace(0.0, 1.0, _INSTANTS)
 
 
@@ -522,7 +663,9 @@ def _cycle_loads(scene: Scene) -> tuple[Array, Array]:
 def _theory(scene: Scene, friction: float) -> Array:
     """U of the steady cycle by half-plane theory."""
     asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
-    solution = semi_analytic.solve(asked, x=0.0, time=_times(scene), fields="tangential_displacement", cycles="steady")
+    solution = semi_analytic.solve(
+        asked, x=0.0, time=_times(scene), fields="tangential_displacement", cycles="steady"
+    )
     return solution.tangential_displacement
 
 
@@ -545,16 +688,23 @@ def _slope(shift: Array, load: Array) -> float:
 
 
 def _means(share: Array, *values: Array) -> tuple[Array, ...]:
-    """Rows in each part of the cycle that has any, and the mean of each of `values` (n,) there: (k,) each."""
+    """Rows in each part of the cycle that has any, and the mean of each of `values` (n,) there:
+    (k,) each.
+    """
     parts = np.floor(share * max(_FEWEST // 2, min(_PARTS, len(share) // 8))).astype(int)
     count = np.bincount(parts)
     some = count > 0
-    return (count[some].astype(float), *(np.bincount(parts, one)[some] / count[some] for one in values))
+    return (
+        count[some].astype(float),
+        *(np.bincount(parts, one)[some] / count[some] for one in values),
+    )
 
 
-# ------------------------------------------------------------------------------------------------- rows on the cycle
+# -------------------------------------------------------------------------------- rows on the cycle
 class _Place(NamedTuple):
-    """Where rows lie on the cycle (n,); r, Q0 of the file, the period in its time; misfit of Q over its amplitude."""
+    """Where rows lie on the cycle (n,); r, Q0 of the file, the period in its time; misfit of Q over
+    its amplitude.
+    """
 
     share: Array
     scale: float
@@ -572,23 +722,29 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
         For less than a cycle, and for rows that do not follow the scene's Q.
     """
     tangential = _cycle_loads(scene)[1]
-    # Rows of a whole cycle between straight loads are also half of a cycle twice as large: the whole one counts.
+    # Rows of a whole cycle between straight loads are also half of a cycle twice as large: the
+    # whole one counts.
     place = _aligned(loop, tangential, _LEAST_CYCLES)
     if place.misfit > _FOLLOWS:
         place = _aligned(loop, tangential)
     cycles = loop.time[-1] / place.period
     if place.misfit > _FOLLOWS:
         raise InputError(
-            f"{loop.source}: its Q follows that of {scene.name} to {100 * place.misfit:.0f} % of its amplitude only (limit "
-            f"{100 * _FOLLOWS:.0f} %): give a column time, whole cycles, and a scene with this form of Q"
+            f"{loop.source}: its Q follows that of {scene.name} to {100 * place.misfit:.0f} % of"
+            f" its amplitude only (limit {100 * _FOLLOWS:.0f} %): give a column time, whole cycles,"
+            " and a scene with this form of Q"
         )
     if cycles < _LEAST_CYCLES:
-        raise InputError(f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one")
+        raise InputError(
+            f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one"
+        )
     return place
 
 
 def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -> _Place:
-    """The place of the rows that fits this Q of a cycle best, from starts of at least so many cycles."""
+    """The place of the rows that fits this Q of a cycle best, from starts of at least so many
+    cycles.
+    """
     from scipy.optimize import minimize
 
     if not np.ptp(tangential) > 0:
@@ -598,7 +754,10 @@ def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -
     wave = np.interp(even, loop.time, loop.load)
     spectrum = np.abs(np.fft.rfft((wave - wave.mean()) * np.hanning(len(wave)), 8 * len(wave)))
     span = loop.time[-1] * len(even) / (len(even) - 1)
-    first = max(float(np.argmax(spectrum[4 : 8 * min(_MOST_CYCLES, len(even) // 4)]) + 4) / 8, 0.5) / span
+    first = (
+        max(float(np.argmax(spectrum[4 : 8 * min(_MOST_CYCLES, len(even) // 4)]) + 4) / 8, 0.5)
+        / span
+    )
 
     def parts(frequency: float, phase: float) -> tuple[float, Array, float, float]:
         share = np.mod(frequency * loop.time + phase, 1.0)
@@ -607,48 +766,80 @@ def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -
         scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
         rest = loop.load - scale * own - offset
         # Turned Q fits a sine as well as Q half a cycle later: only the upright one counts.
-        return float(np.sqrt(rest @ rest / count)) + (0.0 if scale > 0 else 10 * float(np.ptp(loop.load))), share, scale, offset
+        return (
+            float(np.sqrt(rest @ rest / count))
+            + (0.0 if scale > 0 else 10 * float(np.ptp(loop.load))),
+            share,
+            scale,
+            offset,
+        )
 
     frequencies = [first * factor for factor in (0.94, 1.0, 1.06)]
     if first * span < 3:  # a spectrum of a few cycles has no sharp line
         frequencies += (np.arange(0.9, 3.0, 0.05) / span).tolist()
-    frequencies = [frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles] or frequencies
+    frequencies = [
+        frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
+    ] or frequencies
     starts = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     start = min(starts, key=lambda one: parts(*one)[0])
-    step = np.array([[0.0, 0.0], [0.3 / max(loop.time[-1] * first, 1.0) * first * 0.3, 0.0], [0.0, 0.02]])
+    step = np.array(
+        [[0.0, 0.0], [0.3 / max(loop.time[-1] * first, 1.0) * first * 0.3, 0.0], [0.0, 0.02]]
+    )
     found = minimize(
         lambda z: parts(*z)[0],
         start,
         method="Nelder-Mead",
-        options={"initial_simplex": np.array(start) + step, "xatol": 1e-9 * first, "fatol": 1e-12 * amplitude, "maxiter": 800},
+        options={
+            "initial_simplex": np.array(start) + step,
+            "xatol": 1e-9 * first,
+            "fatol": 1e-12 * amplitude,
+            "maxiter": 800,
+        },
     )
     misfit, share, scale, offset = parts(*found.x)
     return _Place(share, scale, offset, float(1 / found.x[0]), misfit / (abs(scale) * amplitude))
 
 
-def _noise_of_load(loop: MeasuredLoop, share: Array, scale: float, tangential: Array) -> tuple[float, float, float]:
-    """Of Q: its noise, and the standard errors that this leaves in the place on the cycle [share] and in r, over r."""
+def _noise_of_load(
+    loop: MeasuredLoop, share: Array, scale: float, tangential: Array
+) -> tuple[float, float, float]:
+    """Of Q: its noise, and the standard errors that this leaves in the place on the cycle [share]
+    and in r, over r.
+    """
     own = scale * np.interp(share, _SHARES, tangential)
     rest = loop.load - own
     apart = own - own.mean()
     noise = float(np.std(rest))
-    rate = np.interp(share, (_SHARES[1:] + _SHARES[:-1]) / 2, scale * np.diff(tangential) * (_INSTANTS - 1), period=1.0)
+    rate = np.interp(
+        share,
+        (_SHARES[1:] + _SHARES[:-1]) / 2,
+        scale * np.diff(tangential) * (_INSTANTS - 1),
+        period=1.0,
+    )
     return noise, noise / math.sqrt(float(rate @ rate)), noise / math.sqrt(float(apart @ apart))
 
 
-# ------------------------------------------------------------------------------------------------------------ page and JSON
+# ------------------------------------------------------------------------------------ page and JSON
 def content(found: LoopScore) -> dict[str, Any]:
     """A loop score for JSON."""
     return {
         "kind": "loop",
         "passed": found.agrees,
         "sentence": found.sentence,
-        "friction": {"value": found.friction, "low": found.low, "high": found.high, "scene": found.scene.friction.coefficient},
+        "friction": {
+            "value": found.friction,
+            "low": found.low,
+            "high": found.high,
+            "scene": found.scene.friction.coefficient,
+        },
         "rig_compliance": {"value": found.compliance, "fitted": found.compliance_fitted},
         "scale": found.scale,
         "cycles": found.cycles,
         "noise": found.noise,
-        "metrics": {row.name: {name: value for name, value in vars(row).items() if name != "name"} for row in found.rows},
+        "metrics": {
+            row.name: {name: value for name, value in vars(row).items() if name != "name"}
+            for row in found.rows
+        },
         "notes": list(found.said),
         "scene": found.scene.model_dump(mode="json"),
     }
@@ -666,38 +857,79 @@ def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         spread = f" ± {row.area_uncertainty:.2g}" if row.area_uncertainty else ""
         friction = "–" if row.friction is None else f"{row.friction:.4g}"
         distance = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
-        rows.append((row.name, friction, f"{row.area:.5g}{spread}", apart, f"{row.slope:.5g}", distance))
+        rows.append(
+            (row.name, friction, f"{row.area:.5g}{spread}", apart, f"{row.slope:.5g}", distance)
+        )
     return heads, rows
 
 
 def _plates(found: LoopScore) -> tuple[Plate, ...]:
-    """The loop, U less the straight line through it, so that it opens; and rows minus the best fit."""
+    """The loop, U less the straight line through it, so that it opens; and rows minus the best
+    fit.
+    """
     length, load, line = units(found.scene)[1], load_unit(found.scene), found.rows[1].slope
-    base, rest = float(np.mean(found.shift - line * found.load)), found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
+    base, rest = (
+        float(np.mean(found.shift - line * found.load)),
+        found.shift - np.interp(found.tau, _SHARES, found.curves[0][1]),
+    )
     count, share, shifts, loads, means = _means(found.tau, found.tau, found.shift, found.load, rest)
     opened = shifts - line * loads - base
-    curves = [Curve(q, u - line * q - base, f"line-{k}", name) for k, (name, u, q) in enumerate(found.curves, 1)]
+    curves = [
+        Curve(q, u - line * q - base, f"line-{k}", name)
+        for k, (name, u, q) in enumerate(found.curves, 1)
+    ]
     keys = [Key(curve.css, curve.label) for curve in curves]
 
     def panel(
-        name: str, words: str, height: float, across: Axis, up: Axis, dots: tuple[Array, Array], lines: Sequence[Mark]
+        name: str,
+        words: str,
+        height: float,
+        across: Axis,
+        up: Axis,
+        dots: tuple[Array, Array],
+        lines: Sequence[Mark],
     ) -> Panel:
-        marks = [Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)]
+        marks = [
+            Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)
+        ]
         return Panel(name, across, up, [*marks, *lines], words, 900.0, height, css="broad")
 
     axes = (
         Axis(*limits(loads, curves[0].x), f"Q  [{load}]"),
         Axis(*limits(opened, *(c.y for c in curves)), f"U − slope Q  [{length}]"),
     )
-    below = Axis(0.0, 1.0, "share of the cycle"), Axis(*limits(means), f"mean rows − best fit  [{length}]")
-    loop = panel("loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves)
-    residuals = panel("loop-rest", "Residuals of the best fit over the cycle", 260.0, *below, (share, means), [Rule(0.0, "zero")])
-    words: dict[str, Any] = {"fewest": f"{count.min():.0f}", "most": f"{count.max():.0f}", "parts": len(count), "columns": 1}
+    below = (
+        Axis(0.0, 1.0, "share of the cycle"),
+        Axis(*limits(means), f"mean rows − best fit  [{length}]"),
+    )
+    loop = panel(
+        "loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves
+    )
+    residuals = panel(
+        "loop-rest",
+        "Residuals of the best fit over the cycle",
+        260.0,
+        *below,
+        (share, means),
+        [Rule(0.0, "zero")],
+    )
+    words: dict[str, Any] = {
+        "fewest": f"{count.min():.0f}",
+        "most": f"{count.max():.0f}",
+        "parts": len(count),
+        "columns": 1,
+    }
     columns = {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift}
     noise: dict[str, Any] = {"noise": f"{found.noise:.3g}", "length": length}
     return (
         worded("loop", [loop], columns, keys, slope=f"{line:.4g}", **words),
-        worded("loop_residuals", [residuals], {"tau": found.tau, f"U - fit [{length}]": rest}, **noise, **words),
+        worded(
+            "loop_residuals",
+            [residuals],
+            {"tau": found.tau, f"U - fit [{length}]": rest},
+            **noise,
+            **words,
+        ),
     )
 
 
@@ -712,7 +944,9 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
         for drawing in drawings:
             (folder / "figures" / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
         whole = strict(content(found)) | {"command": command}
-        (folder / "loop.json").write_text(json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        (folder / "loop.json").write_text(
+            json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
+        )
         page = template("loop.html").render(
             title=f"Measured loop: {Path(found.source).name}",
             scene=found.scene,

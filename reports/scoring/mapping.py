@@ -1,4 +1,6 @@
-"""How somebody else's file is to be read: names of columns, factors of units, signs, sides. A TOML file whose keys are optional."""
+"""How somebody else's file is to be read: names of columns, factors of units, signs, sides. A TOML
+file whose keys are optional.
+"""
 
 from __future__ import annotations
 
@@ -17,108 +19,168 @@ from scenes.frozen import Frozen, checked
 from scenes.text_tables import ALIASES, plain
 
 Array = NDArray[np.float64]
-Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
+Quantity = Literal[
+    "time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"
+]
 
 _Factor = Annotated[float, Field(gt=0)]
 _Column = str | Annotated[int, Field(ge=1)]
 
 
 class Columns(Frozen):
-    """Names of the columns (arrays, fields) in the file, or numbers from 1 on; those left out are looked for under `ALIASES`."""
+    """Names of the columns (arrays, fields) in the file, or numbers from 1 on; those left out are
+    looked for under `ALIASES`.
+    """
 
     time: _Column | None = Field(None, description="times of the scene's load path")
-    frame: _Column | None = Field(None, description="number of the instant, where rows of one instant share one")
+    frame: _Column | None = Field(
+        None, description="number of the instant, where rows of one instant share one"
+    )
     normal_load: _Column | None = Field(None, description="P")
     tangential_load: _Column | None = Field(None, description="Q")
     x: _Column | None = Field(None, description="place along the surface")
-    y: _Column | None = Field(None, description="place across the surface, for what needs one side told from the other")
+    y: _Column | None = Field(
+        None, description="place across the surface, for what needs one side told from the other"
+    )
     pressure: _Column | None = Field(None, description="contact pressure")
     shear: _Column | None = Field(None, description="shear traction")
     slip: _Column | None = Field(None, description="relative tangential displacement of the faces")
 
 
 class Factors(Frozen):
-    """What a figure of the file is multiplied by to be in the scene's unit. None: 1, and a wrong scale may be guessed and named."""
+    """What a figure of the file is multiplied by to be in the scene's unit. None: 1, and a wrong
+    scale may be guessed and named.
+    """
 
     length: _Factor | None = Field(None, description="of x and slip; 1000 turns m into mm")
-    stress: _Factor | None = Field(None, description="of pressure and shear; 1e-6 turns Pa into MPa")
-    load: _Factor | None = Field(None, description="of P and Q per unit thickness; 1e-3 turns N/m into N/mm")
+    stress: _Factor | None = Field(
+        None, description="of pressure and shear; 1e-6 turns Pa into MPa"
+    )
+    load: _Factor | None = Field(
+        None, description="of P and Q per unit thickness; 1e-3 turns N/m into N/mm"
+    )
     time: _Factor | None = Field(None, description="of time")
 
 
 class Signs(Frozen):
-    """Which way the file counts. None: as the project does, and a pressure that is negative throughout is turned and named."""
+    """Which way the file counts. None: as the project does, and a pressure that is negative
+    throughout is turned and named.
+    """
 
     pressure: Literal["compression positive", "compression negative"] | None = None
-    shear: Literal["on lower", "on upper"] | None = Field(None, description="the body on which shear along +x is positive")
+    shear: Literal["on lower", "on upper"] | None = Field(
+        None, description="the body on which shear along +x is positive"
+    )
     slip: Literal["upper over lower", "lower over upper"] | None = None
 
 
 class Mapping(Frozen):
     """The keys of a mapping file.
 
-    >>> Mapping().sign("pressure"), Mapping.model_validate({"signs": {"shear": "on upper"}}).sign("shear")
+    >>> (
+    ...     Mapping().sign("pressure"),
+    ...     Mapping.model_validate({"signs": {"shear": "on upper"}}).sign("shear"),
+    ... )
     (1.0, -1.0)
     """
 
     keys_listed = "`halfplane score --mapping-example`"
 
     code: str = Field("", description="what computed it, with its version")
-    surface: str | None = Field(None, description="name of the boundary, cell set or contact pair, where the file has several")
-    thickness: _Factor = Field(1.0, description="out of the plane, in the scene's length: the file's loads are divided by it")
-    x_offset: float = Field(0.0, description="the file's x at the middle of the contact, in the scene's length: taken off x")
-    y_offset: float = Field(0.0, description="the file's y of the lower body's face, in the scene's length: taken off y")
-    times: tuple[float, ...] | None = Field(None, description="times of the scene's load path, one an instant, in order")
-    element_size: _Factor | None = Field(None, description="of the surface at the contact, in the scene's length")
-    element_sizes: dict[str, _Factor] = Field({}, description="the same of each file of a folder, by file name")
+    surface: str | None = Field(
+        None,
+        description="name of the boundary, cell set or contact pair, where the file has several",
+    )
+    thickness: _Factor = Field(
+        1.0,
+        description="out of the plane, in the scene's length: the file's loads are divided by it",
+    )
+    x_offset: float = Field(
+        0.0,
+        description="the file's x at the middle of the contact, in the scene's length: taken off x",
+    )
+    y_offset: float = Field(
+        0.0, description="the file's y of the lower body's face, in the scene's length: taken off y"
+    )
+    times: tuple[float, ...] | None = Field(
+        None, description="times of the scene's load path, one an instant, in order"
+    )
+    element_size: _Factor | None = Field(
+        None, description="of the surface at the contact, in the scene's length"
+    )
+    element_sizes: dict[str, _Factor] = Field(
+        {}, description="the same of each file of a folder, by file name"
+    )
     columns: Columns = Columns()
     factors: Factors = Factors()
     signs: Signs = Signs()
 
     def sign(self, quantity: Quantity) -> float:
         """-1 where the file counts `quantity` the other way than the project does, else 1."""
-        turned = {"pressure": "compression negative", "shear": "on upper", "slip": "lower over upper"}
-        return -1.0 if quantity in turned and getattr(self.signs, quantity) == turned[quantity] else 1.0
+        turned = {
+            "pressure": "compression negative",
+            "shear": "on upper",
+            "slip": "lower over upper",
+        }
+        return (
+            -1.0
+            if quantity in turned and getattr(self.signs, quantity) == turned[quantity]
+            else 1.0
+        )
 
 
 def load_mapping(source: str | Path | None) -> Mapping:
-    """The mapping of a TOML file; all defaults for None. InputError with file, key, value and rule."""
+    """The mapping of a TOML file; all defaults for None. InputError with file, key, value and
+    rule.
+    """
     if source is None:
         return Mapping()
     path = Path(source)
     return checked(Mapping, keys_of(path, "the mapping file"), str(path))
 
 
-def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:
-    """Which of the file's `names` holds `quantity`: the mapping's own, else the first alias that is there; None where none is.
+def find_column(
+    mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False
+) -> str | None:
+    """Which of the file's `names` holds `quantity`: the mapping's own, else the first alias that is
+    there; None where none is.
 
     Raises
     ------
     InputError
-        Where the mapping names one that is not there, where two names answer to the same alias, or where none does and
-        it is `needed`.
+        Where the mapping names one that is not there, where two names answer to the same alias, or
+        where none does and it is `needed`.
     """
     stated = getattr(mapping.columns, quantity)
     if isinstance(stated, int):
         if stated > len(names):
-            raise InputError(f"{where}: the mapping says columns.{quantity} = {stated}, and there are {len(names)} columns")
+            raise InputError(
+                f"{where}: the mapping says columns.{quantity} = {stated}, and there are"
+                f" {len(names)} columns"
+            )
         return names[stated - 1]
     if stated is not None:
         if stated not in names:
             near = difflib.get_close_matches(stated, names, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"it has {listed(names)}"
-            raise InputError(f"{where}: the mapping says columns.{quantity} = {stated!r}, which is not there; {hint}")
+            raise InputError(
+                f"{where}: the mapping says columns.{quantity} = {stated!r}, which is not there;"
+                f" {hint}"
+            )
         return stated
     for alias in ALIASES[quantity]:
         found = [name for name in names if plain(name) == plain(alias)]
         if len(found) > 1:
-            raise InputError(f"{where}: {listed(found)} could each be {quantity}; say which by columns.{quantity} of a mapping")
+            raise InputError(
+                f"{where}: {listed(found)} could each be {quantity}; say which by"
+                f" columns.{quantity} of a mapping"
+            )
         if found:
             return found[0]
     if needed:
         raise InputError(
-            f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...) among {listed(names)}; "
-            f"name it by columns.{quantity} of a mapping"
+            f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
+            f" among {listed(names)}; name it by columns.{quantity} of a mapping"
         )
     return None
 
@@ -130,12 +192,20 @@ def listed(names: Sequence[str]) -> str:
 
 
 def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
-    """Figures of the file in the scene's unit and the project's signs, as far as the mapping says: factor, thickness, offset, sign.
+    """Figures of the file in the scene's unit and the project's signs, as far as the mapping says:
+    factor, thickness, offset, sign.
 
     >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
     [0.0, 1.0]
     """
-    kind = {"x": "length", "y": "length", "slip": "length", "pressure": "stress", "shear": "stress", "time": "time"}.get(quantity)
+    kind = {
+        "x": "length",
+        "y": "length",
+        "slip": "length",
+        "pressure": "stress",
+        "shear": "stress",
+        "time": "time",
+    }.get(quantity)
     if quantity == "frame":
         return values
     with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
@@ -146,8 +216,13 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
 
 
 def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:
-    """The times that the mapping states, one for each of `what` the file has; InputError where the file has another count."""
+    """The times that the mapping states, one for each of `what` the file has; InputError where the
+    file has another count.
+    """
     times = np.array(mapping.times, dtype=float)
     if len(times) != count:
-        raise InputError(f"{source}: the mapping states {len(times)} times and the file has {count} {what}; give one for each")
+        raise InputError(
+            f"{source}: the mapping states {len(times)} times and the file has {count} {what}; give"
+            " one for each"
+        )
     return times

@@ -1,4 +1,6 @@
-"""Which reader takes which file; and tables of text, a row for each instant and point or frames beside each other."""
+"""Which reader takes which file; and tables of text, a row for each instant and point or frames
+beside each other.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +22,29 @@ from scenes.text_tables import ALIASES, TextTable, plain, text_table
 Array = NDArray[np.float64]
 
 _TABLES = (".csv", ".txt", ".rpt")
-# Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks for it.
+# Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks
+# for it.
 READERS: dict[str, str] = {
     **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
     **dict.fromkeys((".vtu", ".vtk", ".pvd"), "fields:read_fields"),
 }
-_ROWS: tuple[Quantity, ...] = ("time", "frame", "normal_load", "tangential_load", "x", "pressure", "shear", "slip")
+_ROWS: tuple[Quantity, ...] = (
+    "time",
+    "frame",
+    "normal_load",
+    "tangential_load",
+    "x",
+    "pressure",
+    "shear",
+    "slip",
+)
 _FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
 _OTHERS = {plain(alias) for name in _ROWS for alias in ALIASES[name]}
-# "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure counts, then the figure. A run of
-# signs belongs to no name and is never tried in parts: 3,000 brackets as a name took 8 s, with the cube of their number.
+# "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure
+# counts, then the figure. A run of signs belongs to no name and is never tried in parts: 3,000
+# brackets as a name took 8 s, with the cube of their number.
 _TAGGED = re.compile(
     r"^(?P<base>.+?)(?<![\s_:@,.;\-(\[])[\s_:@,.;\-(\[]++(?:at\s+)?"
     r"(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?[\s_:=#]*(?P<figure>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*s?[)\]]?$",
@@ -52,14 +65,18 @@ def read(path: Path, mapping: Mapping) -> SurfaceResult:
     home = READERS.get(path.suffix.lower())
     if home is None:
         raise InputError(
-            f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads {', '.join(sorted(READERS))}, .nc"
+            f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads"
+            f" {', '.join(sorted(READERS))}, .nc"
         )
     module, function = home.split(":")
-    return cast(SurfaceResult, getattr(import_module(f"reports.scoring.{module}"), function)(path, mapping))
+    return cast(
+        SurfaceResult, getattr(import_module(f"reports.scoring.{module}"), function)(path, mapping)
+    )
 
 
 def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The result in a table with a line of names: one row for each instant and point, or one for each point and columns for frames.
+    """The result in a table with a line of names: one row for each instant and point, or one for
+    each point and columns for frames.
 
     Instants differ by time, else by a number of the frame, else by the loads.
 
@@ -81,7 +98,9 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         return _placed(_rows(source, mapping, *wide), table, mapping)
     columns = {}
     for quantity in _ROWS:
-        name = find_column(mapping, quantity, table.names, source, needed=quantity in ("x", "pressure"))
+        name = find_column(
+            mapping, quantity, table.names, source, needed=quantity in ("x", "pressure")
+        )
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
     return _placed(_rows(source, mapping, columns, []), table, mapping)
@@ -94,12 +113,17 @@ def _placed(result: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfac
     size = np.abs(table.values)
     placed = []
     for outlier in result.outliers:
-        # The cell whose figure is the outlier's, but for the factor that all cells of its field have.
+        # The cell whose figure is the outlier's, but for the factor that all cells of its field
+        # have.
         field = np.abs(getattr(result, outlier.quantity))
-        columns = [k for k, name in enumerate(table.names) if _head(name, mapping)[0] == outlier.quantity]
+        columns = [
+            k for k, name in enumerate(table.names) if _head(name, mapping)[0] == outlier.quantity
+        ]
         cells = size[:, columns]
         factor = float(field.max() / cells.max())
-        row, column = np.unravel_index(np.argmin(np.abs(cells * factor - abs(outlier.value))), cells.shape)
+        row, column = np.unravel_index(
+            np.argmin(np.abs(cells * factor - abs(outlier.value))), cells.shape
+        )
         name = table.names[columns[column]]
         place = f"line {table.lines[row]}, column {name!r} ({outlier.place})"
         figure = float(table.values[row, columns[column]])
@@ -107,36 +131,49 @@ def _placed(result: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfac
     return replace(result, outliers=tuple(placed))
 
 
-def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]) -> SurfaceResult:
+def _rows(
+    source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
+) -> SurfaceResult:
     """From one row for each instant and point; what a reader must not miss comes first."""
     by, instants = "nothing", np.zeros(len(columns["x"]), dtype=np.intp)
     told = next((key for key in ("time", "frame") if key in columns), None)
     if told is not None:
         by, instants = told, np.unique(columns[told], return_inverse=True)[1]
     elif "normal_load" in columns:
-        loads = np.column_stack([columns["normal_load"], columns.get("tangential_load", columns["normal_load"])])
-        by, instants = "the loads", np.concatenate([[0], np.cumsum(np.any(np.diff(loads, axis=0) != 0, axis=1))])
+        loads = np.column_stack(
+            [columns["normal_load"], columns.get("tangential_load", columns["normal_load"])]
+        )
+        by, instants = (
+            "the loads",
+            np.concatenate([[0], np.cumsum(np.any(np.diff(loads, axis=0) != 0, axis=1))]),
+        )
     counts = np.unique(instants, return_counts=True)[1]
     if np.any(counts != counts[0]):
         odd = int(np.flatnonzero(counts != counts[0])[0])
         raise InputError(
-            f"{source}: instant {odd + 1} (by {by}) has {counts[odd]} points and the first has {counts[0]}: every instant needs "
-            "the same points, with zeros where nothing touches"
+            f"{source}: instant {odd + 1} (by {by}) has {counts[odd]} points and the first has"
+            f" {counts[0]}: every instant needs the same points, with zeros where nothing touches"
         )
     order = np.argsort(instants, kind="stable")
-    shaped: dict[str, Array] = {name: values[order].reshape(len(counts), -1) for name, values in columns.items() if name != "frame"}
+    shaped: dict[str, Array] = {
+        name: values[order].reshape(len(counts), -1)
+        for name, values in columns.items()
+        if name != "frame"
+    }
     rank = np.argsort(shaped["x"], axis=1, kind="stable")
     shaped = {name: np.take_along_axis(values, rank, axis=1) for name, values in shaped.items()}
     series: dict[str, Array | None] = {}
     for name in ("time", "normal_load", "tangential_load"):
         values = shaped.get(name)
         if values is not None:
-            with np.errstate(invalid="ignore"):  # what a factor made infinite is refused with all that is not finite
+            # what a factor made infinite is refused with all that is not finite
+            with np.errstate(invalid="ignore"):
                 odd_rows = np.flatnonzero(np.ptp(values, axis=1) > 1e-9 * np.max(np.abs(values)))
             if len(odd_rows):
                 row = values[odd_rows[0]]
                 raise InputError(
-                    f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant {odd_rows[0] + 1} (by {by})"
+                    f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant"
+                    f" {odd_rows[0] + 1} (by {by})"
                 )
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
@@ -150,7 +187,9 @@ def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: 
 
 
 _Head = tuple[Quantity | None, float | None, bool]
-"""What a column's name says: which quantity, of which frame (None: not said), and whether that figure is a time."""
+"""What a column's name says: which quantity, of which frame (None: not said), and whether that
+figure is a time.
+"""
 
 
 def _head(name: str, mapping: Mapping) -> _Head:
@@ -170,11 +209,14 @@ def _head(name: str, mapping: Mapping) -> _Head:
     return quantity, float(tagged["figure"]), timed
 
 
-def _frames(source: str, table: TextTable, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]] | None:
-    """The frames that stand beside each other, one below the other; None where the names don't look like that.
+def _frames(
+    source: str, table: TextTable, mapping: Mapping
+) -> tuple[dict[Quantity, Array], list[str]] | None:
+    """The frames that stand beside each other, one below the other; None where the names don't look
+    like that.
 
-    Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time stands in the names, or the
-    frames are taken in the order of the columns.
+    Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time
+    stands in the names, or the frames are taken in the order of the columns.
     """
     heads = [_head(name, mapping) for name in table.names]
     grouped: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
@@ -183,19 +225,29 @@ def _frames(source: str, table: TextTable, mapping: Mapping) -> tuple[dict[Quant
             continue
         order = float(len(grouped[quantity])) if frame is None else frame
         if order in grouped[quantity]:
-            raise InputError(f"{source}: two columns hold {quantity} of the same frame; leave one out or rename it")
+            raise InputError(
+                f"{source}: two columns hold {quantity} of the same frame; leave one out or"
+                " rename it"
+            )
         grouped[quantity][order] = converted(mapping, quantity, table.values[:, number])
     frames = sorted(grouped["pressure"])
-    if not grouped["x"] or (len(frames) < 2 and not any(head[0] == "pressure" and head[1] is not None for head in heads)):
+    if not grouped["x"] or (
+        len(frames) < 2 and not any(head[0] == "pressure" and head[1] is not None for head in heads)
+    ):
         return None
     if len(grouped["x"]) == 1:
         grouped["x"] = dict.fromkeys(frames, next(iter(grouped["x"].values())))
     for quantity, found in grouped.items():
         if found and (lacking := sorted({*frames} ^ found.keys())):
             raise InputError(
-                f"{source}: frame {lacking[0]:g} has no {quantity}, or no pressure; every frame needs both pressure and shear"
+                f"{source}: frame {lacking[0]:g} has no {quantity}, or no pressure; every frame"
+                " needs both pressure and shear"
             )
-    columns = {quantity: np.concatenate([found[frame] for frame in frames]) for quantity, found in grouped.items() if found}
+    columns = {
+        quantity: np.concatenate([found[frame] for frame in frames])
+        for quantity, found in grouped.items()
+        if found
+    }
     timed: Quantity = "time" if any(timed for _, _, timed in heads) else "frame"
     columns[timed] = converted(mapping, timed, np.repeat(frames, len(table.values)))
     named = any(quantity is not None and frame is not None for quantity, frame, _ in heads)

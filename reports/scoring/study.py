@@ -1,6 +1,8 @@
-"""`halfplane score FOLDER`: one result on several meshes, the order at which each discrepancy falls, what no mesh removes.
+"""`halfplane score FOLDER`: one result on several meshes, the order at which each discrepancy
+falls, what no mesh removes.
 
-# notation: h element size at the contact, E discrepancy of the finest mesh, E_0 extrapolated to h = 0; E - E_0 is the mesh's part
+# notation: h element size at the contact, E discrepancy of the finest mesh, E_0 extrapolated to h =
+0; E - E_0 is the mesh's part
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ from reports.scoring.reading import READERS
 from scenes import InputError, Scene
 
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
-_SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
+_SIZE = re.compile(
+    r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE
+)
 # Sizes closer than this are one mesh twice.
 _DISTINCT = 1.02
 _ROUNDING = 1e-12
@@ -35,7 +39,9 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mesh: its file, its element size at the contact [length], where that figure is from, and its score."""
+    """One mesh: its file, its element size at the contact [length], where that figure is from, and
+    its score.
+    """
 
     name: str
     size: float
@@ -48,7 +54,8 @@ class StudyRow:
     """One metric over the meshes."""
 
     metric: Metric  # that of the finest mesh
-    values: tuple[float, ...]  # on each mesh, the finest first, all at the instant at which the finest is worst
+    # on each mesh, the finest first, all at the instant at which the finest is worst
+    values: tuple[float, ...]
     found: Extrapolation  # order, kind, value at size zero with its uncertainty
 
     @property
@@ -87,15 +94,20 @@ class Study:
         sizes = ", ".join(f"{level.name}: {level.size:.4g} ({level.how})" for level in self.levels)
         return (
             f"Element sizes at the contact, in the scene's length: {sizes}.",
-            "What is left at h = 0 is no error of the mesh: instants too far apart, a penalty in the contact law, the size of the "
-            "bodies, or the idealisation itself; files say nothing of which. u covers it about 19 times of 20.",
+            (
+                "What is left at h = 0 is no error of the mesh: instants too far apart, a penalty"
+                " in the contact law, the size of the bodies, or the idealisation itself; files say"
+                " nothing of which. u covers it about 19 times of 20."
+            ),
             *self.notes,
         )
 
     def content(self) -> dict[str, Any]:
         """For comparison.json."""
         return {
-            "levels": [{"name": one.name, "element_size": one.size, "from": one.how} for one in self.levels],
+            "levels": [
+                {"name": one.name, "element_size": one.size, "from": one.how} for one in self.levels
+            ],
             "metrics": {
                 line.metric.key: {
                     "values": line.values,
@@ -122,22 +134,30 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     """
     ordered = tuple(sorted(levels, key=lambda level: level.size))
     if len(ordered) < 2:
-        raise InputError("a mesh study takes two meshes at least; name the file itself to score one")
+        raise InputError(
+            "a mesh study takes two meshes at least; name the file itself to score one"
+        )
     for fine, coarse in itertools.pairwise(ordered):
         if coarse.size < _DISTINCT * fine.size:
             raise InputError(
-                f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and {coarse.size:.4g} ({fine.how}): "
-                "state sizes under [element_sizes] of a mapping, or leave one out"
+                f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and"
+                f" {coarse.size:.4g} ({fine.how}): state sizes under [element_sizes] of a mapping,"
+                " or leave one out"
             )
     lines = (_line(metric, ordered) for metric in ordered[0].comparison.metrics)
     said = list(notes)
     if len(ordered) == 2:
-        said.append("Two meshes show no order: second order is taken for granted, with three times the uncertainty.")
+        said.append(
+            "Two meshes show no order: second order is taken for granted, with three times the"
+            " uncertainty."
+        )
     return Study(ordered, tuple(line for line in lines if line is not None), tuple(said))
 
 
 def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    """At the instant at which the finest mesh is worst, where the instants are the same; else each mesh at its own worst."""
+    """At the instant at which the finest mesh is worst, where the instants are the same; else each
+    mesh at its own worst.
+    """
     values, finest = [], levels[0].comparison.found.time
     for level in levels:
         own, time = level.comparison.metric(metric.key), level.comparison.found.time
@@ -147,7 +167,9 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
-    refinement = Refinement(tuple(level.size for level in levels), tuple(values), rounding=_ROUNDING)
+    refinement = Refinement(
+        tuple(level.size for level in levels), tuple(values), rounding=_ROUNDING
+    )
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
@@ -159,11 +181,20 @@ def _words(line: StudyRow) -> tuple[str, ...]:
 
     order = f"{found.order:.2f}" if found.order is not None else found.kind
     zero = None if line.mesh is None else found.value
-    return (line.metric.label, *map(cell, line.values), order, cell(zero), cell(found.uncertainty, False), cell(line.mesh))
+    return (
+        line.metric.label,
+        *map(cell, line.values),
+        order,
+        cell(zero),
+        cell(found.uncertainty, False),
+        cell(line.mesh),
+    )
 
 
 def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[float, str]:
-    """Element size at the contact [length] and where it is from: the mapping, the file's name, the points."""
+    """Element size at the contact [length] and where it is from: the mapping, the file's name, the
+    points.
+    """
     if path.name in mapping.element_sizes:
         return mapping.element_sizes[path.name], "from the mapping"
     if named := _SIZE.search(path.stem):
@@ -171,12 +202,16 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     x, reach = comparison.result.x, float(np.nanmax(np.abs(comparison.found.contact_edges)))
     inside = x[np.abs(x) <= reach]
     if len(inside) < 2:
-        raise InputError(f"{path}: fewer than two points touch: state its element size under [element_sizes] of a mapping")
+        raise InputError(
+            f"{path}: fewer than two points touch: state its element size under [element_sizes] of"
+            " a mapping"
+        )
     return float(np.median(np.diff(inside))), "median spacing of the points in contact"
 
 
 def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
-    """The files that a reader takes, one for each stem (the first suffix in the order of the readers); what was left out, in words.
+    """The files that a reader takes, one for each stem (the first suffix in the order of the
+    readers); what was left out, in words.
 
     What a collection names is read through it.
 
@@ -186,18 +221,27 @@ def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
         Where there is none, or a collection can't be read.
     """
     known = [*READERS, OWN]
-    files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    files = sorted(
+        path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
+    )
     parts = {part.resolve() for path in files for part in collected_files(path)}
     alone = [path for path in files if path.resolve() not in parts]
 
     results = [path for path in alone if path.suffix.lower() in known]
-    taken = {path.stem: path for path in sorted(results, key=lambda p: -known.index(p.suffix.lower()))}  # the last one counts
+    # the last one counts
+    taken = {
+        path.stem: path for path in sorted(results, key=lambda p: -known.index(p.suffix.lower()))
+    }
     left = [path.name for path in alone if path not in taken.values()]
     if not taken:
-        raise InputError(f"{folder}: no result is in this folder; a result ends in {', '.join(known)}")
+        raise InputError(
+            f"{folder}: no result is in this folder; a result ends in {', '.join(known)}"
+        )
     notes = [f"Left out of the folder: {', '.join(left)}."] if left else []
     if len(alone) < len(files):
-        notes.append(f"Read through the collections that name them: {len(files) - len(alone)} files.")
+        notes.append(
+            f"Read through the collections that name them: {len(files) - len(alone)} files."
+        )
     return tuple(sorted(taken.values())), tuple(notes)
 
 
@@ -210,7 +254,8 @@ def score_folder(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """The report of the finest mesh, with the study over all of them; files that can't be scored are named in its notes.
+    """The report of the finest mesh, with the study over all of them; files that can't be scored
+    are named in its notes.
 
     Raises
     ------
@@ -223,16 +268,25 @@ def score_folder(
         with stages.stage(path.name):
             try:
                 report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
-                level = Level(path.name, *element_size(path, mapping, report.comparison), report.comparison)
+                level = Level(
+                    path.name, *element_size(path, mapping, report.comparison), report.comparison
+                )
             except InputError as fault:
                 faults[path.name] = fault
                 continue
             reports.append(report)
             levels.append(level)
     if not levels:
-        more = f" ({len(faults) - 1} other files of the folder can't be scored either)" if len(faults) > 1 else ""
+        more = (
+            f" ({len(faults) - 1} other files of the folder can't be scored either)"
+            if len(faults) > 1
+            else ""
+        )
         raise InputError(f"{next(iter(faults.values()))}{more}")
-    unscored = tuple(UnscoredFile(name, str(fault).replace(str(folder / name), name)) for name, fault in faults.items())
+    unscored = tuple(
+        UnscoredFile(name, str(fault).replace(str(folder / name), name))
+        for name, fault in faults.items()
+    )
     notes = (*left, *(file.sentence for file in unscored))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
@@ -241,5 +295,7 @@ def score_folder(
             return diagnosed(replace(report, comparison=noted, unscored=unscored))
     known = study(levels, notes)
     with stages.stage("diagnosis"):
-        finest = next(report for report in reports if report.comparison is known.levels[0].comparison)
+        finest = next(
+            report for report in reports if report.comparison is known.levels[0].comparison
+        )
         return diagnosed(replace(finest, study=known, unscored=unscored))

@@ -1,4 +1,6 @@
-"""The one form that every foreign result is read into, and the surface of a foreign mesh: one plane, one body."""
+"""The one form that every foreign result is read into, and the surface of a foreign mesh: one
+plane, one body.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,16 @@ Mask = NDArray[np.bool_]
 
 # Of the largest pressure; below it a point counts as open.
 TOUCHES = 1e-3
-# Deformed places of one point may differ from instant to instant by this share of the spacing; beyond it they are no one point.
+# Deformed places of one point may differ from instant to instant by this share of the spacing;
+# beyond it they are no one point.
 _SAME_PLACE = 0.1
-# Places that differ by less than this share of the mesh's extent are one: text files carry six digits.
+# Places that differ by less than this share of the mesh's extent are one: text files carry six
+# digits.
 SAME = 1e-6
 
 
-# A spike is so many times as large as its neighbours in x and in time, and so many times as large as
+# A spike is so many times as large as its neighbours in x and in time, and so many times as large
+# as
 # all other values of its field: a traction may be singular at an edge, but not at one point of one
 # instant alone.
 _OVER_NEIGHBOURS, _OVER_ALL = 5.0, 3.0
@@ -57,14 +62,17 @@ def without_spikes(values: Array) -> Array:
         return values
     mended = values.copy()
     for row, column in np.argwhere(mask):
-        beside = [k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]]
+        beside = [
+            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]
+        ]
         mended[row, column] = np.mean(values[row, beside]) if beside else 0.0
     return freeze(mended)
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A spike of a result: its field, the indices of its instant and point, its value, where it stands in the file.
+    """A spike of a result: its field, the indices of its instant and point, its value, where it
+    stands in the file.
 
     `figure` is the value as the file has it, in the file's unit and sign.
     """
@@ -80,14 +88,16 @@ class Outlier:
     def sentence(self) -> str:
         """Row, column and value, and what was done."""
         return (
-            f"{self.place}: {self.quantity} {self.figure:.9g} stands out of all values around it; "
-            "it is scored as it is, and left out where units, instants and causes are looked for: mend this cell"
+            f"{self.place}: {self.quantity} {self.figure:.9g} stands out of all values around it;"
+            " it is scored as it is, and left out where units, instants and causes are looked for:"
+            " mend this cell"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceResult:
-    """Tractions on the contact surface as another code computed them, in the scene's units and in our signs.
+    """Tractions on the contact surface as another code computed them, in the scene's units and in
+    our signs.
 
     Of (n_steps, n_points) instants and points; None is what the file does not state.
     """
@@ -101,7 +111,8 @@ class SurfaceResult:
     time: Array | None = None  # of the scene's load path
     normal_load: Array | None = None  # per unit thickness
     tangential_load: Array | None = None
-    notes: tuple[str, ...] = ()  # what a reader must not miss: factors guessed, signs turned, frames left out
+    # what a reader must not miss: factors guessed, signs turned, frames left out
+    notes: tuple[str, ...] = ()
     outliers: tuple[Outlier, ...] = ()
 
     @property
@@ -123,39 +134,58 @@ def surface_result(
     Parameters
     ----------
     x : (n_points,), or (n_steps, n_points) where every instant has its own places
-    fields : pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single instant
+    fields : pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single
+        instant
     series : time, normal_load, tangential_load, (n_steps,) each or None
 
     Raises
     ------
     InputError
-        One sentence: a shape that does not fit, a number that is none, a point that stands there twice.
+        One sentence: a shape that does not fit, a number that is none, a point that stands there
+        twice.
     """
-    grids = {name: np.atleast_2d(np.array(v, dtype=float)) for name, v in fields.items() if v is not None}
-    lines = {name: np.atleast_1d(np.array(v, dtype=float)) for name, v in series.items() if v is not None}
+    grids = {
+        name: np.atleast_2d(np.array(v, dtype=float)) for name, v in fields.items() if v is not None
+    }
+    lines = {
+        name: np.atleast_1d(np.array(v, dtype=float)) for name, v in series.items() if v is not None
+    }
     places, said = np.array(x, dtype=float), list(notes)
     shape = grids["pressure"].shape
-    wanted = dict.fromkeys(grids, shape) | dict.fromkeys(lines, shape[:1]) | {"x": shape[1:] if places.ndim == 1 else shape}
+    wanted = (
+        dict.fromkeys(grids, shape)
+        | dict.fromkeys(lines, shape[:1])
+        | {"x": shape[1:] if places.ndim == 1 else shape}
+    )
     for name, values in (*grids.items(), *lines.items(), ("x", places)):
         if values.shape != wanted[name]:
             raise InputError(
-                f"{source}: {name} has the shape {values.shape} where {wanted[name]} is needed: pressure is (instants, points), "
-                f"x one figure a point, time and loads one an instant"
+                f"{source}: {name} has the shape {values.shape} where {wanted[name]} is needed:"
+                " pressure is (instants, points), x one figure a point, time and loads one an"
+                " instant"
             )
         bad = np.argwhere(~(np.abs(values) <= LARGEST))
         if len(bad):
-            where = "instant {}, point {}".format(*(bad[0] + 1)) if values.ndim == 2 else f"entry {bad[0][0] + 1}"
+            where = (
+                "instant {}, point {}".format(*(bad[0] + 1))
+                if values.ndim == 2
+                else f"entry {bad[0][0] + 1}"
+            )
             raise InputError(
-                f"{source}: {name} is no finite number at {where} ({len(bad)} such in all); mend or leave out these rows"
+                f"{source}: {name} is no finite number at {where} ({len(bad)} such in all); mend or"
+                " leave out these rows"
             )
     for row in np.atleast_2d(np.sort(places)):
         if len(row) < 3:
-            raise InputError(f"{source}: {len(row)} points are no surface: three at least are needed")
+            raise InputError(
+                f"{source}: {len(row)} points are no surface: three at least are needed"
+            )
         close = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
         if len(close):
             raise InputError(
-                f"{source}: the point x = {row[close[0]]:.9g} stands there twice in one instant ({len(close)} such in all); "
-                "leave one out, or name a column that tells the instants apart (columns.time or columns.frame of a mapping)"
+                f"{source}: the point x = {row[close[0]]:.9g} stands there twice in one instant"
+                f" ({len(close)} such in all); leave one out, or name a column that tells the"
+                " instants apart (columns.time or columns.frame of a mapping)"
             )
     if places.ndim == 2:
         places, sentence = _one_line(source, places)
@@ -163,7 +193,9 @@ def surface_result(
     order = np.argsort(places, kind="stable")
     if np.any(np.diff(order) < 0):
         said.append("the points were not in the order of x and were sorted")
-    known = {"shear": freeze(np.full(shape, np.nan))} | {name: freeze(values[:, order]) for name, values in grids.items()}
+    known = {"shear": freeze(np.full(shape, np.nan))} | {
+        name: freeze(values[:, order]) for name, values in grids.items()
+    }
     known |= {name: freeze(values) for name, values in lines.items()}
     outliers = tuple(
         Outlier(
@@ -178,7 +210,9 @@ def surface_result(
         if name in known
         for k, i in np.argwhere(spikes(known[name]))
     )
-    return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), outliers=outliers, **known)
+    return SurfaceResult(
+        source, code, freeze(places[order]), notes=tuple(said), outliers=outliers, **known
+    )
 
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
@@ -191,22 +225,31 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
     if moved > _SAME_PLACE * spacing:
         row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
         raise InputError(
-            f"{source}: the points are not the same at every instant: point {column + 1} has x = {places[row, column]:.6g} at "
-            f"instant {row + 1} and {middle[column]:.6g} in the mean, {moved / spacing:.2g} spacings off; give undeformed places"
+            f"{source}: the points are not the same at every instant: point {column + 1} has x ="
+            f" {places[row, column]:.6g} at instant {row + 1} and {middle[column]:.6g} in the mean,"
+            f" {moved / spacing:.2g} spacings off; give undeformed places"
         )
-    return middle, f"x moves from instant to instant by at most {moved / spacing:.1g} of the points' spacing; its mean was taken"
+    return (
+        middle,
+        (
+            f"x moves from instant to instant by at most {moved / spacing:.1g} of the points'"
+            " spacing; its mean was taken"
+        ),
+    )
 
 
-# ---------------------------------------------------------------------------------------------------- the surface of a mesh
+# ---------------------------------------------------------------------------- the surface of a mesh
 def extent(points: Array) -> float:
     """The longest side of the box around the points [length]."""
     return float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0
 
 
 def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Of the `chosen` rows of `points` (n, 3) those of the plane z = const that holds most of them, ascending in x.
+    """Of the `chosen` rows of `points` (n, 3) those of the plane z = const that holds most of them,
+    ascending in x.
 
-    Also the depth from the first to the last plane [length], 0 for a plane model, and a sentence where there are several.
+    Also the depth from the first to the last plane [length], 0 for a plane model, and a sentence
+    where there are several.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
@@ -223,14 +266,19 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     if not plane.any():
         return rows, 0.0, []
     place, thickness = float(depth[plane == taken].min()), float(np.ptp(depth))
-    words = f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g}, one of {plane.max() + 1}"
+    words = (
+        f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g},"
+        f" one of {plane.max() + 1}"
+    )
     return rows, thickness, [words]
 
 
 def material_above(points: Array, cells: Iterable[Integers]) -> Array:
-    """(n_points,): how far the middles of a point's cells lie above it in the mean [length]; NaN for a point that is in no cell.
+    """(n_points,): how far the middles of a point's cells lie above it in the mean [length]; NaN
+    for a point that is in no cell.
 
-    Negative at the top face of the lower body, positive at the bottom face of the upper one. `cells` are blocks of rows of points.
+    Negative at the top face of the lower body, positive at the bottom face of the upper one.
+    `cells` are blocks of rows of points.
     """
     total, count = np.zeros(len(points)), np.zeros(len(points))
     for block in cells:

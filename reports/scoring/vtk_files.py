@@ -1,10 +1,13 @@
-"""VTU and legacy VTK files by pyvista, in a process of its own: VTK ends or hangs the process on some broken files.
+"""VTU and legacy VTK files by pyvista, in a process of its own: VTK ends or hangs the process on
+some broken files.
 
-    python vtk_files.py BYTES SECONDS      the most memory and processor time; paths as a JSON list on stdin
+    python vtk_files.py BYTES SECONDS      the most memory and processor time; paths as a JSON list
+                                           on stdin
 
-Writes the arrays of all files as npz to stdout. On stderr stands {"file": number} before each file, and {"file": number,
-"reason": text} for one that can't be read, with exit code 1. `reports.scoring.field_files` starts it; nothing of this project is
-imported here, so that it starts in a second.
+Writes the arrays of all files as npz to stdout. On stderr stands {"file": number} before each file,
+and {"file": number, "reason": text} for one that can't be read, with exit code 1.
+`reports.scoring.field_files` starts it; nothing of this project is imported here, so that it starts
+in a second.
 """
 
 from __future__ import annotations
@@ -28,7 +31,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
 
     points : (n_points, 3)
     cells.n : (n_cells, n_nodes) rows of points
-    dimensions : (n_blocks,) topological dimension of each block: 0 vertices, 1 lines, 2 faces, 3 solids
+    dimensions : (n_blocks,) topological dimension of each block: 0 vertices, 1 lines, 2 faces, 3
+        solids
     point names, cell names : of the fields
     point.k : (n_points,) or (n_points, m), the k-th of the point names
     cell.k.n : the same of the k-th of the cell names on the n-th cells
@@ -36,7 +40,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     Raises
     ------
     ValueError
-        For whatever VTK complains of, points that are no numbers and cells of points that are not there.
+        For whatever VTK complains of, points that are no numbers and cells of points that are not
+        there.
     """
     import pyvista
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -56,17 +61,27 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
     if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
         raise ValueError("a cell names a point that is not there")
-    kinds = np.column_stack([grid.celltypes, np.diff(starts)]) if grid.n_cells else np.zeros((0, 2), np.int64)
+    kinds = (
+        np.column_stack([grid.celltypes, np.diff(starts)])
+        if grid.n_cells
+        else np.zeros((0, 2), np.int64)
+    )
     blocks = [np.flatnonzero((kinds == kind).all(axis=1)) for kind in np.unique(kinds, axis=0)]
     for number, block in enumerate(blocks):
         size = kinds[block[0], 1]
         arrays[f"cells.{number}"] = nodes[starts[block][:, None] + np.arange(size)]
-    arrays["dimensions"] = np.array([grid.get_cell(int(block[0])).dimension for block in blocks], np.int64)
-    of_points = {name: values for name, values in grid.point_data.items() if values.dtype.kind in "biuf"}
+    arrays["dimensions"] = np.array(
+        [grid.get_cell(int(block[0])).dimension for block in blocks], np.int64
+    )
+    of_points = {
+        name: values for name, values in grid.point_data.items() if values.dtype.kind in "biuf"
+    }
     arrays["point names"] = np.array(list(of_points), np.str_)
     for k, values in enumerate(of_points.values()):
         arrays[f"point.{k}"] = np.asarray(values, float)
-    of_cells = {name: values for name, values in grid.cell_data.items() if values.dtype.kind in "biuf"}
+    of_cells = {
+        name: values for name, values in grid.cell_data.items() if values.dtype.kind in "biuf"
+    }
     arrays["cell names"] = np.array(list(of_cells), np.str_)
     for k, values in enumerate(of_cells.values()):
         for number, block in enumerate(blocks):
@@ -75,7 +90,9 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
 
 
 class _Complaints:
-    """What VTK writes into its output window meanwhile, errors and warnings: it reads on after many of them."""
+    """What VTK writes into its output window meanwhile, errors and warnings: it reads on after many
+    of them.
+    """
 
     text = ""
 
@@ -95,7 +112,11 @@ class _Complaints:
     @property
     def first(self) -> str:
         """The first complaint, without the place in VTK and the address of an object."""
-        lines = [line for line in self.text.splitlines() if line and not line.startswith(("ERROR:", "Warning:"))]
+        lines = [
+            line
+            for line in self.text.splitlines()
+            if line and not line.startswith(("ERROR:", "Warning:"))
+        ]
         return re.sub(r" \(0x[0-9a-f]+\)", "", lines[0]) if lines else "VTK gives no reason"
 
 

@@ -1,7 +1,10 @@
-"""Sweeps: a scene, axes over its keys, and the figures of every point in a store that outlives whoever fills it.
+"""Sweeps: a scene, axes over its keys, and the figures of every point in a store that outlives
+whoever fills it.
 
-    study.py     the study file, its axes and arithmetic, its points with the addresses of their results
-    solving.py   what can be kept of a point; what a worker does with it; how uncertain its figures are
+    study.py     the study file, its axes and arithmetic, its points with the addresses of their
+                 results
+    solving.py   what can be kept of a point; what a worker does with it; how uncertain its figures
+                 are
     running.py   processes or a dask cluster, and the loop that hands out points and stores results
     store.py     one file for each result, the table
     page.py      how far a sweep is; its page, with a figure of each quantity

@@ -1,7 +1,9 @@
-"""A whole sweep: the study checked, tasks handed to processes or to a dask cluster, results stored, the table returned.
+"""A whole sweep: the study checked, tasks handed to processes or to a dask cluster, results stored,
+the table returned.
 
-Where a process of the pool dies, a new pool solves the other points, and the sweep ends with a sentence that names those that were
-lost with it; dask hands them out again by itself. A scheduler that is gone ends the sweep. The next run solves what has no result.
+Where a process of the pool dies, a new pool solves the other points, and the sweep ends with a
+sentence that names those that were lost with it; dask hands them out again by itself. A scheduler
+that is gone ends the sweep. The next run solves what has no result.
 """
 
 from __future__ import annotations
@@ -14,7 +16,15 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process, resource_tracker
@@ -33,7 +43,8 @@ from scenes.frozen import validated
 
 Report = Callable[[int, int, str], None]
 Task = list[Point]
-# Half-plane theory alone takes some milliseconds a point: that many at once make the cost of handing them out small.
+# Half-plane theory alone takes some milliseconds a point: that many at once make the cost of
+# handing them out small.
 _EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
 # Seconds: a round of the loop; a first answer of a scheduler takes.
 _ROUND, _PATIENCE = 0.5, 10.0
@@ -44,11 +55,16 @@ _NAMED = 4
 
 
 # Of a cluster started here: its web servers, which know no TLS, answer nothing but "404".
-_NO_ROUTES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+_NO_ROUTES: dict[str, list[str]] = {
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
 
 
 class Processes:
-    """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task means that its worker died."""
+    """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task
+    means that its worker died.
+    """
 
     executor: Executor
 
@@ -63,7 +79,9 @@ class Processes:
 
     def start(self) -> None:
         with _born_without_ctrl_c():
-            self.executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"), initializer=_begin)
+            self.executor = ProcessPoolExecutor(
+                self.width, mp_context=get_context("spawn"), initializer=_begin
+            )
             for _ in range(self.width):  # all of them start now
                 self.executor.submit(os.getpid)
 
@@ -79,9 +97,11 @@ class Processes:
 
 
 class Dask:
-    """The workers of a dask scheduler: at an address, or of a cluster started here on the loopback interface.
+    """The workers of a dask scheduler: at an address, or of a cluster started here on the loopback
+    interface.
 
-    A task whose worker died goes to others by dask itself, as often as its setting `allowed-failures` states.
+    A task whose worker died goes to others by dask itself, as often as its setting
+    `allowed-failures` states.
     """
 
     executor: Executor
@@ -97,7 +117,10 @@ class Dask:
         from distributed.comm.core import CommClosedError
 
         if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError):
-            raise InputError(f"{self._where}: the scheduler is gone; see to it, then start the sweep again: results are kept")
+            raise InputError(
+                f"{self._where}: the scheduler is gone; see to it, then start the sweep again:"
+                " results are kept"
+            )
         return isinstance(fault, KilledWorker)
 
     def require_alive(self) -> None:
@@ -110,7 +133,9 @@ class Dask:
             from distributed import Client, LocalCluster
         except ImportError as reason:
             how = "pip install 'halfplane[cluster]'"
-            raise InputError(f"--executor dask: the package distributed is not installed: {how}") from reason
+            raise InputError(
+                f"--executor dask: the package distributed is not installed: {how}"
+            ) from reason
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -132,25 +157,36 @@ class Dask:
                 self._open = [place]
             client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
-            raise InputError(f"{self._where}: no dask scheduler answers there ({type(reason).__name__}: {reason})") from reason
+            raise InputError(
+                f"{self._where}: no dask scheduler answers there ({type(reason).__name__}:"
+                f" {reason})"
+            ) from reason
         self._open = [client, *self._open]
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError) as reason:
             self.stop(at_once=True)
-            raise InputError(f"{self._where}: the scheduler has no worker: start some, then start the sweep again") from reason
-        threads = [int(worker["nthreads"]) for worker in client.scheduler_info(n_workers=-1)["workers"].values()]
+            raise InputError(
+                f"{self._where}: the scheduler has no worker: start some, then start the sweep"
+                " again"
+            ) from reason
+        threads = [
+            int(worker["nthreads"])
+            for worker in client.scheduler_info(n_workers=-1)["workers"].values()
+        ]
         self.width = self._asked or max(1, sum(threads))
         self.executor = client.get_executor(pure=False)
 
     def stop(self, *, at_once: bool) -> None:
         while self._open:
-            with suppress(OSError, TimeoutError):  # a client amid its work, a scheduler that is gone
+            # a client amid its work, a scheduler that is gone
+            with suppress(OSError, TimeoutError):
                 self._open.pop(0).close(timeout=3.0 if at_once else _PATIENCE)
 
 
 def _temporary_security() -> Any:
-    """TLS of a cluster started here: a key and a certificate in memory, so that no other user of the machine gets a task in.
+    """TLS of a cluster started here: a key and a certificate in memory, so that no other user of
+    the machine gets a task in.
 
     Raises
     ------
@@ -163,7 +199,9 @@ def _temporary_security() -> Any:
         return Security.temporary()
     except ImportError as reason:
         how = "pip install 'halfplane[cluster]'"
-        raise InputError(f"--executor dask: the package cryptography is not installed, for TLS: {how}") from reason
+        raise InputError(
+            f"--executor dask: the package cryptography is not installed, for TLS: {how}"
+        ) from reason
 
 
 def workers_of(
@@ -175,9 +213,10 @@ def workers_of(
 
     Parameters
     ----------
-    executor : "processes" of this machine, or "dask": workers of the scheduler at an address, else of a cluster started here
-    scheduler : address, such as tcp://node1:8786, or tls://node1:8786 with the certificates of dask's own configuration
-    workers : processes, or tasks at once; all cores, or all threads of the cluster, if left out
+    executor : "processes" of this machine, or "dask": workers of the scheduler at an address, else
+    of a cluster started here scheduler : address, such as tcp://node1:8786, or tls://node1:8786
+    with the certificates of dask's own configuration workers : processes, or tasks at once; all
+    cores, or all threads of the cluster, if left out
 
     Raises
     ------
@@ -188,7 +227,9 @@ def workers_of(
         raise InputError(f"--workers {workers}: at least 1, or leave it out for all cores")
     if scheduler and executor != "dask":
         raise InputError(f"--scheduler {scheduler}: it goes with --executor dask")
-    return Dask(scheduler, workers) if executor == "dask" else Processes(workers or _available_cores())
+    return (
+        Dask(scheduler, workers) if executor == "dask" else Processes(workers or _available_cores())
+    )
 
 
 def _available_cores() -> int:
@@ -198,10 +239,11 @@ def _available_cores() -> int:
 
 @contextmanager
 def _born_without_ctrl_c() -> Generator[None, None, None]:
-    """Processes that start inside never hear a Ctrl-C, which a terminal sends to all: they inherit that the signal is blocked.
+    """Processes that start inside never hear a Ctrl-C, which a terminal sends to all: they inherit
+    that the signal is blocked.
 
-    To us the block is of no use: the system hands the signal to any other thread, such as one of BLAS, and Python acts on it in
-    this one. So this is done where interrupts wait.
+    To us the block is of no use: the system hands the signal to any other thread, such as one of
+    BLAS, and Python acts on it in this one. So this is done where interrupts wait.
     """
     if sys.platform == "win32":
         yield
@@ -237,8 +279,14 @@ class Prepared:
     waiting: tuple[Point, ...]
 
 
-def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int], None] = lambda _count: None) -> Prepared:
-    """Check the whole study and look at what is stored already; nothing is written. InputError for what is refused."""
+def prepare(
+    study: Study | str | Path,
+    folder: str | Path,
+    report: Callable[[int], None] = lambda _count: None,
+) -> Prepared:
+    """Check the whole study and look at what is stored already; nothing is written. InputError for
+    what is refused.
+    """
     asked = validated(study, Study) if isinstance(study, Study) else load_study(study)
     store = Store(Path(folder))
     if store.folder.exists() and not store.folder.is_dir():
@@ -247,13 +295,19 @@ def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int
         points = expand(asked, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
-    return Prepared(asked, points, store, tuple(point for point in points if store.read(point.address) is None))
+    return Prepared(
+        asked, points, store, tuple(point for point in points if store.read(point.address) is None)
+    )
 
 
-def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any) -> pd.DataFrame:
-    """Solve every point that has no result; returns the table of all. `report` gets (done, total, words) of those.
+def work(
+    prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any
+) -> pd.DataFrame:
+    """Solve every point that has no result; returns the table of all. `report` gets (done, total,
+    words) of those.
 
-    InputError where no workers can be had, their code differs from ours, results can't be stored, or a process died with points.
+    InputError where no workers can be had, their code differs from ours, results can't be stored,
+    or a process died with points.
     """
     store, points = prepared.store, prepared.points
     pool = workers_of(**workers)
@@ -262,7 +316,8 @@ def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: N
     sweep = _Sweep(prepared, pool, report)
     if prepared.waiting:
         try:
-            # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round, and until the workers are gone.
+            # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round,
+            # and until the workers are gone.
             with interrupts_wait() as signals:
                 sweep.go(signals)
         except KeyboardInterrupt:
@@ -276,23 +331,31 @@ def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: N
 
 
 def run(
-    study: Study | str | Path, folder: str | Path, *, report: Report = lambda _done, _total, _words: None, **workers: Any
+    study: Study | str | Path,
+    folder: str | Path,
+    *,
+    report: Report = lambda _done, _total, _words: None,
+    **workers: Any,
 ) -> pd.DataFrame:
     """Run a study into a folder, or resume an earlier run of it; returns the table.
 
-    Called from a script, it stands under `if __name__ == "__main__":`, for the workers are processes that read the script again.
-    Who solves the points is stated as to `workers_of`: run("study.toml", "out", workers=4).
+    Called from a script, it stands under `if __name__ == "__main__":`, for the workers are
+    processes that read the script again. Who solves the points is stated as to `workers_of`:
+    run("study.toml", "out", workers=4).
 
     Raises
     ------
     InputError
-        For a study that is refused, where results can't be stored, and where a worker died: all other points are stored then.
+        For a study that is refused, where results can't be stored, and where a worker died: all
+        other points are stored then.
     """
     return work(prepare(study, folder), report=report, **workers)
 
 
 def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
-    """Points in the portions in which they are handed out: small enough that all of `width` workers have some until the end."""
+    """Points in the portions in which they are handed out: small enough that all of `width` workers
+    have some until the end.
+    """
     most = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
     size = max(1, min(most, -(-len(prepared.waiting) // (4 * width))))
     return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
@@ -330,8 +393,9 @@ class _Sweep:
         named = "; ".join(described(point.coordinates) for point in self.lost[:_NAMED])
         more = f" and {len(self.lost) - _NAMED} more" if len(self.lost) > _NAMED else ""
         return (
-            f"{self.prepared.store.folder}: a worker died (killed, or out of memory); points without a result: {named}{more}; all "
-            "others are stored. Start the sweep again, with fewer --workers where memory was short"
+            f"{self.prepared.store.folder}: a worker died (killed, or out of memory); points"
+            f" without a result: {named}{more}; all others are stored. Start the sweep again, with"
+            " fewer --workers where memory was short"
         )
 
     def _hand_out(self, tasks: deque[Task], signals: Sequence[int]) -> None:
@@ -362,8 +426,9 @@ class _Sweep:
                 self.broken += 1
                 if self.broken > _MOST_BROKEN:
                     raise InputError(
-                        f"{self.prepared.store.folder}: {self.broken} pools of workers died one after the other without a result; "
-                        "a script that runs a sweep does it under `if __name__ == '__main__':`"
+                        f"{self.prepared.store.folder}: {self.broken} pools of workers died one"
+                        " after the other without a result; a script that runs a sweep does it"
+                        " under `if __name__ == '__main__':`"
                     ) from fault
                 self.pool.stop(at_once=True)
                 self.pool.start()
@@ -389,7 +454,12 @@ class _Sweep:
         """Store a result with its question."""
         asked = point.question.as_json()
         settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
-        about = {"address": point.address, "scene": asked["scene"], "settings": settings, "versions": code_versions()}
+        about = {
+            "address": point.address,
+            "scene": asked["scene"],
+            "settings": settings,
+            "versions": code_versions(),
+        }
         self.prepared.store.write(result | about)
         self.solved += result["status"] == "done"
         self.failed += result["status"] != "done"

@@ -1,8 +1,9 @@
 """What a sweep can keep of a point, and what a worker does: points in as JSON, figures out as JSON.
 
-A figure is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is
-that of the finite elements over that of half-plane theory, minus 1. Quantities are those of the last cycle. Where both engines
-run, theory is evaluated on the points and instants of the finite elements, so that sampling is the same in both.
+A figure is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity
+("fe.peak_pressure"); "error." is that of the finite elements over that of half-plane theory, minus
+1. Quantities are those of the last cycle. Where both engines run, theory is evaluated on the points
+and instants of the finite elements, so that sampling is the same in both.
 
 A point that fails is an answer too, with its reason and record.
 """
@@ -28,7 +29,15 @@ from threadpoolctl import threadpool_limits
 
 from reports.comparison.metrics import METRICS
 from reports.units import energy_unit, units
-from scenes import ContactSolution, ConvergenceError, EllipseLoad, Friction, InputError, PolygonLoad, Scene
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    EllipseLoad,
+    Friction,
+    InputError,
+    PolygonLoad,
+    Scene,
+)
 from scenes.files import source_digest
 from scenes.scene import WORDS
 
@@ -40,21 +49,26 @@ if TYPE_CHECKING:
     from reports.comparison.metrics import Metric
 
 Values = dict[str, float | None]
-# What numbers depend on: the engines and what they stand on, and what a worker imports of `reports`.
+# What numbers depend on: the engines and what they stand on, and what a worker imports of
+# `reports`.
 _CODE = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports.comparison", "reports.units")
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
-# Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall no faster.
+# Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall
+# no faster.
 _MESH = 1.64
-# A change by twice the distance leaves as much again, if the error falls by the first power of the distance; it falls faster.
+# A change by twice the distance leaves as much again, if the error falls by the first power of the
+# distance; it falls faster.
 _FAR = 2.0
 
 
-# ---------------------------------------------------------------------------------------------------------------- figures
+# ------------------------------------------------------------------------------------------ figures
 @dataclass(frozen=True)
 class Quantity:
-    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine that it needs.
+    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine
+    that it needs.
 
-    `edges` names the field of a finite-element solution that states how far its edges may be from the true ones.
+    `edges` names the field of a finite-element solution that states how far its edges may be from
+    the true ones.
     """
 
     value: Callable[[ContactSolution], float]
@@ -64,7 +78,9 @@ class Quantity:
 
 
 def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
-    """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the loads of the last cycle."""
+    """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the
+    loads of the last cycle.
+    """
     steps, load = solution.last_cycle, solution.scene.load
     loads = solution.normal_load[steps]
     order = np.argsort(loads, kind="stable")
@@ -74,35 +90,55 @@ def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
 
 _CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
 QUANTITIES: dict[str, Quantity] = {
-    "dissipation": Quantity(lambda s: s.dissipation, "dissipation of the last cycle [energy / thickness]", ("dissipation",)),
-    "peak_dissipation": Quantity(
-        lambda s: np.max(s.dissipation_density), "largest pointwise dissipation [energy / area]", ("dissipation_density",)
+    "dissipation": Quantity(
+        lambda s: s.dissipation,
+        "dissipation of the last cycle [energy / thickness]",
+        ("dissipation",),
     ),
-    "peak_pressure": Quantity(lambda s: np.max(s.pressure[s.last_cycle]), "largest pressure [stress]", ("pressure",)),
+    "peak_dissipation": Quantity(
+        lambda s: np.max(s.dissipation_density),
+        "largest pointwise dissipation [energy / area]",
+        ("dissipation_density",),
+    ),
+    "peak_pressure": Quantity(
+        lambda s: np.max(s.pressure[s.last_cycle]), "largest pressure [stress]", ("pressure",)
+    ),
     "p0": Quantity(
         lambda s: _at_mean_load(s, s.pressure.max(axis=1)),
         "peak pressure at the mean load, linear between instants [stress]",
         ("pressure",),
     ),
-    "peak_shear": Quantity(lambda s: np.max(np.abs(s.shear[s.last_cycle])), "largest |q| [stress]", ("shear",)),
+    "peak_shear": Quantity(
+        lambda s: np.max(np.abs(s.shear[s.last_cycle])), "largest |q| [stress]", ("shear",)
+    ),
     "contact_half_width": Quantity(
         lambda s: _at_mean_load(s, s.contact_half_width),
         "contact half-width at the mean load, linear between instants [length]",
         edges=_CONTACT,
     ),
     "largest_half_width": Quantity(
-        lambda s: np.max(s.contact_half_width[s.last_cycle]), "largest contact half-width [length]", edges=_CONTACT
+        lambda s: np.max(s.contact_half_width[s.last_cycle]),
+        "largest contact half-width [length]",
+        edges=_CONTACT,
     ),
     "stick_half_width": Quantity(
-        lambda s: s.stick_half_width[s.last_cycle][np.argmax(np.abs(s.tangential_load[s.last_cycle]))],
+        lambda s: s.stick_half_width[s.last_cycle][
+            np.argmax(np.abs(s.tangential_load[s.last_cycle]))
+        ],
         "stick half-width where |Q| is largest [length]",
         edges=_STICK,
     ),
     "permanent_stick_half_width": Quantity(
-        lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]", edges=_STICK
+        lambda s: s.permanent_stick_half_width,
+        "half-width that sticks through the cycle [length]",
+        edges=_STICK,
     ),
     "permanent_stick_centre": Quantity(
-        lambda s: float("nan") if s.permanent_stick_edges is None else float(np.mean(s.permanent_stick_edges)),
+        lambda s: (
+            float("nan")
+            if s.permanent_stick_edges is None
+            else float(np.mean(s.permanent_stick_edges))
+        ),
         "middle of what sticks through the cycle, with bulk stress or tilt [length]",
     ),
     "stroke": Quantity(
@@ -111,7 +147,9 @@ QUANTITIES: dict[str, Quantity] = {
         ("tangential_displacement",),
     ),
     "loop_work": Quantity(
-        lambda s: s.loop_work, "closed integral of Q dU, with its bulk term [energy / thickness]", ("dissipation",)
+        lambda s: s.loop_work,
+        "closed integral of Q dU, with its bulk term [energy / thickness]",
+        ("dissipation",),
     ),
 }
 _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
@@ -126,7 +164,10 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
     """What a figure is, and its unit in the scene's units, or what it is a share of.
 
     >>> from scenes import load_scene
-    >>> [label_of(name, load_scene("hertz-paper"))[1] for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")]
+    >>> [
+    ...     label_of(name, load_scene("hertz-paper"))[1]
+    ...     for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")
+    ... ]
     ['MPa', 'N·mm/mm', "share of theory's", 'share of a_ref']
     """
     if name in METRICS:
@@ -137,7 +178,12 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         return f"{words}: finite elements over half-plane theory, minus 1", "share of theory's"
     _, length, stress = units(scene)
     energy = energy_unit(scene)
-    own = {"stress": stress, "length": length, "energy / thickness": energy, "energy / area": f"{energy}²"}
+    own = {
+        "stress": stress,
+        "length": length,
+        "energy / thickness": energy,
+        "energy / area": f"{energy}²",
+    }
     return f"{words}, {_ENGINES[prefix]}", own[unit]
 
 
@@ -145,24 +191,34 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
     """ValueError for a name that is none, is there twice, or needs what isn't run."""
     for name in figures:
         prefix, _, quantity = name.partition(".")
-        if name not in METRICS and (prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES):
+        if name not in METRICS and (
+            prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES
+        ):
             raise ValueError(
-                f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
-                f"{', '.join(QUANTITIES)}"
+                f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe.,"
+                f" exact. or error. before one of {', '.join(QUANTITIES)}"
             )
         if missing := ({*_ENGINES} if is_error(name) else {prefix}) - set(engines):
             raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
         if uncertainty == "budget" and name not in METRICS:
-            raise ValueError(f"figures: {name!r} is no metric, and an error budget is of metrics; take uncertainty = 'cheap'")
+            raise ValueError(
+                f"figures: {name!r} is no metric, and an error budget is of metrics; take"
+                " uncertainty = 'cheap'"
+            )
     if len(set(figures)) < len(figures):
         raise ValueError("figures: one stands there twice")
     if uncertainty != "none" and "fe" not in engines:
-        raise ValueError("uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty = 'none'")
+        raise ValueError(
+            "uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty ="
+            " 'none'"
+        )
     if uncertainty == "budget" and "exact" not in engines:
         raise ValueError("uncertainty: an error budget needs both engines")
 
 
-def _take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
+def _take(
+    name: str, fe: ContactSolution | None, exact: ContactSolution | None
+) -> tuple[float | None, str]:
     """A quantity of either engine or its error: the value, or None and why there is none."""
     prefix, _, quantity = name.partition(".")
     found = {}
@@ -181,7 +237,8 @@ def _take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) 
 def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
     """What the finite elements themselves state for a half-width, 0 where they state nothing.
 
-    The larger of both edges' uncertainties, the median over the last cycle; of an error, over the half-width of theory.
+    The larger of both edges' uncertainties, the median over the last cycle; of an error, over the
+    half-width of theory.
     """
     prefix, _, quantity = name.partition(".")
     if prefix == "exact" or not QUANTITIES[quantity].edges:
@@ -193,10 +250,12 @@ def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | No
     return found if math.isfinite(found) else 0.0
 
 
-# ---------------------------------------------------------------------------------------------------------------- a worker
+# ----------------------------------------------------------------------------------------- a worker
 @cache
 def code_versions() -> dict[str, str]:
-    """Which code and packages compute a result, as this process found them when it first asked; part of a result's address."""
+    """Which code and packages compute a result, as this process found them when it first asked;
+    part of a result's address.
+    """
     code = source_digest(*_CODE, __name__)[:16]
     python = ".".join(platform.python_version_tuple()[:2])
     return {"code": code, "python": python} | {name: version(name) for name in _LIBRARIES}
@@ -204,7 +263,9 @@ def code_versions() -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked at a point: the scene, how it is cut and iterated, and what is kept of it; see `study.Study`."""
+    """What is asked at a point: the scene, how it is cut and iterated, and what is kept of it; see
+    `study.Study`.
+    """
 
     scene: Scene
     mesh: MeshSettings
@@ -216,13 +277,26 @@ class Question:
 
     def as_json(self) -> dict[str, Any]:
         """As it travels to a worker, and as it is stored."""
-        plain = {name: getattr(self, name) for name in ("engines", "figures", "uncertainty", "share_condensations")}
-        return {"scene": self.scene.model_dump(mode="json"), "mesh": asdict(self.mesh), "solver": asdict(self.solver)} | plain
+        plain = {
+            name: getattr(self, name)
+            for name in ("engines", "figures", "uncertainty", "share_condensations")
+        }
+        return {
+            "scene": self.scene.model_dump(mode="json"),
+            "mesh": asdict(self.mesh),
+            "solver": asdict(self.solver),
+        } | plain
 
     @property
     def address(self) -> str:
-        """Of its result: sha256 of what numbers depend on and of the code; questions that differ in words alone have one."""
-        asked = self.as_json() | {"engines": sorted(self.engines), "figures": sorted(self.figures), "versions": code_versions()}
+        """Of its result: sha256 of what numbers depend on and of the code; questions that differ in
+        words alone have one.
+        """
+        asked = self.as_json() | {
+            "engines": sorted(self.engines),
+            "figures": sorted(self.figures),
+            "versions": code_versions(),
+        }
         asked["scene"] = {key: value for key, value in asked["scene"].items() if key not in WORDS}
         if "fe" not in self.engines:
             asked = {name: asked[name] for name in ("scene", "engines", "figures", "versions")}
@@ -245,10 +319,20 @@ def solve_task(text: str) -> str:
 
     task = json.loads(text)
     here, there = task["versions"], code_versions()
-    names = [name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)]
+    names = [
+        name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)
+    ]
     if names:
-        words = [f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there" for name in names]
-        return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}", "answers": []})
+        words = [
+            f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there"
+            for name in names
+        ]
+        return json.dumps(
+            {
+                "mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}",
+                "answers": [],
+            }
+        )
     points = []
     for asked in task["points"]:
         scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
@@ -265,24 +349,40 @@ def _answer(point: Question) -> dict[str, Any]:
     try:
         found = _solve(point)
     except ConvergenceError as failure:
-        found = {"status": "failed", "reason": f"not converged: {failure}", "record": _record(failure.partial)}
+        found = {
+            "status": "failed",
+            "reason": f"not converged: {failure}",
+            "record": _record(failure.partial),
+        }
     except InputError as failure:
         found = {"status": "failed", "reason": str(failure)}
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
-        # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
+        # One point must not end a sweep of thousands; what went wrong stands in its row, and
+        # nothing is taken for an answer.
         found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    blank: dict[str, Any] = {"status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
+    blank: dict[str, Any] = {
+        "status": "done",
+        "reason": "",
+        "figures": {},
+        "notes": {},
+        "record": {},
+    }
     return blank | found | {"seconds": time.perf_counter() - begun, "host": platform.node()}
 
 
 def _solve(point: Question) -> dict[str, Any]:
-    """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
+    """Figures, notes and record of a point; what is not finite is no value, and its note states
+    so.
+    """
     fe, notes = _finite_elements(point) if "fe" in point.engines else (None, {})
     found = evaluate(point, fe)
     values, record = dict(found.values), _record(found.exact if fe is None else fe)
     notes |= found.notes
     if fe is not None:
-        record["notes"] += [f"half-plane theory: {note}" for note in (found.exact.record.notes if found.exact else ())]
+        record["notes"] += [
+            f"half-plane theory: {note}"
+            for note in (found.exact.record.notes if found.exact else ())
+        ]
         if point.uncertainty == "cheap":
             values |= _cheap_uncertainty(point, fe, found, notes)
         if point.uncertainty == "budget":
@@ -290,7 +390,10 @@ def _solve(point: Question) -> dict[str, Any]:
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
-    clean = {name: None if value is None or not math.isfinite(value) else float(value) for name, value in values.items()}
+    clean = {
+        name: None if value is None or not math.isfinite(value) else float(value)
+        for name, value in values.items()
+    }
     return {"figures": clean, "notes": notes, "record": record}
 
 
@@ -298,7 +401,10 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
     """How an answer came about."""
     if solution is None:
         return {}
-    worst = {name: float(max(values, default=0.0)) for name, values in solution.record.certificates.items()}
+    worst = {
+        name: float(max(values, default=0.0))
+        for name, values in solution.record.certificates.items()
+    }
     return {
         "converged": solution.record.converged,
         "message": solution.record.message,
@@ -314,7 +420,9 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
 
 
 def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
-    """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
+    """The solution, on the bodies that its whole group shares if wanted; where these don't hold the
+    contact, on its own.
+    """
     import halfplane_fe
 
     why, load = {}, point.scene.load
@@ -322,7 +430,12 @@ def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, 
         why = {"": "the contact moves with the tilt; solved on bodies of its own"}
     elif point.share_condensations:
         try:
-            return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)), {}
+            return (
+                halfplane_fe.solve(
+                    point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)
+                ),
+                {},
+            )
         except ConvergenceError as failure:
             if "reached the end of the meshed side" not in str(failure):
                 raise
@@ -331,13 +444,21 @@ def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, 
 
 
 def _shared_scales(scene: Scene) -> Scales:
-    """Those of the same bodies under the largest load alone, without friction: one for a group, whichever points it has."""
+    """Those of the same bodies under the largest load alone, without friction: one for a group,
+    whichever points it has.
+    """
     from halfplane_fe.scales import largest_load
 
     # Words move no number, and would keep points of one group apart.
-    words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS}
+    words = {
+        name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS
+    }
     load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
-    return _scales_of(scene.vary(**(words | {"friction": Friction(coefficient=0.0), "load": load, "cycles": 1})).model_dump_json())
+    return _scales_of(
+        scene.vary(
+            **(words | {"friction": Friction(coefficient=0.0), "load": load, "cycles": 1})
+        ).model_dump_json()
+    )
 
 
 @lru_cache(maxsize=256)
@@ -345,12 +466,18 @@ def _scales_of(scene: str) -> Scales:
     from halfplane_fe.scales import find_scales
 
     # Without friction or Q nothing is dissipated: that says nothing of the points.
-    return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0, dissipation=float("nan"))
+    return replace(
+        find_scales(Scene.model_validate_json(scene), Counter()),
+        inner=0.0,
+        dissipation=float("nan"),
+    )
 
 
 @dataclass
 class Evaluated:
-    """Figures by name, why some have no value, how uncertain the solution itself states some to be; theory and comparison."""
+    """Figures by name, why some have no value, how uncertain the solution itself states some to be;
+    theory and comparison.
+    """
 
     exact: ContactSolution | None = None
     comparison: Comparison | None = None
@@ -360,7 +487,8 @@ class Evaluated:
 
 
 def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
-    """Every figure that is asked for; against theory on the points and instants of `fe`, on the polygon of its steps if wanted.
+    """Every figure that is asked for; against theory on the points and instants of `fe`, on the
+    polygon of its steps if wanted.
 
     Theory alone is evaluated on its own points and instants of the steady cycle.
     """
@@ -368,18 +496,28 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
 
     found, metrics = Evaluated(), set(point.figures) & METRICS.keys()
     if "exact" in point.engines:
-        quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures if name not in METRICS]
-        fields = semi_analytic.FIELDS if metrics else sorted({field for one in quantities for field in one.fields})
+        quantities = [
+            QUANTITIES[name.partition(".")[2]] for name in point.figures if name not in METRICS
+        ]
+        fields = (
+            semi_analytic.FIELDS
+            if metrics
+            else sorted({field for one in quantities for field in one.fields})
+        )
         if fe is None:
             found.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
         else:
-            found.exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+            found.exact = semi_analytic.solve(
+                point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
+            )
     if metrics and found.exact is not None and fe is not None:
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
         straight = None
-        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics):
+        if not polygon and (
+            point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics
+        ):
             straight = theory_on_steps(fe)
         found.comparison = compare(found.exact, fe, polygon_reference=straight)
     for name in point.figures:
@@ -388,7 +526,9 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
             found.values[name], why = _take(name, fe, found.exact)
             if fe is not None:
                 found.stated[name] = _stated_by_edges(name, fe, found.exact)
-        elif (metric := next((one for one in found.comparison.metrics if one.key == name), None)) is None:
+        elif (
+            metric := next((one for one in found.comparison.metrics if one.key == name), None)
+        ) is None:
             found.values[name], why = None, "this scene has no such metric"
         else:
             found.values[name], why = metric.value, metric.note or "there is nothing to compare"
@@ -399,19 +539,27 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
 
 
 def _stated(metric: Metric, compared: Comparison) -> float:
-    """What the result states for a metric's uncertainty: the metric's own, or that of the edges at its instant over a_ref; or 0."""
+    """What the result states for a metric's uncertainty: the metric's own, or that of the edges at
+    its instant over a_ref; or 0.
+    """
     found, fe = [0.0, metric.uncertainty or 0.0], compared.result
     edges = getattr(fe, f"{metric.key}_uncertainty", None)
     if edges is not None and metric.time is not None:
-        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / compared.scales.half_width)
+        found.append(
+            float(max(edges[int(abs(fe.time - metric.time).argmin())])) / compared.scales.half_width
+        )
     return max(value for value in found if math.isfinite(value))
 
 
-def _cheap_uncertainty(point: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]) -> Values:
-    """What a coarser mesh, theory on the polygon of the steps and a farther far field change each figure by, added up.
+def _cheap_uncertainty(
+    point: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]
+) -> Values:
+    """What a coarser mesh, theory on the polygon of the steps and a farther far field change each
+    figure by, added up.
 
-    The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH` times the change, or as what the
-    solution itself states for its edges where that is more; the far field's as `_FAR` times the change.
+    The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH`
+    times the change, or as what the solution itself states for its edges where that is more; the
+    far field's as `_FAR` times the change.
     """
     import halfplane_fe
     from reports.comparison.budget import coarser, finer_steps
@@ -424,11 +572,15 @@ def _cheap_uncertainty(point: Question, fe: FiniteElementSolution, found: Evalua
 
     shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
     if scene.unsymmetric:
-        # Theory has no answer on the polygon of the steps for every one of these: halved increments instead, second order.
+        # Theory has no answer on the polygon of the steps for every one of these: halved increments
+        # instead, second order.
         shares.append((4 / 3, solved(mesh), solved(mesh, finer_steps(solver))))
     elif "exact" in point.engines:
         shares.append((1.0, found.values, evaluate(point, fe, polygon=True).values))
-    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and point.mesh.far_radius <= 500:
+    if (
+        "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
+        and point.mesh.far_radius <= 500
+    ):
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
         shares.append((_FAR, solved(mesh), solved(replace(mesh, far_radius=2 * mesh.far_radius))))
     total: Values = {}
@@ -436,7 +588,11 @@ def _cheap_uncertainty(point: Question, fe: FiniteElementSolution, found: Evalua
         if name.startswith("exact."):
             continue
         changes = [(factor, one[name], other[name]) for factor, one, other in shares]
-        known = [factor * abs(one - other) for factor, one, other in changes if one is not None and other is not None]
+        known = [
+            factor * abs(one - other)
+            for factor, one, other in changes
+            if one is not None and other is not None
+        ]
         if len(known) == len(shares):
             total[f"{name}.uncertainty"] = max(known[0], found.stated[name]) + sum(known[1:])
         else:
@@ -450,14 +606,22 @@ def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
     from reports.comparison.budget import climb, error_budget
 
     assert found.comparison is not None
-    refined = climb(found.comparison, point.mesh, point.solver, lambda _name: nullcontext(lambda *_: None))
-    budgets = {budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets}
+    refined = climb(
+        found.comparison, point.mesh, point.solver, lambda _name: nullcontext(lambda *_: None)
+    )
+    budgets = {
+        budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets
+    }
     more: Values = {}
     for name in found.values:
         budget = budgets.get(name)
         more[f"{name}.idealisation"] = None if budget is None else budget.rest
         more[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
-            why = "; ".join(f"{term.name}: {term.how}" for term in (budget.terms if budget else ()) if not term.measured)
+            why = "; ".join(
+                f"{term.name}: {term.how}"
+                for term in (budget.terms if budget else ())
+                if not term.measured
+            )
             notes[f"{name}.uncertainty"] = why or "the budget has no such metric"
     return more

@@ -64,7 +64,9 @@ class Store:
         return self.results / f"{address}.json"
 
     def _named(self, pattern: str) -> list[str]:
-        return sorted(path.name for path in self.results.glob(pattern) if _ADDRESS.fullmatch(path.stem))
+        return sorted(
+            path.name for path in self.results.glob(pattern) if _ADDRESS.fullmatch(path.stem)
+        )
 
     def addresses(self) -> set[str]:
         """Of all results, whole or not."""
@@ -75,15 +77,24 @@ class Store:
         return self._named("*.bad")
 
     def prepare(self) -> None:
-        """Make the folders, and remove what killed sweeps left in them; StoreError where that can't be."""
+        """Make the folders, and remove what killed sweeps left in them; StoreError where that can't
+        be.
+        """
         with self._writing():
             self.results.mkdir(parents=True, exist_ok=True)
             remove_left_behind(self.results)
 
     def write(self, result: Mapping[str, Any]) -> None:
-        """Store a result under its address; the last of two writers wins, and both wrote the same."""
+        """Store a result under its address; the last of two writers wins, and both wrote the
+        same.
+        """
         body = canonical(result)
-        text = json.dumps({"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}, indent=1) + "\n"
+        text = (
+            json.dumps(
+                {"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}, indent=1
+            )
+            + "\n"
+        )
         self.write_text(self.path(str(result["address"])), text)
 
     def write_text(self, path: Path, text: str) -> None:
@@ -98,10 +109,13 @@ class Store:
         except OSError as reason:
             full = reason.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
             why = "there is no room left on the disk" if full else reason.strerror or str(reason)
-            raise StoreError(f"{self.folder}: results can't be stored: {why}; what was stored before stays") from reason
+            raise StoreError(
+                f"{self.folder}: results can't be stored: {why}; what was stored before stays"
+            ) from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
-        """The result of an address; None where there is none. A file that is damaged is set aside, and there is none.
+        """The result of an address; None where there is none. A file that is damaged is set aside,
+        and there is none.
 
         StoreError where the file is there and can't be read.
         """
@@ -109,13 +123,19 @@ class Store:
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
             result = stored["result"]
-            if (stored["format"], stored["sha256"], result["address"]) == (_FORMAT, checksum(canonical(result)), address):
+            if (stored["format"], stored["sha256"], result["address"]) == (
+                _FORMAT,
+                checksum(canonical(result)),
+                address,
+            ):
                 return dict(result)
         except FileNotFoundError:
             return None
         except OSError as reason:
             why = reason.strerror or reason
-            raise StoreError(f"{path}: this result can't be read: {why}; mend that, or name another --out") from reason
+            raise StoreError(
+                f"{path}: this result can't be read: {why}; mend that, or name another --out"
+            ) from reason
         except (ValueError, KeyError, TypeError):
             pass
         with self._writing(), suppress(FileNotFoundError):  # another sweep was faster
@@ -124,15 +144,26 @@ class Store:
 
     def write_plan(self, study: Mapping[str, Any], points: Sequence[Planned]) -> None:
         """Store what is asked: the study and its points."""
-        rows = [{"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)} for p in points]
-        self.write_text(self.folder / "sweep.json", json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n")
+        rows = [
+            {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
+            for p in points
+        ]
+        self.write_text(
+            self.folder / "sweep.json",
+            json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n",
+        )
 
     def read_plan(self) -> tuple[dict[str, Any], tuple[Planned, ...]]:
-        """The study and the points that were asked; InputError where there is none, or it can't be read."""
+        """The study and the points that were asked; InputError where there is none, or it can't be
+        read.
+        """
         path = self.folder / "sweep.json"
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
-            points = [Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"])) for row in stored["points"]]
+            points = [
+                Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"]))
+                for row in stored["points"]
+            ]
             for point in points:  # an address becomes the name of a file
                 if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shown(point.address)} is no address of a result")
@@ -141,10 +172,13 @@ class Store:
             start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
             raise InputError(f"{self.folder}: no sweep is stored here; {start}") from None
         except (OSError, ValueError, KeyError, TypeError) as reason:
-            raise InputError(f"{path}: can't be read ({reason}); start the sweep again: results are kept") from reason
+            raise InputError(
+                f"{path}: can't be read ({reason}); start the sweep again: results are kept"
+            ) from reason
 
     def table(self, points: Sequence[Planned]) -> pd.DataFrame:
-        """A row for each of `points` with a result, in the order of the study; NaN where there is no value.
+        """A row for each of `points` with a result, in the order of the study; NaN where there is
+        no value.
 
         Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
         """
@@ -152,10 +186,22 @@ class Store:
         for point in points:
             if (result := self.read(point.address)) is None:
                 continue
-            record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
-            on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]  # without a name on all of them
-            status = {name: result[name] for name in STATUS[:3]} | {"notes": "; ".join([*record.get("notes", ()), *on_figures])}
-            rows.append({"number": point.number, **point.coordinates, **result["figures"], **status, "address": point.address})
+            # the first stores have neither
+            record, notes = result.get("record", {}), result.get("notes", {})
+            # without a name on all of them
+            on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]
+            status = {name: result[name] for name in STATUS[:3]} | {
+                "notes": "; ".join([*record.get("notes", ()), *on_figures])
+            }
+            rows.append(
+                {
+                    "number": point.number,
+                    **point.coordinates,
+                    **result["figures"],
+                    **status,
+                    "address": point.address,
+                }
+            )
             figures |= dict.fromkeys(result["figures"], float)
         axes = points[0].coordinates if points else ()
         columns = list(dict.fromkeys(("number", *axes, *figures, *STATUS)))
@@ -163,7 +209,10 @@ class Store:
 
     def write_table(self, table: pd.DataFrame) -> None:
         """index.csv, and index.parquet where pyarrow is installed, each in one go."""
-        self.write_text(self.folder / "index.csv", table_text({name: table[name].tolist() for name in table.columns}))
+        self.write_text(
+            self.folder / "index.csv",
+            table_text({name: table[name].tolist() for name in table.columns}),
+        )
         if find_spec("pyarrow"):
             with self._writing():
                 replace_file(self.folder / "index.parquet", table.to_parquet(index=False))
@@ -175,7 +224,8 @@ def done(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def read_index(folder: str | Path) -> pd.DataFrame:
-    """The table (`Store.table`) of the sweep stored in `folder`, made from its results: right whether index.csv is there or not.
+    """The table (`Store.table`) of the sweep stored in `folder`, made from its results: right
+    whether index.csv is there or not.
 
     Raises
     ------

@@ -1,4 +1,6 @@
-"""A study: a scene, axes over its keys, engines to run, figures to keep; and its points, all checked before anything is solved."""
+"""A study: a scene, axes over its keys, engines to run, figures to keep; and its points, all
+checked before anything is solved.
+"""
 
 from __future__ import annotations
 
@@ -41,18 +43,25 @@ class Steps(Frozen):
 
 
 class Axis(Frozen):
-    """One axis: a name for the table, the keys that its values go to, and the values in one of four ways.
+    """One axis: a name for the table, the keys that its values go to, and the values in one of four
+    ways.
 
     >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).settings()
     [{'height': 2.0}, {'height': 4.0}, {'height': 6.0}]
     """
 
-    name: str = Field("", pattern=r"^([A-Za-z_]\w*)?$", description="column of the table, and the name in [derived]")
+    name: str = Field(
+        "",
+        pattern=r"^([A-Za-z_]\w*)?$",
+        description="column of the table, and the name in [derived]",
+    )
     names: tuple[str, ...] = Field((), description="of rows of values: one column for each")
     label: str = Field("", description="for figures; the name where it is left out")
     unit: str = ""
     key: str = Field("", description="dotted key of the scene, or mesh.* or solver.*")
-    keys: tuple[str, ...] = Field((), description="several keys that take the same value; of rows of values: one key for each")
+    keys: tuple[str, ...] = Field(
+        (), description="several keys that take the same value; of rows of values: one key for each"
+    )
     values: tuple[Value, ...] = ()
     linear: Steps | None = None
     logarithmic: Steps | None = None
@@ -63,12 +72,19 @@ class Axis(Frozen):
         ways = [name for name in _WAYS if getattr(self, name)]
         if len(ways) != 1:
             found = " and ".join(ways) or "none"
-            raise ValueError(f"an axis has its values in exactly one of {', '.join(_WAYS)}; this one has {found}")
+            raise ValueError(
+                f"an axis has its values in exactly one of {', '.join(_WAYS)}; this one has {found}"
+            )
         if self.key and self.keys:
             raise ValueError("key and keys: give one of the two")
         if self.pairs:
-            if {len(row) for row in self.pairs} != {len(self.names)} or (self.keys and len(self.keys) != len(self.names)):
-                raise ValueError("pairs: each row has one value for each of names, and keys (if given) are as many")
+            if {len(row) for row in self.pairs} != {len(self.names)} or (
+                self.keys and len(self.keys) != len(self.names)
+            ):
+                raise ValueError(
+                    "pairs: each row has one value for each of names, and keys (if given) are as"
+                    " many"
+                )
         elif not self.name or self.names:
             raise ValueError("an axis has a name; names go with pairs")
         if self.logarithmic and not (self.logarithmic.start > 0 and self.logarithmic.stop > 0):
@@ -99,7 +115,9 @@ class Axis(Frozen):
         if self.linear:
             found = np.linspace(self.linear.start, self.linear.stop, self.linear.count).tolist()
         if self.logarithmic:
-            found = np.geomspace(self.logarithmic.start, self.logarithmic.stop, self.logarithmic.count).tolist()
+            found = np.geomspace(
+                self.logarithmic.start, self.logarithmic.stop, self.logarithmic.count
+            ).tolist()
         return [{self.name: value} for value in found]
 
 
@@ -125,7 +143,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for nam
 
 
 def evaluate(text: str, names: Mapping[str, Any]) -> float:
-    """The value of arithmetic in `names`, a finite number: + - * / **, and the functions of a pocket calculator.
+    """The value of arithmetic in `names`, a finite number: + - * / **, and the functions of a
+    pocket calculator.
 
     Raises
     ------
@@ -137,11 +156,19 @@ def evaluate(text: str, names: Mapping[str, Any]) -> float:
     """
     if len(text) > _LONGEST_EXPRESSION:
         raise InputError(
-            f"{text[:30]!r}... is longer than {_LONGEST_EXPRESSION} characters; give a name of its own to a part of it"
+            f"{text[:30]!r}... is longer than {_LONGEST_EXPRESSION} characters; give a name of its"
+            " own to a part of it"
         )
     try:
         number = float(_value(ast.parse(text, mode="eval").body, {"pi": math.pi, **names}))
-    except (SyntaxError, ArithmeticError, ValueError, TypeError, RecursionError, MemoryError) as reason:
+    except (
+        SyntaxError,
+        ArithmeticError,
+        ValueError,
+        TypeError,
+        RecursionError,
+        MemoryError,
+    ) as reason:
         raise InputError(f"{text!r} can't be evaluated: {reason}") from reason
     if not math.isfinite(number):
         raise InputError(f"{text!r} is {number}: a finite number is needed")
@@ -153,7 +180,10 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             return float(value)
         case ast.Name(id=name) if name not in names:
-            raise InputError(f"{name!r} is not known: it is neither an axis nor derived above; known: {', '.join(names)}")
+            raise InputError(
+                f"{name!r} is not known: it is neither an axis nor derived above; known:"
+                f" {', '.join(names)}"
+            )
         case ast.Name(id=name):
             value = names[name]
             if isinstance(value, bool) or not isinstance(value, int | float):
@@ -165,7 +195,10 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
             return _BINARY[type(op)](_value(left, names), _value(right, names))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
             return _FUNCTIONS[name](*(_value(arg, names) for arg in args))
-    raise InputError(f"{ast.unparse(node)!r} is refused: numbers, names, + - * / **, and {', '.join(_FUNCTIONS)} are what there is")
+    raise InputError(
+        f"{ast.unparse(node)!r} is refused: numbers, names, + - * / **, and {', '.join(_FUNCTIONS)}"
+        " are what there is"
+    )
 
 
 class Study(Frozen):
@@ -177,10 +210,11 @@ class Study(Frozen):
     set : dotted key -> value, the same at every point
     derived : name or dotted key -> arithmetic in the names of axes and of what is derived above
     figures : names of quantities with "fe.", "exact." or "error." before them, and metric keys
-    uncertainty : "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther far field; "budget": the whole
-        error budget of `halfplane run --budget`, for metrics
-    share_condensations : cut all points alike that have bodies, materials, profile and largest load in common: fine elements
-        everywhere in the contact, one condensation for all; else each is cut for its own edges
+    uncertainty : "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther
+        far field; "budget": the whole error budget of `halfplane run --budget`, for metrics
+    share_condensations : cut all points alike that have bodies, materials, profile and largest load
+        in common: fine elements everywhere in the contact, one condensation for all; else each is
+        cut for its own edges
     """
 
     keys_listed = "docs/sweeps.md"
@@ -200,20 +234,27 @@ class Study(Frozen):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         columns = [column for axis in self.axes for column in axis.columns]
-        targets = [key for axis in self.axes for key, _ in axis.targets] + [*self.derived, *self.set]
+        targets = [key for axis in self.axes for key, _ in axis.targets] + [
+            *self.derived,
+            *self.set,
+        ]
         for what, names in (("the column", columns), ("the key", targets)):
             if twice := next((name for name in names if names.count(name) > 1), None):
                 raise ValueError(f"{what} {twice!r} is given twice")
         arithmetic = " ".join(map(str, self.derived.values()))
         for axis in self.axes:
             if not axis.targets and not any(column in arithmetic for column in axis.columns):
-                raise ValueError(f"the axis {axis.columns[0]!r} moves nothing: give it a key, or use its name in [derived]")
+                raise ValueError(
+                    f"the axis {axis.columns[0]!r} moves nothing: give it a key, or use its name in"
+                    " [derived]"
+                )
         check_figures(self.figures, self.engines, self.uncertainty)
         return self
 
 
 def load_study(source: str | Path) -> Study:
-    """The study of a .toml or .json file; its scene is a table, a library name, or a path beside the file.
+    """The study of a .toml or .json file; its scene is a table, a library name, or a path beside
+    the file.
 
     Raises
     ------
@@ -228,7 +269,10 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     """A checked study from raw keys; a scene named as a file lies in `folder`."""
     named = data.get("scene")
     if named is None and {"material", "profile", "load"} <= data.keys():
-        raise InputError(f"{where}: this is a scene; a study is a file beside it with `scene` and `axes`: docs/sweeps.md")
+        raise InputError(
+            f"{where}: this is a scene; a study is a file beside it with `scene` and `axes`:"
+            " docs/sweeps.md"
+        )
     if isinstance(named, str):
         scene = load_scene(folder / named if Path(named).suffix else named)
         data = data | {"scene": json.loads(scene.model_dump_json())}
@@ -237,7 +281,9 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
 
 @dataclass(frozen=True, eq=False)
 class Point(Planned):
-    """A point of a study: number (from 0, the last axis first), address of its result, coordinates, and what is asked there."""
+    """A point of a study: number (from 0, the last axis first), address of its result, coordinates,
+    and what is asked there.
+    """
 
     question: Question
 
@@ -248,7 +294,8 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     Raises
     ------
     InputError
-        Naming the point, its coordinates and the rule, for the first that is no scene, slides or separates, or is there twice.
+        Naming the point, its coordinates and the rule, for the first that is no scene, slides or
+        separates, or is there twice.
     """
     from halfplane_fe.interface import check_supports
     from halfplane_fe.scales import sheared
@@ -258,7 +305,9 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     raw = study.scene.model_dump_json()
     for number, coordinates in enumerate(grid(study.axes)):
         if number == _MOST_POINTS:
-            raise InputError(f"the study has more than {_MOST_POINTS} points; take fewer values on its axes")
+            raise InputError(
+                f"the study has more than {_MOST_POINTS} points; take fewer values on its axes"
+            )
         where = f"point {number} ({described(coordinates)})"
         try:
             point = _point(study, json.loads(raw), number, coordinates)
@@ -267,9 +316,14 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             if "fe" in study.engines:
                 check_supports(scene, sheared(scene))
         except InputError as fault:
-            raise InputError(str(fault) if str(fault).startswith(where) else f"{where}: {fault}") from fault
+            raise InputError(
+                str(fault) if str(fault).startswith(where) else f"{where}: {fault}"
+            ) from fault
         if point.address in seen:
-            raise InputError(f"{where} asks the same as point {seen[point.address]}: an axis has a value twice, or moves nothing")
+            raise InputError(
+                f"{where} asks the same as point {seen[point.address]}: an axis has a value twice,"
+                " or moves nothing"
+            )
         seen[point.address] = number
         points.append(point)
         report(number + 1)
@@ -282,7 +336,10 @@ def described(coordinates: Mapping[str, Any]) -> str:
     >>> described({"height": 4.0, "base": "fixed"})
     'height = 4, base = fixed'
     """
-    numbers = {name: f"{value:.6g}" if isinstance(value, float) else value for name, value in coordinates.items()}
+    numbers = {
+        name: f"{value:.6g}" if isinstance(value, float) else value
+        for name, value in coordinates.items()
+    }
     return ", ".join(f"{name} = {value}" for name, value in numbers.items())
 
 
@@ -293,7 +350,9 @@ def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordin
     for axis in study.axes:
         values |= {key: coordinates[column] for key, column in axis.targets}
     for name, text in study.derived.items():
-        (values if "." in name else names)[name] = evaluate(text, names) if isinstance(text, str) else float(text)
+        (values if "." in name else names)[name] = (
+            evaluate(text, names) if isinstance(text, str) else float(text)
+        )
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
     for key, value in values.items():
         head, _, rest = key.partition(".")
@@ -303,12 +362,16 @@ def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordin
             _place(data, key, value)
     scene = checked(Scene, data, of_file=True)
     cut = _settings(study.preset, settings)
-    question = Question(scene, *cut, study.engines, study.figures, study.uncertainty, study.share_condensations)
+    question = Question(
+        scene, *cut, study.engines, study.figures, study.uncertainty, study.share_condensations
+    )
     return Point(number, question.address, coordinates, question)
 
 
 def _place(data: dict[str, Any], key: str, value: Value) -> None:
-    """Set a dotted key; the parts before the last must be there, the last is judged by the scene."""
+    """Set a dotted key; the parts before the last must be there, the last is judged by the
+    scene.
+    """
     *path, last = key.split(".")
     level: Any = data
     for depth, part in enumerate(path):
@@ -332,7 +395,9 @@ def _place(data: dict[str, Any], key: str, value: Value) -> None:
         raise InputError(f"{key}: {'.'.join(path)} is no table of keys")
 
 
-def _settings(preset: str, given: Mapping[str, Mapping[str, Any]]) -> tuple[MeshSettings, SolverSettings]:
+def _settings(
+    preset: str, given: Mapping[str, Mapping[str, Any]]
+) -> tuple[MeshSettings, SolverSettings]:
     """Settings of mesh and solver: the preset, with what is given under "mesh" and "solver"."""
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
@@ -342,7 +407,9 @@ def _settings(preset: str, given: Mapping[str, Mapping[str, Any]]) -> tuple[Mesh
     for name, base in (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings())):
         for key, value in given[name].items():
             if key not in asdict(base):
-                raise InputError(f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}")
+                raise InputError(
+                    f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}"
+                )
             wanted = type(getattr(base, key))
             if not (type(value) is wanted or (wanted is float and type(value) is int)):
                 raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[wanted]}")

@@ -1,6 +1,8 @@
-"""CalculiX' answer to a scene: its program run on the deck, its result judged by the metrics of our own finite elements.
+"""CalculiX' answer to a scene: its program run on the deck, its result judged by the metrics of our
+own finite elements.
 
-The table of three columns, theory, our finite elements and CalculiX, is the same on the terminal, in third.json and on the page.
+The table of three columns, theory, our finite elements and CalculiX, is the same on the terminal,
+in third.json and on the page.
 """
 
 from __future__ import annotations
@@ -42,7 +44,9 @@ _PRINTED = 1e-5
 
 @dataclass(frozen=True)
 class Done:
-    """A run that reached its end: wall time [s], accepted increments, iterations of every attempt."""
+    """A run that reached its end: wall time [s], accepted increments, iterations of every
+    attempt.
+    """
 
     seconds: float
     increments: int
@@ -76,13 +80,18 @@ def find_calculix() -> Path:
     """Where `ccx` is; InputError with what to do where it is not."""
     found = shutil.which("ccx")
     if found is None:
-        raise InputError("--third calculix: ccx is not on PATH; `make peers` installs it (Debian package calculix-ccx)")
+        raise InputError(
+            "--third calculix: ccx is not on PATH; `make peers` installs it (Debian package"
+            " calculix-ccx)"
+        )
     return Path(found)
 
 
 def calculix_version(program: Path) -> str:
     """What `ccx -v` prints, such as "2.20"; "of unknown version" where it prints nothing."""
-    printed = subprocess.run([str(program), "-v"], capture_output=True, text=True, check=False, timeout=20).stdout
+    printed = subprocess.run(
+        [str(program), "-v"], capture_output=True, text=True, check=False, timeout=20
+    ).stdout
     found = re.search(r"[Vv]ersion\s+([\w.]+)", printed)
     return found[1] if found else "of unknown version"
 
@@ -92,9 +101,14 @@ TIME_LIMIT = 1800.0
 
 
 def solve_with_calculix(
-    scene: Scene, settings: DeckSettings, stages: Stages, scales: Scales | None = None, command: str = ""
+    scene: Scene,
+    settings: DeckSettings,
+    stages: Stages,
+    scales: Scales | None = None,
+    command: str = "",
 ) -> ThirdSolver:
-    """Write the deck into a temporary folder, run it, read and judge the result; a run that fails is reported in `failure`.
+    """Write the deck into a temporary folder, run it, read and judge the result; a run that fails
+    is reported in `failure`.
 
     Raises
     ------
@@ -111,7 +125,9 @@ def solve_with_calculix(
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")
         try:
             with stages.stage(code, "per cent of the load path") as report:
-                done = run_calculix(program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, report)
+                done = run_calculix(
+                    program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, report
+                )
         except ConvergenceError as failure:
             return replace(answer, failure=str(failure))
         with stages.stage("reading CalculiX"):
@@ -120,7 +136,12 @@ def solve_with_calculix(
 
 
 def run_calculix(
-    program: Path, folder: Path, name: str, end: float, limit: float, report: Callable[[int, int | None, str], None] | None = None
+    program: Path,
+    folder: Path,
+    name: str,
+    end: float,
+    limit: float,
+    report: Callable[[int, int | None, str], None] | None = None,
 ) -> Done:
     """Run the deck `name`.inp of a folder on one thread, until it ends.
 
@@ -133,7 +154,8 @@ def run_calculix(
     Raises
     ------
     ConvergenceError
-        With the last lines of its log where it stopped early, by itself or by the limit. The process is gone in any case.
+        With the last lines of its log where it stopped early, by itself or by the limit. The
+        process is gone in any case.
     """
     begun, late = time.monotonic(), False
     log, sta = folder / f"{name}.log", folder / f"{name}.sta"
@@ -161,18 +183,34 @@ def run_calculix(
     rows = status(sta)
     reached = max((row.total for row in rows if row.accepted), default=0.0)
     if late or process.returncode != 0 or reached < end * (1 - _PRINTED):
-        why = f"was stopped at the time limit of {limit:g} s" if late else f"ended with exit code {process.returncode}"
-        lines = [line.strip() for line in log.read_text(encoding="utf-8", errors="replace").splitlines()]
-        tail = " | ".join([line for line in lines if not set(line) <= set("_-* ")][-_TAIL:]) or "nothing"
-        raise ConvergenceError(
-            f"CalculiX {why} at time {reached:.6g} of {end:.6g}, in increment {len(rows)}; the last lines of its log: {tail}"
+        why = (
+            f"was stopped at the time limit of {limit:g} s"
+            if late
+            else f"ended with exit code {process.returncode}"
         )
-    return Done(time.monotonic() - begun, sum(row.accepted for row in rows), sum(row.iterations for row in rows))
+        lines = [
+            line.strip() for line in log.read_text(encoding="utf-8", errors="replace").splitlines()
+        ]
+        tail = (
+            " | ".join([line for line in lines if not set(line) <= set("_-* ")][-_TAIL:])
+            or "nothing"
+        )
+        raise ConvergenceError(
+            f"CalculiX {why} at time {reached:.6g} of {end:.6g}, in increment {len(rows)}; the last"
+            f" lines of its log: {tail}"
+        )
+    return Done(
+        time.monotonic() - begun,
+        sum(row.accepted for row in rows),
+        sum(row.iterations for row in rows),
+    )
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A line of the status file: whether the increment was accepted, its iterations, total time reached (its start if not)."""
+    """A line of the status file: whether the increment was accepted, its iterations, total time
+    reached (its start if not).
+    """
 
     accepted: bool
     iterations: int
@@ -182,32 +220,61 @@ class Attempt:
 def status(sta: Path) -> list[Attempt]:
     """The attempts in a .sta file so far; a line that is half-written is left out."""
     text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
-    found = (re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line) for line in text.splitlines())
+    found = (
+        re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line)
+        for line in text.splitlines()
+    )
     return [Attempt(not match[1], int(match[2]), float(match[3])) for match in found if match]
 
 
 def judged(path: Path, deck: Deck, code: str) -> Report:
-    """The result of a deck in a .frd file, against half-plane theory at its own points and instants.
+    """The result of a deck in a .frd file, against half-plane theory at its own points and
+    instants.
 
     The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
     """
-    mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
+    mapping = Mapping(
+        code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
+    )
     result = read(path, mapping)
-    series = {name: getattr(result, name) for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")}
-    led: dict[str, Any] = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
+    series = {
+        name: getattr(result, name)
+        for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")
+    }
+    led: dict[str, Any] = {
+        name: freeze(np.concatenate([np.zeros_like(v[:1]), v]))
+        for name, v in series.items()
+        if v is not None
+    }
     source = f"{path.name}, the deck of scene {deck.scene.name}"
     whole = whole_path(deck.scene)
-    return score_solution(*contact_solution(replace(result, **led, time=freeze(deck.time), source=source), mapping, whole), whole)
+    return score_solution(
+        *contact_solution(
+            replace(result, **led, time=freeze(deck.time), source=source), mapping, whole
+        ),
+        whole,
+    )
 
 
 def _limits(deck: Deck) -> list[str]:
-    """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and measured (docs/third.md)."""
-    friction, path, pressure = deck.scene.friction.coefficient, deck.scene.load.path(), deck.mean_pressure / deck.scales.half_width
+    """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and
+    measured (docs/third.md).
+    """
+    friction, path, pressure = (
+        deck.scene.friction.coefficient,
+        deck.scene.load.path(),
+        deck.mean_pressure / deck.scales.half_width,
+    )
     cycle = deck.normal_load[deck.time >= path.cycle_start]
     varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
-    radius = "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind) and deck.settings.far_radius
+    radius = (
+        "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
+        and deck.settings.far_radius
+    )
     creep = friction * pressure / deck.stick_slope
-    words = template("words.txt").module.limits_of_calculix(pressure / deck.stiffness, creep, varies, radius)  # type: ignore[attr-defined]
+    words = template("words.txt").module.limits_of_calculix(
+        pressure / deck.stiffness, creep, varies, radius
+    )  # type: ignore[attr-defined]
     return [line.strip() for line in str(words).split("\n") if line.strip()]
 
 
@@ -225,7 +292,11 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
         (f"work of friction, {of}", energy_unit(scene), lambda s: s.dissipation),
         (f"pressure, {most}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
         (f"shear, {most}", stress, lambda s: float(np.abs(s.shear[s.last_cycle]).max())),
-        (f"contact half-width, {most}", length, lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle]))),
+        (
+            f"contact half-width, {most}",
+            length,
+            lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle])),
+        ),
     ]
 
 
@@ -236,12 +307,27 @@ def rows(comparison: Comparison, third: ThirdSolver) -> list[tuple[str, ...]]:
     lines = []
     for name, unit, of in _values(comparison.scene):
         values = [of(solution) for solution in solutions] + [math.nan] * (3 - len(solutions))
-        lines.append((f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values)))
+        lines.append(
+            (f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values))
+        )
     for key in ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
         metric = comparison.metric(key)
-        lines.append((f"{metric.label}: error", "reference", value_of(metric), value_of(theirs.metric(key)) if theirs else "–"))
+        lines.append(
+            (
+                f"{metric.label}: error",
+                "reference",
+                value_of(metric),
+                value_of(theirs.metric(key)) if theirs else "–",
+            )
+        )
     seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
-    lines.append(("time [s]", *(f"{t:.2f}" if t else "–" for t in seconds), f"{third.done.seconds:.1f}" if third.done else "–"))
+    lines.append(
+        (
+            "time [s]",
+            *(f"{t:.2f}" if t else "–" for t in seconds),
+            f"{third.done.seconds:.1f}" if third.done else "–",
+        )
+    )
     return lines
 
 
@@ -251,7 +337,10 @@ def sentences(third: ThirdSolver) -> list[str]:
     if done is None:
         first = f"{third.code} gave no answer ({size}): {third.failure}."
     else:
-        first = f"{third.code} on the exported deck: {size}, {done.increments} increments, {done.iterations} iterations."
+        first = (
+            f"{third.code} on the exported deck: {size}, {done.increments} increments,"
+            f" {done.iterations} iterations."
+        )
     return [first, *_limits(third.deck)]
 
 
@@ -263,14 +352,24 @@ def page_words(comparison: Comparison, third: ThirdSolver) -> dict[str, Any]:
     """What the page's block is filled with."""
     first, *others = sentences(third)
     table = {"heads": heads(third), "rows": rows(comparison, third)}
-    return {**table, "told": first, "failed": bool(third.failure), "limits": others, "notes": _notes(third)}
+    return {
+        **table,
+        "told": first,
+        "failed": bool(third.failure),
+        "limits": others,
+        "notes": _notes(third),
+    }
 
 
 def as_json(comparison: Comparison, third: ThirdSolver) -> str:
     """third.json: the table in numbers; strict JSON."""
     theirs, deck = third.comparison, third.deck
     known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
-    solutions = {"theory": comparison.reference, "ours": comparison.result, "third": theirs.result if theirs else None}
+    solutions = {
+        "theory": comparison.reference,
+        "ours": comparison.result,
+        "third": theirs.result if theirs else None,
+    }
     content = {
         "format": "halfplane third opinion 1",
         "code": third.code,
@@ -285,10 +384,16 @@ def as_json(comparison: Comparison, third: ThirdSolver) -> str:
         },
         "run": asdict(third.done) if third.done else None,
         "figures": {
-            name: {"unit": unit, **{who: of(solution) if solution else None for who, solution in solutions.items()}}
+            name: {
+                "unit": unit,
+                **{who: of(solution) if solution else None for who, solution in solutions.items()},
+            }
             for name, unit, of in _values(comparison.scene)
         },
-        "metrics": {metric.key: {"ours": metric.value, "third": known.get(metric.key)} for metric in comparison.metrics},
+        "metrics": {
+            metric.key: {"ours": metric.value, "third": known.get(metric.key)}
+            for metric in comparison.metrics
+        },
         "limits": _limits(deck),
         "notes": _notes(third),
     }

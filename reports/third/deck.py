@@ -1,4 +1,5 @@
-"""A scene as an input deck: bodies, gap, supports, instants, loads and stiffnesses, and its text for CalculiX.
+"""A scene as an input deck: bodies, gap, supports, instants, loads and stiffnesses, and its text
+for CalculiX.
 
 `reports/templates/deck.inp` is the deck, and the routines at the end are what it calls for.
 """
@@ -31,8 +32,8 @@ Indices = NDArray[np.int64]
 # The longest line that CalculiX reads.
 _LINE = 132
 
-# The touch: this share of the first increment of initial loading is spent on a prescribed approach: friction and load control
-# find the faces in contact.
+# The touch: this share of the first increment of initial loading is spent on a prescribed approach:
+# friction and load control find the faces in contact.
 _TOUCH = 0.25
 # Increments of the initial loading, over those of a revolution.
 _INITIAL_LOADING = 0.25
@@ -42,12 +43,14 @@ _HELD = {"fixed": (1, 2), "half_plane": (1, 2), "rollers": (2,), "guided": (1,),
 
 @dataclass(frozen=True)
 class DeckSettings:
-    """Lengths over the contact half-width a at the largest load; stiffnesses over E*/h, h being the surface elements at the edges.
+    """Lengths over the contact half-width a at the largest load; stiffnesses over E*/h, h being the
+    surface elements at the edges.
 
     Attributes
     ----------
-    element_size, edge_element_size : surface elements in the middle, and where the contact and stick edges travel
-    far_radius : radius of the half-disc, held along its arc, that stands for a half-plane; the tractions miss those of the
+    element_size, edge_element_size : surface elements in the middle, and where the contact and
+    stick edges travel far_radius : radius of the half-disc, held along its arc, that stands for a
+    half-plane; the tractions miss those of the
         half-plane by about the square of its inverse
     growth : growth of the elements away from the contact
     steps_per_cycle : output instants of a revolution; its turning points come on top
@@ -67,27 +70,34 @@ class DeckSettings:
 
     def __post_init__(self) -> None:
         if not 4 <= self.steps_per_cycle <= 10_000:
-            raise InputError(f"--steps-per-cycle {self.steps_per_cycle}: refused for a deck, it lies in [4, 10000]")
+            raise InputError(
+                f"--steps-per-cycle {self.steps_per_cycle}: refused for a deck, it lies in [4,"
+                " 10000]"
+            )
         if self.cycles < 1:
             raise InputError(f"--cycles {self.cycles}: refused for a deck, it is at least 1")
         for name in ("normal_stiffness", "stick_stiffness"):
             if not getattr(self, name) > 0:
-                raise InputError(f"deck: {name} = {getattr(self, name)!r} is refused: it is positive, over E*/h")
+                raise InputError(
+                    f"deck: {name} = {getattr(self, name)!r} is refused: it is positive, over E*/h"
+                )
 
 
 @dataclass(frozen=True, eq=False)
 class DeckBody:
-    """One body in the common frame, y out of the lower one; numbers as in the deck, from `first_node` and `first_element` on.
+    """One body in the common frame, y out of the lower one; numbers as in the deck, from
+    `first_node` and `first_element` on.
 
     Attributes
     ----------
     name : "LOWER" or "UPPER"
     nodes : (n, 2) places [length]
     elements : (m, 4) node numbers, anticlockwise
-    contact_faces : (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4, 1)
-    contact_nodes : (k + 1,) node numbers by ascending x
+    contact_faces : (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4,
+    1) contact_nodes : (k + 1,) node numbers by ascending x
     held : direction 1 or 2 -> node numbers that move as the rigid plane does
-    ends : (element number, face) of the left and of the right end of a block that bulk stress pulls; none of other bodies
+    ends : (element number, face) of the left and of the right end of a block that bulk stress
+        pulls; none of other bodies
     """
 
     name: str
@@ -112,12 +122,14 @@ class Deck:
     Attributes
     ----------
     scene, settings, scales : the question, how it is cut, and the size of its contact
-    lower, upper : the bodies; the upper one is held by a rigid plane whose motion is that of the node `reference`
-    time : (n + 1,) instants of the scene's path, the unloaded one first; deck times are counted from that one
-    normal_load, tangential_load : (n + 1,) [force per thickness]
-    touch_time, touch_approach : duration of the first step, and how far the upper plane comes down in it [time, length]
-    bulk_stress : of the lower and of the upper body, (n + 1,) [stress]; None for none
-    tilt, moment : (n + 1,) turn of the upper body about x = y = 0, or the moment of the pressure, where either is given
+    lower, upper : the bodies; the upper one is held by a rigid plane whose motion is that of the
+    node `reference` time : (n + 1,) instants of the scene's path, the unloaded one first; deck
+    times are counted from that one normal_load, tangential_load : (n + 1,) [force per thickness]
+    touch_time, touch_approach : duration of the first step, and how far the upper plane comes down
+    in it [time, length] bulk_stress : of the lower and of the upper body, (n + 1,) [stress]; None
+    for none
+    tilt, moment : (n + 1,) turn of the upper body about x = y = 0, or the moment of the pressure,
+        where either is given
     """
 
     scene: Scene
@@ -136,7 +148,9 @@ class Deck:
 
     @property
     def strained(self) -> int:
-        """Number of the node whose movements along x and y are the bulk strains of half-planes, lower and upper, times a."""
+        """Number of the node whose movements along x and y are the bulk strains of half-planes,
+        lower and upper, times a.
+        """
         return self.reference + 1
 
     @property
@@ -145,23 +159,40 @@ class Deck:
         return self.reference + 2
 
     def strain(self, body: int) -> Array | None:
-        """(n + 1,) bulk strain sigma/E' of the lower (0) or the upper (1) body where it is a half-plane; else None."""
+        """(n + 1,) bulk strain sigma/E' of the lower (0) or the upper (1) body where it is a
+        half-plane; else None.
+        """
         stress, side = self.bulk_stress[body], ("lower", "upper")[body]
-        if stress is None or not stress.any() or not isinstance(getattr(self.scene.bodies, side), HalfPlane):
+        if (
+            stress is None
+            or not stress.any()
+            or not isinstance(getattr(self.scene.bodies, side), HalfPlane)
+        ):
             return None
         material = getattr(self.scene.material, side)
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body: int) -> tuple[Array, Array] | None:
-        """(n + 1,) stress along x at the left and at the right end of a block that is pulled: on rollers they hold Q by halves.
+        """(n + 1,) stress along x at the left and at the right end of a block that is pulled: on
+        rollers they hold Q by halves.
 
         None of other bodies, and where it is 0 throughout.
         """
-        pulled, shape = (self.lower, self.upper)[body], (self.scene.bodies.lower, self.scene.bodies.upper)[body]
+        pulled, shape = (
+            (self.lower, self.upper)[body],
+            (
+                self.scene.bodies.lower,
+                self.scene.bodies.upper,
+            )[body],
+        )
         if not pulled.ends or not isinstance(shape, Block):
             return None
         mean = np.zeros(len(self.time)) if (stress := self.bulk_stress[body]) is None else stress
-        half = self.tangential_load / (2 * shape.height) if shape.base == "rollers" and body == 0 else np.zeros(len(self.time))
+        half = (
+            self.tangential_load / (2 * shape.height)
+            if shape.base == "rollers" and body == 0
+            else np.zeros(len(self.time))
+        )
         return (mean + half, mean - half) if mean.any() or half.any() else None
 
     @property
@@ -202,7 +233,9 @@ class Deck:
         return np.asarray(found)
 
 
-def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scales | None = None) -> Deck:
+def build_deck(
+    scene: Scene, settings: DeckSettings | None = None, scales: Scales | None = None
+) -> Deck:
     """The deck of a scene.
 
     Parameters
@@ -212,15 +245,19 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     Raises
     ------
     InputError
-        For a scene that does not pass its own check, for bodies that can't be meshed, held or pulled, see `meshes.solids` and
-        `halfplane_fe.solve`, and for an upper block on rollers under bulk stress and Q.
+        For a scene that does not pass its own check, for bodies that can't be meshed, held or
+        pulled, see `meshes.solids` and `halfplane_fe.solve`, and for an upper block on rollers
+        under bulk stress and Q.
     """
     scene, settings = validated(scene, Scene), settings or DeckSettings()
     check_supports(scene, sheared(scene))
     check_bulk_stress(scene)
     path, on_rollers = scene.load.path(), getattr(scene.bodies.upper, "base", "") == "rollers"
     if has_bulk_stress(path) and on_rollers and sheared(scene):
-        raise InputError("bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take base = 'fixed'")
+        raise InputError(
+            "bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take"
+            " base = 'fixed'"
+        )
     scales = scales or find_scales(scene, Counter())
     cut = MeshSettings(
         element_size=settings.element_size,
@@ -233,21 +270,43 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     meshes = meshed_pair(scene, cut, partial(surface_grading, cut, scales, scene.profile))
     lower = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
     profile = None if scene.bodies.faces_are_true else scene.profile
-    upper = _body("UPPER", meshes[1], _upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
+    upper = _body(
+        "UPPER",
+        meshes[1],
+        _upper_places(meshes[1], profile),
+        len(lower.nodes) + 1,
+        len(lower.elements) + 1,
+    )
     time = _instants(scene, settings)
     normal, tangential = path.at(time)
     more: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
         more["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
     if (turning := path.companion("turning")) is not None:
-        more["moment" if path.moment_given else "tilt"] = freeze(turning.at(time)[path.moment_given])
+        more["moment" if path.moment_given else "tilt"] = freeze(
+            turning.at(time)[path.moment_given]
+        )
     approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
-    return Deck(scene, settings, scales, lower, upper, freeze(time), freeze(normal), freeze(tangential), touch, approach, **more)
+    return Deck(
+        scene,
+        settings,
+        scales,
+        lower,
+        upper,
+        freeze(time),
+        freeze(normal),
+        freeze(tangential),
+        touch,
+        approach,
+        **more,
+    )
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
-    """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path, and even ones between them."""
+    """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path,
+    and even ones between them.
+    """
     path, steps = scene.load.path(), settings.steps_per_cycle
     turns = min(settings.cycles, scene.cycles) if path.period is not None else 0
     pieces = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
@@ -256,15 +315,19 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
     for legs, count in pieces:
         duration = legs[-1].end - legs[0].start
         for leg in legs:
-            for piece in stretches(leg, scene.friction.coefficient, count * (leg.end - leg.start) / duration):
+            for piece in stretches(
+                leg, scene.friction.coefficient, count * (leg.end - leg.start) / duration
+            ):
                 found.extend(piece.ends)
     return np.array(found)
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
-    """Approach [length] at which bodies this deep carry about `load`: that of a line load on half-planes, 2 P ln(4 L/a)/(pi E*).
+    """Approach [length] at which bodies this deep carry about `load`: that of a line load on
+    half-planes, 2 P ln(4 L/a)/(pi E*).
 
-    It need not be right: the touch is no instant of the answer, and all that counts is that the faces meet.
+    It need not be right: the touch is no instant of the answer, and all that counts is that the
+    faces meet.
     """
 
     def depth(body: Shape) -> float:
@@ -282,14 +345,22 @@ def _areas(places: Array, cells: Indices) -> Array:
     return np.asarray((x * (np.roll(y, -1, 0) - np.roll(y, 1, 0))).sum(0) / 2)
 
 
-def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int) -> DeckBody:
+def _body(
+    name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int
+) -> DeckBody:
     """The body of a mesh whose nodes are moved to `places` (2, n)."""
     cells = mesh.mesh.t.copy()
     clockwise = _areas(places, cells) < 0
     cells[:, clockwise] = cells[:, clockwise][[0, 3, 2, 1]]
-    nodes_of = {boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()}
-    # A side of an element is on a boundary where its two nodes, in either order, are those of a facet there.
-    pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [places.shape[1], 1]
+    nodes_of = {
+        boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
+    }
+    # A side of an element is on a boundary where its two nodes, in either order, are those of a
+    # facet there.
+    pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [
+        places.shape[1],
+        1,
+    ]
 
     def faces(facets: Indices) -> Indices:
         """(k, 2) element number and face of the facets (2, k)."""
@@ -307,7 +378,8 @@ def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_eleme
         for direction in _HELD[support]:
             held[direction].append(nodes)
         if support == "rollers" and "guided" not in mesh.supports.values():
-            # Nothing else keeps the body from drifting along x; without a tangential load this support carries nothing.
+            # Nothing else keeps the body from drifting along x; without a tangential load this
+            # support carries nothing.
             held[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
     return DeckBody(
         name,
@@ -317,7 +389,11 @@ def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_eleme
         freeze(cells.T + first_node, np.int64),
         faces(nodes_of["contact"]),
         freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
-        {way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64) for way, nodes in held.items() if nodes},
+        {
+            way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
+            for way, nodes in held.items()
+            if nodes
+        },
         pulled,
     )
 
@@ -325,8 +401,9 @@ def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_eleme
 def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     """(2, n) nodes of an upper body, which its mesh has upside down, in the common frame.
 
-    Where the face is flat, the gap h(x) is cut into it and dies out towards the far end of the body. Beyond the side that may
-    touch, which ends at c, h(x) goes on as h + h' c tanh((|x| - c)/c): smooth, and bounded on a body of any width.
+    Where the face is flat, the gap h(x) is cut into it and dies out towards the far end of the
+    body. Beyond the side that may touch, which ends at c, h(x) goes on as h + h' c tanh((|x| -
+    c)/c): smooth, and bounded on a body of any width.
     """
     x, y = mesh.mesh.p[0], -mesh.mesh.p[1]
     if profile is None:
@@ -339,7 +416,7 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     return np.stack([x, y + gap * (1 - y / y.max())])
 
 
-# ---------------------------------------------------------------------------------------------------- the deck as text
+# --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
     """The text of the input file; `command` and `versions` go into its first comment."""
     told = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
@@ -348,7 +425,11 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
     text = template("deck.inp").render(deck=deck, command=command, versions=told, **known)
     lines: list[str] = []
     for line in text.split("\n"):
-        comment = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False) if line.startswith("**") else None
+        comment = (
+            textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
+            if line.startswith("**")
+            else None
+        )
         lines += [line] * bool(line) if comment is None else [f"** {part}" for part in comment]
     return "\n".join(lines) + "\n"
 
@@ -359,7 +440,8 @@ def one_line(text: str) -> str:
 
 
 def number(value: float) -> str:
-    """Thirteen digits and twenty characters at most, which is what CalculiX reads; always with a point.
+    """Thirteen digits and twenty characters at most, which is what CalculiX reads; always with a
+    point.
 
     >>> number(0.1), number(-1234.5), number(1e-20), number(2)
     ('0.1', '-1234.5', '1.e-20', '2.')
@@ -376,12 +458,22 @@ def rows(values: ArrayLike, per_line: int) -> str:
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
-    """(n + 1, 2) total time and loads, bulk stress, tilt and moment: strains and tilt times a, so that they move a node."""
-    found, size = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}, deck.scales.half_width
+    """(n + 1, 2) total time and loads, bulk stress, tilt and moment: strains and tilt times a, so
+    that they move a node.
+    """
+    found, size = (
+        {
+            "NORMAL_LOAD": deck.normal_load,
+            "TANGENTIAL_LOAD": deck.tangential_load,
+        },
+        deck.scales.half_width,
+    )
     for body, name in enumerate(("LOWER", "UPPER")):
         if (strain := deck.strain(body)) is not None:
             found[f"{name}_STRAIN"] = strain * size
-        found |= zip((f"{name}_LEFT_END", f"{name}_RIGHT_END"), deck.end_stresses(body) or (), strict=False)
+        found |= zip(
+            (f"{name}_LEFT_END", f"{name}_RIGHT_END"), deck.end_stresses(body) or (), strict=False
+        )
     if deck.tilt is not None:
         found["TILT"] = deck.tilt * size
     if deck.moment is not None:
@@ -390,10 +482,12 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
 
 
 def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
-    """For each node and direction of a far side, by directions, the terms (node, direction, factor) that add up to 0.
+    """For each node and direction of a far side, by directions, the terms (node, direction, factor)
+    that add up to 0.
 
-    It moves as the rigid plane (of the upper body), by the bulk strain of its half-plane and by the plane's turn. With one term it
-    stands still: on the lower half-plane's arc bulk strain leaves the middle alone.
+    It moves as the rigid plane (of the upper body), by the bulk strain of its half-plane and by the
+    plane's turn. With one term it stands still: on the lower half-plane's arc bulk strain leaves
+    the middle alone.
     """
     size, which = deck.scales.half_width, int(body is deck.upper)
     ratio = (deck.scene.material.lower, deck.scene.material.upper)[which].poisson_ratio
@@ -417,12 +511,25 @@ def equations_of(deck: Deck, body: DeckBody) -> Iterator[str]:
     """Data lines of the equations of a far side, those of each direction together."""
     tied = (terms for terms in _tied(deck, body) if len(terms) > 1)
     for _, own in groupby(tied, lambda terms: terms[0][1]):
-        yield "\n".join(f"{len(terms)}\n" + ", ".join(f"{of}, {way}, {number(k)}" for of, way, k in terms) for terms in own)
+        yield "\n".join(
+            f"{len(terms)}\n" + ", ".join(f"{of}, {way}, {number(k)}" for of, way, k in terms)
+            for terms in own
+        )
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Nodes of the lower body that stand still, and movements that mean nothing of the nodes for bulk strain and tilt."""
-    found = [f"{terms[0][0]}, {terms[0][1]}" for terms in _tied(deck, deck.lower) if len(terms) == 1]
+    """Nodes of the lower body that stand still, and movements that mean nothing of the nodes for
+    bulk strain and tilt.
+    """
+    found = [
+        f"{terms[0][0]}, {terms[0][1]}" for terms in _tied(deck, deck.lower) if len(terms) == 1
+    ]
     unstrained = [deck.strain(body) is None for body in (0, 1)]
-    found += [f"{deck.strained}, {body + 1}" for body in (0, 1) if unstrained[body] and not all(unstrained)]
-    return found + ([f"{deck.turning}, 2"] if deck.tilt is not None or deck.moment is not None else [])
+    found += [
+        f"{deck.strained}, {body + 1}"
+        for body in (0, 1)
+        if unstrained[body] and not all(unstrained)
+    ]
+    return found + (
+        [f"{deck.turning}, 2"] if deck.tilt is not None or deck.moment is not None else []
+    )

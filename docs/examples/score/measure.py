@@ -1,8 +1,10 @@
-"""Score the examples, and write what was found into numbers.json and between the marks of each README.
+"""Score the examples, and write what was found into numbers.json and between the marks of each
+README.
 
     python docs/examples/score/measure.py
 
-The one place where these numbers come from; `tests/test_reports_score.py` scores the files again and compares.
+The one place where these numbers come from; `tests/test_reports_score.py` scores the files again
+and compares.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ MARKS = re.compile(r"(?<=<!-- numbers -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Example:
-    """A result file, in the folder `name`, and what it needs beside it (compressed files are unpacked together)."""
+    """A result file, in the folder `name`, and what it needs beside it (compressed files are
+    unpacked together).
+    """
 
     name: str
     result: str
@@ -53,13 +57,17 @@ def scored(example: Example) -> Report:
         for file in (example.result, *example.beside):
             content = (folder / file).read_bytes()
             packed = file.endswith(".xz")
-            (Path(name) / file.removesuffix(".xz")).write_bytes(lzma.decompress(content) if packed else content)
+            (Path(name) / file.removesuffix(".xz")).write_bytes(
+                lzma.decompress(content) if packed else content
+            )
         path = Path(name) / example.result.removesuffix(".xz")
         return diagnosed(score_file(path, mapping, load_scene(SCENE)))
 
 
 def numbers(report: Report) -> dict[str, Any]:
-    """The headline figures (None: not in the result), whether all keep their tolerance, and what the result suffers from."""
+    """The headline figures (None: not in the result), whether all keep their tolerance, and what
+    the result suffers from.
+    """
     return {
         "metrics": {key: report.metric(key).value for key in HEADLINES},
         "passed": report.passed,
@@ -69,7 +77,13 @@ def numbers(report: Report) -> dict[str, Any]:
 
 def told(report: Report, made: dict[str, Any]) -> str:
     """The block of a README."""
-    lines = [f"{made['code']}, {made['increments']} increments, {made['seconds']:.3g} s of CPU on one thread.", ""]
+    lines = [
+        (
+            f"{made['code']}, {made['increments']} increments, {made['seconds']:.3g} s of CPU on"
+            " one thread."
+        ),
+        "",
+    ]
     lines += ["| against half-plane theory | difference | tolerance |", "|---|---|---|"]
     for key in HEADLINES:
         metric = report.metric(key)
@@ -88,7 +102,9 @@ def main() -> None:
         made = json.loads((HERE / example.name / "made.json").read_text("utf-8"))
         readme = HERE / example.name / "README.md"
         block = told(report, made).replace("\\", r"\\")
-        readme.write_text(MARKS.sub(lambda _, text=block: text, readme.read_text("utf-8")), encoding="utf-8")
+        readme.write_text(
+            MARKS.sub(lambda _, text=block: text, readme.read_text("utf-8")), encoding="utf-8"
+        )
         print(f"{example.name}: {found[example.name]}")
     NUMBERS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 

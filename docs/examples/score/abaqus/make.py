@@ -1,9 +1,10 @@
-"""A path table in the form in which Abaqus/CAE reports it, with CalculiX' numbers: nobody here has Abaqus.
+"""A path table in the form in which Abaqus/CAE reports it, with CalculiX' numbers: nobody here has
+Abaqus.
 
     python make.py DECK.inp FOLDER
 
-Takes the deck that `halfplane export SCENE` writes, runs CalculiX, and reports CPRESS and CSHEAR1 along the lower face at
-every instant of the last revolution: path.rpt, and the same as path.csv.
+Takes the deck that `halfplane export SCENE` writes, runs CalculiX, and reports CPRESS and CSHEAR1
+along the lower face at every instant of the last revolution: path.rpt, and the same as path.csv.
 """
 
 from __future__ import annotations
@@ -64,13 +65,19 @@ def main(deck: Path, folder: Path) -> None:
     start = float(found.x[on][0])
     report(folder, names, np.column_stack([found.x[on] - start, *fields]))
     words = f'code = "CalculiX {calculix_version(program)} in the form of an Abaqus path table"\n'
-    words += "# The path counts the true distance from its first node.\n" + f"x_offset = {-start:.7g}\n"
+    words += (
+        "# The path counts the true distance from its first node.\n" + f"x_offset = {-start:.7g}\n"
+    )
     times = found.time[steps] + scene.load.path().start
     words += "# Times of the scene's load path: the names of the columns count steps.\n"
     words += f"times = [{', '.join(f'{value:.7g}' for value in times)}]\n"
     (folder / "mapping.toml").write_text(words, encoding="utf-8")
     accepted = sum(attempt.accepted for attempt in status(folder / f"{NAME}.sta"))
-    made = {"code": f"CalculiX {calculix_version(program)}", "seconds": round(seconds, 1), "increments": accepted}
+    made = {
+        "code": f"CalculiX {calculix_version(program)}",
+        "seconds": round(seconds, 1),
+        "increments": accepted,
+    }
     (folder / "made.json").write_text(json.dumps(made) + "\n", encoding="utf-8")
 
 
