@@ -122,13 +122,8 @@ def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[s
     x, y = place[0] - BOX[0] / 2, place[1]
     fill = COLOURS[contracts.depth[name] % len(COLOURS)]
     outside = ", ".join(sorted(contracts.forbidden.get(name, set()) - set(contracts.depth)))
-    purpose = (
-        (importlib.import_module(name).__doc__ or "")
-        .split("\n")[0]
-        .split(". ")[0]
-        .split(": ", 1)[-1]
-        .split("; ")[0]
-    )
+    summary = (importlib.import_module(name).__doc__ or "").split("\n\n")[0]
+    purpose = " ".join(summary.split()).split(". ")[0].split(": ", 1)[-1].split("; ")[0]
     yield (
         f'<rect x="{x:.0f}" y="{y}" width="{BOX[0]}" height="{BOX[1]}" rx="6" fill="{fill}"'
         ' stroke="#333"/>'

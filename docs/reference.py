@@ -97,8 +97,7 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         if kinds:
             yield from (f"## {title}", "", "| `kind` | what it is |", "|---|---|")
             yield from (
-                f"| `{kind}` | {cell(model['description'].partition(chr(10))[0])} |"
-                for kind, model in kinds
+                f"| `{kind}` | {cell(summary(model['description']))} |" for kind, model in kinds
             )
             yield ""
         shared = ("kind", *(KEYS if name == "load" else ()))
@@ -152,6 +151,15 @@ def section(title: str, rows: list[Row]) -> Iterator[str]:
         )
         yield f"| {' | '.join(cells[first:])} |"
     yield from (":::", "")
+
+
+def summary(description: str) -> str:
+    r"""The first paragraph of a docstring, on one line.
+
+    >>> summary("Two words,\nand three more.\n\nDetails.")
+    'Two words, and three more.'
+    """
+    return " ".join(description.partition("\n\n")[0].split())
 
 
 def unit(key: str, description: str) -> str:

@@ -196,8 +196,9 @@ def largest_normal_load(scene: Scene) -> float:
 def _when_largest(scene: Scene) -> tuple[float, float]:
     """Largest P of the path and when that is."""
     return max(
-        _highest(leg, lambda time, leg=leg: leg.loads(time)[0]) for leg, _ in _deciding_legs(scene)
-    )  # type: ignore[misc]
+        _highest(leg, lambda time, leg=leg: leg.loads(time)[0])  # type: ignore[misc]
+        for leg, _ in _deciding_legs(scene)
+    )
 
 
 def _ratio(normal: Array, tangential: Array, friction: float) -> Array:

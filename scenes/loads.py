@@ -228,10 +228,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         return ()
 
     def at_corners(
-        self,
-        value: Any,
-        normal_loads: NDArray[np.float64],
-        last: float,  # noqa: ARG002 no time is needed
+        self, value: Any, normal_loads: NDArray[np.float64], last: float
     ) -> NDArray[np.float64]:
         """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in
         proportion to it, or by own points.
@@ -343,7 +340,10 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         return max(places) + 1
 
     def at_corners(
-        self, value: Any, normal_loads: NDArray[np.float64], last: float
+        self,
+        value: Any,
+        normal_loads: NDArray[np.float64],
+        last: float,  # noqa: ARG002 no time is needed
     ) -> NDArray[np.float64]:
         places, first = self.places(len(normal_loads))
         if not isinstance(value, tuple):

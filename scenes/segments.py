@@ -187,12 +187,7 @@ class LoadSegment(abc.ABC):
         )
 
     def _time_inside(
-        self,
-        what: Combination,  # noqa: ARG002 a straight line whatever the combination is
-        wanted: Array,
-        total: float,
-        begin: float,
-        end: float,
+        self, what: Combination, wanted: Array, total: float, begin: float, end: float
     ) -> Array:
         """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
         rounding stops them from gaining.
@@ -298,7 +293,12 @@ class StraightSegment(LoadSegment):
         return []
 
     def _time_inside(
-        self, what: Combination, wanted: Array, total: float, begin: float, end: float
+        self,
+        what: Combination,  # noqa: ARG002 a straight line whatever the combination is
+        wanted: Array,
+        total: float,
+        begin: float,
+        end: float,
     ) -> Array:
         return begin + (end - begin) * (wanted / total)
 
@@ -460,7 +460,12 @@ class HarmonicSegment(LoadSegment):
         return _sharpened(self, what, ((angles + first)[:, None] + 2 * math.pi * turns).ravel())
 
     def _time_inside(
-        self, what: Combination, wanted: Array, total: float, begin: float, end: float
+        self,
+        what: Combination,
+        wanted: Array,
+        total: float,
+        begin: float,
+        end: float,
     ) -> Array:
         if not self.ellipse:
             return super()._time_inside(what, wanted, total, begin, end)

@@ -633,9 +633,9 @@ class NestedIntervals:
         for low, high in pairwise(marks.tolist()):
             ends = np.array([0.0, math.sqrt(high - low)])
             both = (
-                halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, floor)
+                halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, floor)  # type: ignore[misc]
                 for k in (0, 1)
-            )  # type: ignore[misc]
+            )
             try:
                 found.append(tuple(both))
             except Unresolved as fault:

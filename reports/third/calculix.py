@@ -272,9 +272,9 @@ def _limits(deck: Deck) -> list[str]:
         and deck.settings.far_radius
     )
     creep = friction * pressure / deck.stick_slope
-    words = template("words.txt").module.limits_of_calculix(
+    words = template("words.txt").module.limits_of_calculix(  # type: ignore[attr-defined]
         pressure / deck.stiffness, creep, varies, radius
-    )  # type: ignore[attr-defined]
+    )
     return [line.strip() for line in str(words).split("\n") if line.strip()]
 
 
