@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reports.comparison.metrics import name_of
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
-from scenes.measured import means
+from scenes.measured import ReadAs, means
 
 Array = NDArray[np.float64]
 
@@ -376,7 +376,7 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     return {"read_as": read, "loads": numbers, "sentences": [words for words, _ in said]}
 
 
-def read_in_pairs(scene: Scene) -> dict[str, tuple[tuple[str, str], ...]]:
+def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
     """How each file beside the scene was read, by its key: what was found in it, what was stated,
     what was assumed.
     """

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +24,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from scenes.arrays import LARGEST, real_numbers
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
-from scenes.text_tables import text_table
+from scenes.text_tables import TextTable, text_table
 from scenes.unit_words import Kind, short_unit_in, unit_factor
 
 Array = NDArray[np.float64]
@@ -118,6 +118,84 @@ SCALE, ZERO = (
 READ_AS = "how the file was read, found and assumed; written by the reader"
 
 
+LIKELY_UNITS = {"length": "mm", "load": "N", "stress": "MPa", "angle": "rad"}
+"""A unit of each kind, for a sentence that asks for it."""
+
+
+@dataclass(frozen=True)
+class ColumnUnit:
+    """The unit of a column, as it was understood.
+
+    Attributes
+    ----------
+    word : as it stands in the file or was stated; empty where there is none
+    source : "in its heading", or "stated"
+    factor : from the numbers of the file to the unit of the scene; 1 where no unit is known
+    per_length : whether it is a force per length
+    fault : why the word is no unit that can be used; empty where it can
+    words : all this for the user; empty where the unit of a time is not stated
+    """
+
+    word: str
+    source: str
+    factor: float
+    per_length: bool
+    fault: str
+    words: str
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a unit, and it was understood."""
+        return bool(self.word) and not self.fault
+
+
+def unit_of_column(
+    table: TextTable, column: int, kind: Kind, units: str, stated: str | None = None
+) -> ColumnUnit:
+    """The unit of a column by number: the stated one, else that in the file.
+
+    Parameters
+    ----------
+    kind : what the column must be
+    units : those of the scene, such as "N, mm, MPa"
+    """
+    source = "stated" if stated else "in its heading"
+    word = stated or table.units[column] or short_unit_in(table.headings[column], kind)
+    if not word:
+        words = "no unit stated: taken to be in that of the scene"
+        return ColumnUnit("", source, 1.0, False, "", "" if kind == "time" else words)
+    try:
+        factor, per_length = unit_factor(word, kind, units)
+    except ValueError as reason:
+        words = f"{word!r} {source} is no unit that is known: taken as it stands"
+        return ColumnUnit(word, source, 1.0, False, str(reason), words)
+    words = f"{word} ({source}), times {factor:.9g}"
+    return ColumnUnit(word, source, factor, per_length, "", words)
+
+
+def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
+    """How a text table was found in its file: its rows, separator, decimal sign and characters."""
+    layout = [
+        ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
+        ("columns separated by", table.separator),
+        ("decimal sign", table.decimal),
+    ]
+    if not table.encoding.startswith("UTF-8"):
+        layout.append(("characters", table.encoding))
+    if table.skipped:
+        layout.append(("lines above the headings", f"{table.skipped} skipped"))
+    return layout
+
+
+class _Reading(NamedTuple):
+    """How a column becomes numbers of the scene: (number - zero) x factor; and this in words."""
+
+    zero: float
+    factor: float
+    unit_known: bool
+    words: str
+
+
 class FromFile(Frozen):
     """Keys of which one, `table`, is rows of numbers that may stand in a text `file` instead,
     relative to the scene file.
@@ -144,95 +222,95 @@ class FromFile(Frozen):
             raise PydanticCustomError(
                 "key_missing", "the key {key} is missing", {"key": self.table}
             )
-        columns, units, path = (
-            getattr(self, "columns", None),
-            (info.context or {}).get("units"),
-            _folder(info) / self.file,
-        )
-        units, named = units if isinstance(units, str) else _UNITS, self._named(columns)
-        quantities = self.quantities | {name: self.further[name] for name in named}
-        table = text_table(path, tuple(quantities), stated=_given(columns))
-        said = [
-            ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
-            ("columns separated by", table.separator),
-            ("decimal sign", table.decimal),
-        ]
-        if not table.encoding.startswith("UTF-8"):
-            said.append(("characters", table.encoding))
-        if table.skipped:
-            said.append(("lines above the headings", f"{table.skipped} skipped"))
-        thickness, converted = getattr(self, "thickness", None), False
-        factors, zeros, signs, words = (
-            _given(getattr(self, key)) for key in ("scale", "zero", "sign", "units")
-        )
-        for k, (name, kind) in enumerate(quantities.items()):
-            heading = table.headings[k]
-            unit = words.get(name) or table.units[k] or short_unit_in(heading, kind)
-            where = "stated" if name in words else "in its heading"
-            how = [repr(heading) if table.head else heading]
-            factor = 1.0
-            per_length = None
-            if unit:
-                try:
-                    factor, per_length = unit_factor(unit, kind, units)
-                except ValueError as reason:
-                    if name in words:
-                        raise InputError(f"units.{name}: {reason}") from reason
-                    # The unit of time changes no result, moments are not converted, and a stated
-                    # scale turns volts into loads.
-                    if kind not in ("time", "moment") and name not in factors:
-                        raise InputError(
-                            f"{path}: the heading {heading!r} of {name} has {unit!r} where a unit"
-                            f" stands: {reason}; state the unit of the numbers, such as units ="
-                            f" {{{name} = {_LIKELY[kind]!r}}}, or their factor by scale"
-                        ) from reason
-                    how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
-                else:
-                    converted = converted or kind != "time"
-                    how.append(
-                        f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else "")
-                    )
-            elif kind != "time":
-                how.append("no unit stated: taken to be in that of the scene")
-            if kind == "load" and per_length is (thickness is not None):
-                rule = (
-                    "a force, and loads are per unit thickness: state the key thickness, the length"
-                    " of the contact out of the "
-                )
-                rule += "plane, by which it is divided"
-                if per_length:
-                    rule = "per length already: leave out the key thickness"
-                raise InputError(f"{path}: {name} is in {unit} ({where}), {rule}")
-            over = thickness if kind == "load" and thickness is not None else None
-            if name in zeros:
-                how.append(f"zero at {zeros[name]:.9g} of the file")
-            if name in factors:
-                how.append(f"times {factors[name]:.9g} (scale)")
-            if over is not None:
-                how.append(f"over the thickness {over:.9g}")
-            if signs.get(name, 1) < 0:
-                how.append("sign turned")
+        path = _folder(info) / self.file
+        units = (info.context or {}).get("units")
+        if not isinstance(units, str):
+            units = _UNITS
+        columns = getattr(self, "columns", None)
+        named = self._named(columns)
+        kinds = self.quantities | {name: self.further[name] for name in named}
+        table = text_table(path, tuple(kinds), stated=_given(columns))
+        read_as = layout_in_words(path, table)
+        converted = False
+        for k, (name, kind) in enumerate(kinds.items()):
+            reading = self._reading(path, table, k, name, kind, units)
+            converted = converted or (reading.unit_known and kind != "time")
             # what is not finite is refused with its row
             with np.errstate(over="ignore", invalid="ignore"):
-                table.values[:, k] -= zeros.get(name, 0.0)
-                table.values[:, k] *= factor * (
-                    factors.get(name, 1.0) * signs.get(name, 1) / (over or 1.0)
-                )
-            said.append((name, ", ".join(how)))
+                table.values[:, k] -= reading.zero
+                table.values[:, k] *= reading.factor
+            read_as.append((name, reading.words))
         if converted:
-            said.append((SCENE_UNITS, units))
-        if both := [name for name in named if getattr(self, name) is not None]:
+            read_as.append((SCENE_UNITS, units))
+        stated_twice = [name for name in named if getattr(self, name) is not None]
+        if stated_twice:
             raise InputError(
-                f"{self.file}: {both[0]} is a column of the file and stated beside it: leave"
-                " one out"
+                f"{self.file}: {stated_twice[0]} is a column of the file and stated beside it:"
+                " leave one out"
             )
-        values, count = Table.of(table.values).values, len(self.quantities)
-        found = {self.table: Table.of(values[:, :count]), "read_as": tuple(said)}
-        found |= {name: tuple(values[:, count + k].tolist()) for k, name in enumerate(named)}
-        for name, value in found.items():
+        values = Table.of(table.values).values
+        count = len(self.quantities)
+        keys_read: dict[str, Any] = {
+            self.table: Table.of(values[:, :count]),
+            "read_as": tuple(read_as),
+        }
+        for k, name in enumerate(named):
+            keys_read[name] = tuple(values[:, count + k].tolist())
+        for name, value in keys_read.items():
             object.__setattr__(self, name, value)
-        self.model_fields_set.update(found)
+        self.model_fields_set.update(keys_read)
         return self
+
+    def _reading(
+        self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
+    ) -> _Reading:
+        """How the column of a quantity becomes numbers of the scene.
+
+        Raises
+        ------
+        InputError
+            For a unit that is not understood, for forces without a thickness, and for forces per
+            length with one.
+        """
+        stated_units = _given(getattr(self, "units", None))
+        scales = _given(getattr(self, "scale", None))
+        zeros = _given(getattr(self, "zero", None))
+        signs = _given(getattr(self, "sign", None))
+        heading = table.headings[column]
+        unit = unit_of_column(table, column, kind, units, stated_units.get(name))
+        # The unit of time changes no result, moments are not converted, and a stated scale turns
+        # volts into loads.
+        if unit.fault and name in stated_units:
+            raise InputError(f"units.{name}: {unit.fault}")
+        if unit.fault and kind not in ("time", "moment") and name not in scales:
+            raise InputError(
+                f"{path}: the heading {heading!r} of {name} has {unit.word!r} where a unit"
+                f" stands: {unit.fault}; state the unit of the numbers, such as units ="
+                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale"
+            )
+        thickness = getattr(self, "thickness", None) if kind == "load" else None
+        if unit.known and kind == "load" and unit.per_length == (thickness is not None):
+            rule = (
+                "a force, and loads are per unit thickness: state the key thickness, the length of"
+                " the contact out of the plane, by which it is divided"
+            )
+            if unit.per_length:
+                rule = "per length already: leave out the key thickness"
+            raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {rule}")
+        words = [repr(heading) if table.head else heading]
+        if unit.words:
+            words.append(unit.words)
+        if name in zeros:
+            words.append(f"zero at {zeros[name]:.9g} of the file")
+        if name in scales:
+            words.append(f"times {scales[name]:.9g} (scale)")
+        if thickness is not None:
+            words.append(f"over the thickness {thickness:.9g}")
+        if signs.get(name, 1) < 0:
+            words.append("sign turned")
+        # the quotient first: the order decides about the last digit
+        factor = unit.factor * (scales.get(name, 1.0) * signs.get(name, 1) / (thickness or 1.0))
+        return _Reading(zeros.get(name, 0.0), factor, unit.known, ", ".join(words))
 
     @classmethod
     def _named(cls, columns: Frozen | None) -> list[str]:
@@ -288,8 +366,6 @@ def _folder(info: ValidationInfo) -> Path:
     return Path((info.context or {}).get("folder", "."))
 
 
-# A unit of each kind, for a sentence that asks for it.
-_LIKELY = {"length": "mm", "load": "N", "stress": "MPa", "angle": "rad"}
 # Of the library; where nothing else is stated.
 _UNITS = "N, mm, MPa"
 SCENE_UNITS = "units of the scene"

@@ -79,7 +79,7 @@ def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, s
 
 
 def loop_of(u, q, **more):
-    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float), (), **more)
+    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float), **more)
 
 
 def holds(found):
@@ -204,7 +204,14 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
     written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N)"], 1e3 * u, 12 * q)
     found = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
     np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
-    assert "The column 'Tangential force (N)' is in N: times 1, over the thickness 12" in found.said
+    read = dict(found.read_as)
+    assert read["relative displacement U"] == (
+        "'Displacement (µm)', µm (in its heading), times 0.001"
+    )
+    assert read["tangential load Q"] == (
+        "'Tangential force (N)', N (in its heading), times 1, over the thickness 12"
+    )
+    assert read["time"] == "no column: rows follow each other evenly"
     assert score_loop(found, SCENE).agrees
     with pytest.raises(
         InputError,
@@ -219,6 +226,40 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
         InputError, match="is in N/mm, a force per length, and the mapping states a thickness"
     ):
         read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("U (furlongs),Q [N/mm]", r"'U \(furlongs\)' is in furlongs, .*: state factors.length"),
+        ("U [mm],Q [volts]", r"'Q \[volts\]' is in volts, .*: state factors.load"),
+        ("U [mm],Force N", r"'Force N' is in N, .*: state factors.load .* the thickness"),
+    ],
+)
+def test_a_unit_that_cannot_be_used_is_asked_for(tmp_path, head, words):
+    u, q = rows_of("Q", "triangle", 100)
+    written(tmp_path / "loop.csv", [head], u, q)
+    columns = {"slip": 1, "tangential_load": 2}
+    with pytest.raises(InputError, match=words):
+        read_loop(tmp_path / "loop.csv", Mapping(columns=columns), SCENE)
+    stated = Mapping(columns=columns, factors={"length": 1.0, "load": 0.5})
+    found = read_loop(tmp_path / "loop.csv", stated, SCENE)
+    assert dict(found.read_as)["tangential load Q"].endswith(
+        "times 0.5 (factors.load of the mapping)"
+    )
+
+
+def test_a_column_without_a_unit_is_said_to_be_in_that_of_the_scene(tmp_path):
+    u, q = rows_of("Q", "triangle", 100)
+    written(tmp_path / "loop.csv", ["t,U,Q"], np.arange(len(u)), u)
+    lines = (tmp_path / "loop.csv").read_text().splitlines()
+    rows = [f"{line},{load:.7g}" for line, load in zip(lines[1:], q.tolist(), strict=True)]
+    (tmp_path / "loop.csv").write_text("\n".join([lines[0], *rows]))
+    read = dict(read_loop(tmp_path / "loop.csv", Mapping(), SCENE).read_as)
+    assert read["relative displacement U"] == (
+        "'U', no unit stated: taken to be in that of the scene"
+    )
+    assert read["time"] == "'t', as it stands: no result depends on its unit"
 
 
 def test_two_columns_without_names_are_taken_by_number(tmp_path):

@@ -646,7 +646,7 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
     )
 
 
-ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1), ())
+ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1))
 KNOW_P_AND_Q_ALONE = {
     "advise": (parts_of, "advice covers no bulk stress or tilt"),
     "a measured loop": (
@@ -817,6 +817,38 @@ def examples() -> Any:
     return SimpleNamespace(**run_path(str(SCRIPT)))
 
 
+def test_check_says_how_each_column_of_a_loop_is_read(tmp_path: Path) -> None:
+    """And refuses what `score --as loop` would refuse."""
+    angle = 0.1 * np.arange(200)
+    rows = "\n".join(f"{2 * s:.5f};{96 * s:.5f}".replace(".", ",") for s in np.sin(angle).tolist())
+    (tmp_path / "loop.csv").write_text(f"Displacement [µm];Force [N]\n{rows}\n", encoding="utf-8")
+    (tmp_path / "map.toml").write_text(
+        "thickness = 8.0\n[columns]\ntangential_load = 'Force [N]'\n", encoding="utf-8"
+    )
+    loop = ("--loop", "loop.csv")
+    words = ("check", "cattaneo-mindlin", "--json", *loop, "--mapping", "map.toml")
+    done = json.loads(halfplane(tmp_path, *words).stdout)["result"]
+    assert dict(done["read_as"]["loop.csv"]) == {
+        "file": "loop.csv: 200 rows from line 2 on",
+        "columns separated by": "semicolon",
+        "decimal sign": "comma",
+        "relative displacement U": "'Displacement [µm]', µm (in its heading), times 0.001",
+        "tangential load Q": "'Force [N]', N (in its heading), times 1, over the thickness 8",
+        "time": "no column: rows follow each other evenly",
+    }
+    (note,) = [note for note in done["notes"] if "as it was read" in note]
+    assert "Tangential load Q: 'Force [N]', N (in its heading)" in note
+    (tmp_path / "map.toml").write_text("[columns]\ntangential_load = 'Force [N]'\n")
+    refused = halfplane(tmp_path, *words)
+    assert refused.returncode == 2
+    assert "or the thickness of the contact" in refused.stderr
+    alone = halfplane(tmp_path, "check", "cattaneo-mindlin", "--mapping", "map.toml")
+    assert alone.returncode == 2
+    assert "name the loop by --loop" in alone.stderr
+    no_cycle = halfplane(tmp_path, "check", "hertz-normal", *loop)
+    assert "its loads do not repeat" in no_cycle.stderr
+
+
 def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) -> None:
     made = examples()
     made.main(tmp_path)
@@ -942,7 +974,7 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     (read,) = [note for note in done["notes"] if "as it was read" in note]
     assert (
         "Columns separated by: semicolon. Decimal sign: comma. Time: 'Time [s]', s (in its"
-        " heading)." in read
+        " heading), times 1." in read
     )
     assert any("The path goes through" in words for words in done["remarks"])
     done = json.loads(

@@ -808,9 +808,7 @@ def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0
 
 
 def loop_of(u, q, time=None):
-    return MeasuredLoop(
-        "loop.csv", u, q, np.arange(len(u), dtype=float) if time is None else time, ()
-    )
+    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float) if time is None else time)
 
 
 @pytest.mark.parametrize(
@@ -1040,7 +1038,9 @@ def test_units_of_the_headings_and_a_mapping_turn_a_loop_into_the_units_of_the_s
     u, q, _ = rows_of(WIDE, 0.5, 200, 2.0)
     loop_written(tmp_path / "loop.csv", 1e3 * u, q, "U [um],Q [kN/m]")
     found = read_loop(tmp_path / "loop.csv", Mapping(), WIDE)
-    assert "The column 'U [um]' is in um: times 0.001" in found.said
+    assert dict(found.read_as)["relative displacement U"] == (
+        "'U [um]', um (in its heading), times 0.001"
+    )
     loop_written(tmp_path / "own.csv", 1e3 * u, 10 * q, "LVDT [um],Ft [N]")
     columns, factors = (
         {"slip": "LVDT [um]", "tangential_load": "Ft [N]"},

@@ -148,6 +148,10 @@ class Options:
     third: Annotated[
         Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")
     ] = None
+    loop: Annotated[
+        Path | None,
+        _says("A rig's loop to score against this scene: how each of its columns is read."),
+    ] = None
     scene: Annotated[
         str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")
     ] = None
@@ -493,7 +497,7 @@ _COMMANDS = (
         "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
         "scene_files:check",
         (_SCENE_NAME,),
-        ("json", "quiet"),
+        ("json", "quiet", "loop", "mapping"),
         _SILENT,
         silent=True,
     ),

@@ -165,6 +165,7 @@ def _scored_loop(
     """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
     stages = Stages(options.quiet)
     with stages.stage("loading"):
+        from reports.comparison.words import read_in_words
         from reports.scoring import loops
     with stages.stage("reading"):
         rows = loops.read_loop(path, mapping, scene)
@@ -184,6 +185,7 @@ def _scored_loop(
     return Answer(
         WITHIN if found.agrees else OUTSIDE,
         [
+            read_in_words(path.name, found.read_as),
             *(f"Taken for granted: {sentence}." for sentence in found.said),
             sheet,
             found.sentence,

@@ -100,7 +100,7 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
 
 
 # -------------------------------------------------------------------------------------------- check
-def check(scene: str, _: Options) -> Answer:
+def check(scene: str, options: Options) -> Answer:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to
     gross sliding.
     """
@@ -117,7 +117,7 @@ def check(scene: str, _: Options) -> Answer:
         bodies_in_words,
         idealisation,
         question,
-        sentence,
+        read_in_words,
         unlike_materials,
     )
     from reports.measured import check_record, read_in_pairs, record_in_words
@@ -127,6 +127,7 @@ def check(scene: str, _: Options) -> Answer:
     from scenes import InputError, TimeSeriesLoad
 
     source, found = scene, read(scene)
+    loop_read = _loop_read(found, options)
     count = len(found.load.kept_rows()) if isinstance(found.load, TimeSeriesLoad) else 0
     load_engines(Stages(quiet=True))
     engines, path, bulk = (
@@ -149,10 +150,8 @@ def check(scene: str, _: Options) -> Answer:
         question(found),
         *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found))),
     ]
-    for name, pairs in read_in_pairs(found).items():
-        words.append(
-            " ".join([f"{name}, as it was read:", *(sentence(": ".join(pair)) for pair in pairs)])
-        )
+    tables_read = read_in_pairs(found) | loop_read
+    words += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
     if record := check_record(found):
         for said, warning in record_in_words(found, record):
             (doubts if warning else words).append(said)
@@ -172,6 +171,7 @@ def check(scene: str, _: Options) -> Answer:
         "sentence": last,
         "notes": words,
         "remarks": doubts,
+        "read_as": tables_read,
         "engines": vars(engines),
     }
     content |= {
@@ -185,6 +185,28 @@ def check(scene: str, _: Options) -> Answer:
         lambda: content,
         found.name,
     )
+
+
+def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
+    """How the table of --loop was read, by its path; empty without one.
+
+    Raises
+    ------
+    InputError
+        As `score --as loop` does for the scene, the mapping and the table.
+    """
+    from scenes import InputError
+
+    if options.loop is None:
+        if options.mapping is not None:
+            raise InputError("--mapping: it says how a loop is read; name the loop by --loop")
+        return {}
+    from reports.scoring import loops
+    from reports.scoring.mapping import load_mapping
+
+    loops.require_loop(scene)
+    rows = loops.read_loop(options.loop, load_mapping(options.mapping), scene)
+    return {str(options.loop): rows.read_as}
 
 
 # -------------------------------------------------------------------------- the library, the schema

@@ -38,6 +38,7 @@ from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import ContactSolution, Scene, TimeSeriesLoad, Wave, sampled
+from scenes.measured import ReadAs
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -502,6 +503,16 @@ def sentence(text: str) -> str:
     ('To compare.', 'Why?', '')
     """
     return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+
+
+def read_in_words(name: str, read_as: ReadAs) -> str:
+    """How a file was read, as sentences: its layout, then each column with its unit and factor.
+
+    >>> read_in_words("loop.csv", (("decimal sign", "comma"),))
+    'loop.csv, as it was read: Decimal sign: comma.'
+    """
+    sentences = [sentence(": ".join(pair)) for pair in read_as]
+    return " ".join([f"{name}, as it was read:", *sentences])
 
 
 # ------------------------------------------------------------------------------------------- tables

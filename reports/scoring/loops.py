@@ -23,11 +23,10 @@ sum of squares, and its interval is where that sum exceeds the least one by what
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -45,8 +44,8 @@ from reports.scoring.loop_branches import find_branches, fit_branches, polygon_a
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import InputError, Scene
-from scenes.text_tables import ALIASES, plain, text_table
-from scenes.unit_words import unit_factor
+from scenes.measured import ReadAs, layout_in_words, unit_of_column
+from scenes.text_tables import ALIASES, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
@@ -84,18 +83,17 @@ _CHI = 3.841
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any;
-    `said` what was assumed.
+    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any.
 
-    `resolution` is the step of U and of Q that the digits of the rows resolve, 0 where they hold
-    every digit.
+    `read_as` is how the file was read: each column with its heading, unit and factor. `resolution`
+    is the step of U and of Q that the digits of the rows resolve, 0 where they hold every digit.
     """
 
     source: str
     shift: Array
     load: Array
     time: Array
-    said: tuple[str, ...]
+    read_as: ReadAs = ()
     resolution: tuple[float, float] = (0.0, 0.0)
 
 
@@ -132,6 +130,7 @@ class LoopScore:
     cycles : how many the rows cover
     noise : rms of U about the best fit [length]
     rows : measured, then each computed loop
+    read_as : how the file was read
     said : what was assumed
     tau, shift, load, curves : the rows on the cycle [share], and each computed loop (U with the
         rig, Q), for the figure
@@ -148,6 +147,7 @@ class LoopScore:
     cycles: float
     noise: float
     rows: tuple[LoopRow, ...]
+    read_as: ReadAs
     said: tuple[str, ...]
     tau: Array
     shift: Array
@@ -227,73 +227,112 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             " columns.tangential_load"
         )
     time = find_column(mapping, "time", names, where)
-    said, times = (
-        [f"U is the column {shift!r} and Q the column {force!r}"],
-        {
-            shift: 1.0,
-            force: 1.0,
-        },
-    )
-    columns: tuple[tuple[str, float | None, Literal["length", "load"], str], ...] = (
-        (shift, mapping.factors.length, "length", units(scene)[1]),
-        (force, mapping.factors.load, "load", load_unit(scene)),
-    )
-    for name, factor, key, wanted in columns:
-        inside = table.units[names.index(name)]
-        if (
-            key == "load"
-            and "/" in inside
-            and factor is None
-            and "thickness" in mapping.model_fields_set
-        ):
-            raise InputError(
-                f"{where}: the column {name!r} is in {inside}, a force per length, and the mapping"
-                " states a thickness, by which forces are divided: take thickness out of the"
-                " mapping, or state factors.load"
-            )
-        if inside and inside != wanted and factor is None:
-            by_thickness = ""
-            with contextlib.suppress(ValueError):
-                times[name], per_length = unit_factor(inside, key, scene.units)
-                if key == "length" or per_length:
-                    said.append(f"The column {name!r} is in {inside}: times {times[name]:.9g}")
-                    continue
-                if "thickness" in mapping.model_fields_set:
-                    over = f"times {times[name]:.9g}, over the thickness {mapping.thickness:.9g}"
-                    said.append(f"The column {name!r} is in {inside}: {over}")
-                    continue
-                by_thickness = ", or the thickness of the contact, by which it is divided"
-            raise InputError(
-                f"{where}: the column {name!r} is in {inside}, and the scene in {wanted}: state"
-                f" factors.{key} in a mapping, by which it is multiplied{by_thickness}"
-            )
     count = len(table.values)
     if count < _FEWEST:
         raise InputError(
             f"{where}: {count} rows are too few for a loop: at least {_FEWEST} are needed"
         )
-    rows = np.arange(count, dtype=float) if time is None else table.column(time)
-    back = np.flatnonzero(np.diff(rows) <= 0)
+    shifts_read = _column_of_loop(where, table, mapping, scene, shift, "slip")
+    loads_read = _column_of_loop(where, table, mapping, scene, force, "tangential_load")
+    for column in (shifts_read, loads_read):
+        if not np.ptp(column.values) > 0:
+            raise InputError(f"{where}: {column.name} is the same in every row: there is no loop")
+    instants = np.arange(count, dtype=float)
+    time_in_words = "no column: rows follow each other evenly"
+    if time is not None:
+        instants = table.column(time)
+        time_in_words = f"{time!r}, as it stands: no result depends on its unit"
+    back = np.flatnonzero(np.diff(instants) <= 0)
     if len(back):
         k = int(back[0]) + 1
         raise InputError(
-            f"{where}, line {table.lines[k]}: {time} = {rows[k]:.6g} does not ascend: rows stand in"
-            " the order of time"
+            f"{where}, line {table.lines[k]}: {time} = {instants[k]:.6g} does not ascend: rows"
+            " stand in the order of time"
         )
-    u = converted(mapping, "slip", times[shift] * table.column(shift))
-    q = converted(mapping, "tangential_load", times[force] * table.column(force))
-    steps = np.array([_step_of_digits(table.column(name)) for name in (shift, force)])
-    step_of_shift = abs(float(converted(mapping, "slip", times[shift] * steps[:1])[0]))
-    step_of_load = abs(float(converted(mapping, "tangential_load", times[force] * steps[1:])[0]))
-    for name, values in ((shift, u), (force, q)):
-        if not np.ptp(values) > 0:
-            raise InputError(f"{where}: {name} is the same in every row: there is no loop")
-    said.append(
-        "Rows follow each other evenly in time"
-        if time is None
-        else f"Times of the rows are the column {time!r}"
+    read_as = layout_in_words(path, table)
+    read_as.append(("relative displacement U", shifts_read.words))
+    read_as.append(("tangential load Q", loads_read.words))
+    read_as.append(("time", time_in_words))
+    return MeasuredLoop(
+        source=where,
+        shift=shifts_read.values,
+        load=loads_read.values,
+        time=instants - instants[0],
+        read_as=tuple(read_as),
+        resolution=(shifts_read.step, loads_read.step),
     )
-    return MeasuredLoop(where, u, q, rows - rows[0], tuple(said), (step_of_shift, step_of_load))
+
+
+class _ColumnOfLoop(NamedTuple):
+    """A column by its name in the file: `values` (n,) and the `step` of its last digit, both in the
+    unit of the scene; how it was read, in words.
+    """
+
+    name: str
+    values: Array
+    step: float
+    words: str
+
+
+def _column_of_loop(
+    where: str,
+    table: TextTable,
+    mapping: Mapping,
+    scene: Scene,
+    name: str,
+    quantity: Literal["slip", "tangential_load"],
+) -> _ColumnOfLoop:
+    """U or Q of a table in the unit of the scene.
+
+    Raises
+    ------
+    InputError
+        For a unit that is not understood, for forces without a thickness, and for forces per length
+        with one.
+    """
+    kind: Literal["length", "load"] = "length" if quantity == "slip" else "load"
+    unit_of_scene = units(scene)[1] if kind == "length" else load_unit(scene)
+    number = table.names.index(name)
+    thickness_stated = kind == "load" and "thickness" in mapping.model_fields_set
+    factor_stated = getattr(mapping.factors, kind)
+    unit_factor = 1.0
+    words = [repr(name)]
+    if factor_stated is not None:
+        words.append(f"times {factor_stated:.9g} (factors.{kind} of the mapping)")
+    else:
+        unit = unit_of_column(table, number, kind, scene.units)
+        if unit.word == unit_of_scene:  # whatever words the scene has for its units
+            in_words = f"{unit.word} (in its heading), times 1"
+            unit = replace(unit, factor=1.0, per_length=kind == "load", fault="", words=in_words)
+        if thickness_stated and "/" in unit.word:
+            raise InputError(
+                f"{where}: the column {name!r} is in {unit.word}, a force per length, and the"
+                " mapping states a thickness, by which forces are divided: take thickness out of"
+                " the mapping, or state factors.load"
+            )
+        force_alone = kind == "load" and unit.known and not unit.per_length
+        if unit.fault or (force_alone and not thickness_stated):
+            or_thickness = ""
+            if force_alone:
+                or_thickness = ", or the thickness of the contact, by which it is divided"
+            raise InputError(
+                f"{where}: the column {name!r} is in {unit.word}, and the scene in"
+                f" {unit_of_scene}: state factors.{kind} in a mapping, by which it is"
+                f" multiplied{or_thickness}"
+            )
+        unit_factor = unit.factor
+        words.append(unit.words)
+    if thickness_stated:
+        words.append(f"over the thickness {mapping.thickness:.9g}")
+    if mapping.sign(quantity) < 0:
+        words.append("sign turned")
+    step = unit_factor * np.array([_step_of_digits(table.values[:, number])])
+    return _ColumnOfLoop(
+        name=name,
+        values=converted(mapping, quantity, unit_factor * table.values[:, number]),
+        step=abs(float(converted(mapping, quantity, step)[0])),
+        words=", ".join(words),
+    )
 
 
 def _is_of_loops(heading: str) -> bool:
@@ -324,6 +363,17 @@ def _step_of_digits(values: Array) -> float:
     return float(10.0 ** int(np.floor(np.median(places)))) if places else 0.0
 
 
+def require_loop(scene: Scene) -> None:
+    """InputError for a scene that no measured loop can be scored against."""
+    if scene.load.path().period is None:
+        raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
+    if scene.unsymmetric:
+        raise InputError(
+            f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U"
+            " hangs on where it is measured, and the loop's area is not the dissipation"
+        )
+
+
 def score_loop(
     loop: MeasuredLoop,
     scene: Scene,
@@ -351,19 +401,11 @@ def score_loop(
     >>> exact = semi_analytic.solve(scene, x=0.0, time=times, fields="tangential_displacement")
     >>> row = np.arange(200) % 100
     >>> rig = exact.tangential_displacement + 1e-5 * exact.tangential_load
-    >>> found = score_loop(
-    ...     MeasuredLoop("rig", rig[row], exact.tangential_load[row], share, ()), scene
-    ... )
+    >>> found = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share), scene)
     >>> round(found.friction, 3), round(found.compliance, 7)
     (0.5, 1e-05)
     """
-    if scene.load.path().period is None:
-        raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
-    if scene.unsymmetric:
-        raise InputError(
-            f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U"
-            " hangs on where it is measured, and the loop's area is not the dissipation"
-        )
+    require_loop(scene)
     for name, values in (("U", loop.shift), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
@@ -436,7 +478,8 @@ def score_loop(
         cycles=fit.cycles,
         noise=fit.shift_noise,
         rows=tuple(rows),
-        said=(*loop.said, *said),
+        read_as=loop.read_as,
+        said=tuple(said),
         tau=share,
         shift=loop.shift,
         load=loop.load,
@@ -840,6 +883,7 @@ def content(found: LoopScore) -> dict[str, Any]:
             row.name: {name: value for name, value in vars(row).items() if name != "name"}
             for row in found.rows
         },
+        "read_as": found.read_as,
         "notes": list(found.said),
         "scene": found.scene.model_dump(mode="json"),
     }
@@ -952,6 +996,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
             scene=found.scene,
             question=question(found.scene),
             found=found,
+            source_name=Path(found.source).name,
             stress=units(found.scene)[2],
             heads=heads,
             rows=rows,
