@@ -401,7 +401,7 @@ def cheap() -> Iterator[Row]:
     """
     from jobs import F, swept
 
-    from reports.sweep.solving import QUANTITIES
+    from reports.studies.sweep.solving import QUANTITIES
 
     names, known = (
         [

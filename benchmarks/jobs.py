@@ -146,9 +146,9 @@ def swept(
     """The table of a sweep in a new store, wall seconds of checking and of the work, processes'
     starting included.
     """
-    from reports.sweep.running import prepare, work
-    from reports.sweep.store import done
-    from reports.sweep.study import study_of
+    from reports.studies.sweep.running import prepare, work
+    from reports.studies.sweep.store import done
+    from reports.studies.sweep.study import study_of
 
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()

@@ -153,7 +153,7 @@ import json, sys
 from pathlib import Path
 from reports.cli import main
 from reports.cli.application import app
-from reports.maps.laws import PUBLISHED
+from reports.studies.maps.laws import PUBLISHED
 if __name__ == "__main__":
     Path("maps").mkdir()
     for table in PUBLISHED.glob("limits-*.csv"):

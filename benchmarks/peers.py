@@ -123,7 +123,7 @@ def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
     """The bodies as CalculiX gets them, with few increments, on which the answer does not depend;
     its text; CPU seconds.
     """
-    from reports.third.deck import DeckSettings, build_deck, deck_text
+    from reports.studies.third.deck import DeckSettings, build_deck, deck_text
 
     begun = time.process_time()
     sizes = {
@@ -188,7 +188,7 @@ def calculix(scene: Scene, edge: int) -> Answer:
     deck.
     """
     from reports.console import Stages
-    from reports.third.calculix import find_calculix, judged, run_calculix
+    from reports.studies.third.calculix import find_calculix, judged, run_calculix
 
     deck, text, meshed = deck_of(scene, edge)
     with tempfile.TemporaryDirectory() as name, Stages(quiet=True).stage("CalculiX") as report:

@@ -74,8 +74,10 @@ def public_names(tree: ast.Module) -> set[str]:
 
 
 def size(part: str) -> Size:
-    """The size of one folder of the project."""
-    paths = [path for path in sorted((ROOT / part).rglob("*.py")) if "_build" not in path.parts]
+    """The size of a file, or of all Python files below a folder, by its path in the project."""
+    place = ROOT / part
+    below = sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    paths = [path for path in below if "_build" not in path.parts]
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
     return Size(
         len(paths), sum(map(statements, trees)), sum(len(public_names(tree)) for tree in trees)

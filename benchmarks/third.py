@@ -34,13 +34,13 @@ from claims import chosen, commit, measure, stored, write_json
 
 from reports.console import Stages
 from reports.scoring.calculix_files import read_frd
-from reports.third.calculix import (
+from reports.studies.third.calculix import (
     calculix_version,
     find_calculix,
     run_calculix,
     solve_with_calculix,
 )
-from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
+from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import freeze, load_scene, scene_names
 
 STORED = Path(__file__).with_suffix(".json")

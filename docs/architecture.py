@@ -1,4 +1,5 @@
-"""The picture of the architecture, drawn from the import contracts in pyproject.toml.
+"""The picture of the architecture, drawn from the import contracts in pyproject.toml, and the map of
+packages with their sizes.
 
 A box for each package in the layer that the contract gives it; an arrow where an import is allowed
 and no way round another package says the same; a barrier where the contract of independence stands;
@@ -8,12 +9,18 @@ under each name what a contract forbids it from outside.
 from __future__ import annotations
 
 import importlib
+import re
+import sys
 import textwrap
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "benchmarks"))
+sizes = importlib.import_module("sizes")
 
 WIDTH, BOX, ROW, TOP = 760, (300, 104), 164, 16
 COLOURS = ("#f5dfb8", "#cfe3f2", "#e3e3e3", "#ffffff")
@@ -115,6 +122,12 @@ def svg(path: Path) -> str:
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 
+def purpose(name: str) -> str:
+    """The first sentence of a package's docstring, without its full stop."""
+    summary = (importlib.import_module(name).__doc__ or "").split("\n\n")[0]
+    return " ".join(summary.split()).split(". ")[0].rstrip(".")
+
+
 def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[str]:
     """A package: its name, the first sentence of its docstring or what stands before its colon,
     what it does without.
@@ -122,8 +135,7 @@ def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[s
     x, y = place[0] - BOX[0] / 2, place[1]
     fill = COLOURS[contracts.depth[name] % len(COLOURS)]
     outside = ", ".join(sorted(contracts.forbidden.get(name, set()) - set(contracts.depth)))
-    summary = (importlib.import_module(name).__doc__ or "").split("\n\n")[0]
-    purpose = " ".join(summary.split()).split(". ")[0].split(": ", 1)[-1].split("; ")[0]
+    words = purpose(name).split(": ", 1)[-1].split("; ")[0]
     yield (
         f'<rect x="{x:.0f}" y="{y}" width="{BOX[0]}" height="{BOX[1]}" rx="6" fill="{fill}"'
         ' stroke="#333"/>'
@@ -132,10 +144,102 @@ def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[s
         f'<text x="{x + 12:.0f}" y="{y + 21}" font-weight="bold"'
         f' font-size="15">{escape(name)}</text>'
     )
-    for index, line in enumerate(textwrap.wrap(purpose.rstrip("."), 44)[:2]):
+    for index, line in enumerate(textwrap.wrap(words, 44)[:2]):
         yield f'<text x="{x + 12:.0f}" y="{y + 38 + 15 * index}">{escape(line)}</text>'
     for index, line in enumerate(textwrap.wrap(f"without {outside}", 48)[:3] if outside else []):
         yield (
             f'<text x="{x + 12:.0f}" y="{y + 70 + 13 * index}" font-size="10.5"'
             f' fill="#555">{escape(line)}</text>'
         )
+
+
+# ------------------------------------------------------------------------------- the map of packages
+class Part(NamedTuple):
+    """A row of the map: its name, what it holds, what it imports, and its files or folders."""
+
+    name: str
+    holds: str
+    imports: str
+    paths: tuple[str, ...]
+
+
+CORE = ("charts", "cli", "comparison", "field_output", "page", "scoring")
+STUDIES = ("maps", "paper", "sweep", "third")
+
+
+def packages() -> list[Part]:
+    """The rows of the map of packages: engines, and the two floors of reports."""
+    core = tuple(
+        str(path.relative_to(ROOT))
+        for path in sorted((ROOT / "reports").iterdir())
+        if path.name != "studies" and (path.suffix == ".py" or path.name in CORE)
+    )
+    return [
+        Part("scenes", "scene files, the library, the form of an answer", "none", ("scenes",)),
+        Part(
+            "semi_analytic",
+            "half-plane theory: normal contact, memory of friction, dissipation",
+            "`scenes`",
+            ("semi_analytic",),
+        ),
+        Part("meshes", "bodies meshed by gmsh, mesh and field files", "`scenes`", ("meshes",)),
+        Part(
+            "halfplane_fe",
+            "plane-strain finite elements with Coulomb friction",
+            "`scenes`, `meshes`",
+            ("halfplane_fe",),
+        ),
+        Part(
+            "reports",
+            "the core, one question about one scene: comparison, page, scoring, command line",
+            "all above",
+            core,
+        ),
+        Part(
+            "reports.studies",
+            "what runs many: sweeps, maps of the error, the paper again, a third solver",
+            "all above",
+            ("reports/studies",),
+        ),
+    ]
+
+
+def folders() -> list[Part]:
+    """The rows of the map of reports: a folder each, and the single files of the core."""
+    files = sorted((ROOT / "reports").glob("*.py"))
+    names = ", ".join(f"`{path.stem}`" for path in files if not path.stem.startswith("_"))
+    return [
+        *(Part(name, purpose(f"reports.{name}"), "", (f"reports/{name}",)) for name in CORE),
+        Part(
+            "single files",
+            names,
+            "",
+            tuple(str(path.relative_to(ROOT)) for path in files),
+        ),
+        *(
+            Part(
+                f"studies.{name}",
+                purpose(f"reports.studies.{name}"),
+                "",
+                (f"reports/studies/{name}",),
+            )
+            for name in STUDIES
+        ),
+    ]
+
+
+def rows(parts: Sequence[Part], page: str) -> Iterator[list[str]]:
+    """The cells of a map: name, what it holds, what it imports where it says, statements to
+    hundreds.
+
+    The size on the page stays while it is right to a hundred, so that few commits change it.
+    """
+    for part in parts:
+        statements = sum(sizes.size(path).statements for path in part.paths)
+        name = part.name if part.name == "single files" else f"`{part.name}`"
+        cells = [name, part.holds, part.imports] if part.imports else [name, part.holds]
+        stored = re.search(rf"^\| {re.escape(name)} \|.* ([\d,]+) \|$", page, re.MULTILINE)
+        shown = int(stored[1].replace(",", "")) if stored else 0
+        if abs(statements - shown) > 100:
+            shown = round(statements, -2)
+        yield [*cells, f"{shown:,}"]

@@ -4,7 +4,8 @@ of `make pages`.
     python docs/pages.py
 
 verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md,
-third.md, metrics.md and scene-keys.md, and the numbers in the text of every page. Tests make all of
+third.md, metrics.md and scene-keys.md, the maps of packages, and the numbers in the text of every
+page. Tests make all of
 it again.
 """
 
@@ -25,9 +26,9 @@ import quoting
 import reference
 
 from reports.comparison.metrics import markdown
-from reports.paper.cases import Paper, paper
-from reports.paper.page import misprints
-from reports.paper.tables import proven_in_words
+from reports.studies.paper.cases import Paper, paper
+from reports.studies.paper.page import misprints
+from reports.studies.paper.tables import proven_in_words
 from scenes import Scene, load_scene, scene_names
 
 FOLDER = Path(__file__).parent
@@ -58,6 +59,8 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
+        "architecture.md": with_maps(written["architecture.md"]),
+        "../README.md": with_packages(written["../README.md"]),
     }
     known = quoting.values(examples, published(), third())
     with_numbers = {
@@ -108,6 +111,20 @@ def table(head: str, rows: Iterable[Iterable[str]], wide: bool = True) -> Iterat
         line = f"| {' | '.join(row)} |"
         yield line.replace(" %", "\u00a0%") if wide else line
     yield from ("", "</div>") if wide else ()
+
+
+def with_packages(text: str) -> str:
+    """The page with the map of packages between its marks."""
+    rows = architecture.rows(architecture.packages(), text)
+    lines = table("package | what it holds | imports | statements", rows, wide=False)
+    return between(text, "the packages", lines)
+
+
+def with_maps(text: str) -> str:
+    """The page with the map of packages, and that of the folders of reports."""
+    rows = architecture.rows(architecture.folders(), text)
+    lines = table("part of reports | what it holds | statements", rows, wide=False)
+    return between(with_packages(text), "the folders", lines)
 
 
 def third_table(cases: Mapping[str, Any]) -> Iterator[str]:

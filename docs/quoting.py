@@ -24,9 +24,9 @@ from typing import Any
 
 from meshes import bodies
 from reports.comparison.words import with_uncertainty
-from reports.paper.cases import Paper
-from reports.paper.page import misprints, statements, tally
 from reports.scoring import calculix_files, field_files
+from reports.studies.paper.cases import Paper
+from reports.studies.paper.page import misprints, statements, tally
 from scenes import files, text_tables
 from scenes.errors import in_words
 

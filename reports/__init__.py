@@ -1,7 +1,7 @@
 """Comparison of two solutions, the page about it, and the command line.
 
 `compare`, `score`, `write` and `figure` are all that a script needs. Public is what `__all__` of
-`reports`, `reports.maps` and `reports.sweep` names; the modules beneath may change. Names are
+`reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules beneath may change. Names are
 loaded when they are first asked for: `halfplane --help` must not wait for numpy.
 """
 

@@ -29,7 +29,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from command_line import COARSE, ROOT, start
-from reports.sweep.store import Store
+from reports.studies.sweep.store import Store
 from scenes import ContactSolution
 
 # ---------------------------------------------------------------------- killed, starved and doubled
@@ -233,7 +233,7 @@ _FLAGS = {"open": 1, "openat": 2}
 _ASK, _NEW_LISTENER, _RECEIVE, _ANSWER, _GO_ON = 0x7FC00000, 8, 0xC0502100, 0xC0182101, 1
 _libc = ctypes.CDLL(None, use_errno=True)
 _WARM = get_context("forkserver")
-_COMMANDS = ["cli.solving", "cli.field_output", "cli.studies", "page.writing"]
+_COMMANDS = ["cli.solving", "cli.field_output", "studies.sweep.commands", "page.writing"]
 _LIBRARIES = ["gmsh", "h5netcdf", "jinja2", "matplotlib.pyplot", "meshio", "pandas"]
 _WARM.set_forkserver_preload(
     ["semi_analytic", "halfplane_fe", *(f"reports.{name}" for name in _COMMANDS), *_LIBRARIES]

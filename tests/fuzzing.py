@@ -24,8 +24,8 @@ from reports.scoring.against import own_solution
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution, whole_path
-from reports.sweep.store import canonical, checksum, read_index
-from reports.sweep.study import load_study, study_of
+from reports.studies.sweep.store import canonical, checksum, read_index
+from reports.studies.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text
 from scenes.profiles import FitKind
 from score_results import exact, mesh, pressure_at, rows, shear_at, written

@@ -39,8 +39,8 @@ from reports.cli.application import FORMAT, app
 from reports.cli.machine import Finding
 from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
-from reports.paper.page import PaperReport
-from reports.paper.tables import Misprint, Statement, Verdict
+from reports.studies.paper.page import PaperReport
+from reports.studies.paper.tables import Misprint, Statement, Verdict
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -695,7 +695,7 @@ def test_the_answers_of_the_other_commands(
     assert (code, f"\n{found['nodes']}, " in deck) == (0, True)
 
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
-    monkeypatch.setattr("reports.sweep.running.workers_of", lambda **_: Bench())
+    monkeypatch.setattr("reports.studies.sweep.running.workers_of", lambda **_: Bench())
     code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
     assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "waiting": 0, "total": 2})
     assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
@@ -713,7 +713,7 @@ def test_the_answers_of_the_other_commands(
     assert (tmp_path / page["page"]).exists()
 
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.pages.write", written.append)
+    monkeypatch.setattr("reports.studies.maps.pages.write", written.append)
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     # pages alone run none
     assert (code, found["studies"], [Path(found["page"]).parent]) == (0, {}, written)
@@ -721,7 +721,7 @@ def test_the_answers_of_the_other_commands(
     statement = Statement("key", "where", "words", "computed", Verdict.REFINED, {"a": 1.0})
     misprint = Misprint("key", "where", "printed", "right", "proof", None, {})
     report = PaperReport((statement,), (misprint,), Path("out/report.html"))
-    monkeypatch.setattr("reports.paper.page.write", lambda *_: report)
+    monkeypatch.setattr("reports.studies.paper.page.write", lambda *_: report)
     _, found = said("paper", "--quiet")
     assert found["verdicts"] == {"confirmed": 0, "refined": 1, "contradicted": 0}
     assert (found["statements"][0]["verdict"], found["misprints"][0]["proven"]) == ("refined", None)

@@ -553,7 +553,7 @@ def test_the_paper_is_quoted_nowhere() -> None:
     assert {
         ROOT / "README.md",
         DOCS / "misprints.md",
-        *(ROOT / "reports" / "paper").glob("*.py"),
+        *(ROOT / "reports" / "studies" / "paper").glob("*.py"),
     } <= set(files)
     texts = {str(path.relative_to(ROOT)): runs(path.read_text(encoding="utf-8")) for path in files}
     assert not {

@@ -48,7 +48,7 @@ from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
 from reports import folder as folders
 from reports.folder import MANIFEST, FilledBefore, claim, filled, replace_text
-from reports.sweep.store import Store
+from reports.studies.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 

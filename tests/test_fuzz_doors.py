@@ -34,8 +34,8 @@ from meshes.bodies import body_nodes, check_count, contact_nodes
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled, replace_text
 from reports.scoring import field_files
-from reports.sweep.store import Store
-from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
+from reports.studies.sweep.store import Store
+from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import InputError, load_scene, text_tables
 from scenes.files import parsed_toml, within_memory
 from score_results import exact

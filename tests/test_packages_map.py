@@ -154,6 +154,44 @@ def test_charts_import_nothing_of_reports_but_charts_and_units() -> None:
         assert not other, f"{path.name}: {other}"
 
 
+STUDIES = re.compile(r"reports\.studies\.\w+(\.\w+)*|studies\.[a-z.]+commands(:\w+)?")
+
+
+def test_the_core_of_reports_names_studies_in_the_tables_of_the_command_line_alone() -> None:
+    """Imports are a contract in pyproject.toml; strings, which import by name, are looked at here.
+
+    Each name is that of a module that is there, and of its function.
+    """
+    names: dict[str, set[str]] = {}
+    for path in (ROOT / "reports").rglob("*.py"):
+        if "studies" in path.relative_to(ROOT).parts:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Constant) and STUDIES.fullmatch(str(node.value)):
+                names.setdefault(path.name, set()).add(str(node.value))
+    assert names.keys() == {"application.py", "solving.py"}
+    for name in names["application.py"] | names["solving.py"]:
+        module, _, function = name.removeprefix("reports.").partition(":")
+        assert not function or callable(getattr(import_module(f"reports.{module}"), function))
+
+
+def test_the_map_has_each_folder_of_reports_and_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every statement is in one row; a size moves on the page only when it is wrong by a hundred."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    architecture, sizes = import_module("architecture"), import_module("sizes")
+    floors = {part.name: part.paths for part in architecture.packages()}
+    assert floors.keys() == {*PACKAGES, "reports.studies"}
+    for parts in (architecture.packages()[-2:], architecture.folders()):
+        paths = [path for part in parts for path in part.paths]
+        counted = sum(sizes.size(path).statements for path in paths)
+        assert counted == sizes.size("reports").statements
+    part = [architecture.Part("meshes", "meshes", "", ("meshes",))]
+    statements = sizes.size("meshes").statements
+    for written, shown in ((statements + 99, statements + 99), (9999, round(statements, -2))):
+        page = f"| `meshes` | meshes | {written:,} |"
+        assert next(architecture.rows(part, page))[-1] == f"{shown:,}"
+
+
 def test_nothing_in_the_project_reads_the_folder_beside_it() -> None:
     """Code, tests, benchmarks, pages and settings; the name stands here in two parts, so that this
     file is judged too.

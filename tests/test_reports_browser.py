@@ -15,7 +15,7 @@ import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import compare, write
 from reports.console import Stages
-from reports.paper import page as paper
+from reports.studies.paper import page as paper
 from scenes import Scene, load_scene
 from test_reports_synthetic import EVIL, evil
 

@@ -34,7 +34,6 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
-from reports.maps.advice import parts_of
 from reports.measured import (
     check_record,
     counted,
@@ -47,6 +46,7 @@ from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
+from reports.studies.maps.advice import parts_of
 from scene_cases import scene_of
 from scenes import (
     Block,

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from reports.maps import Law, fit_law, pages
-from reports.maps.advice import FIGURES, Part, between, parts_of, total, work_lines
-from reports.maps.corrections import (
+from reports.studies.maps import Law, fit_law, pages
+from reports.studies.maps.advice import FIGURES, Part, between, parts_of, total, work_lines
+from reports.studies.maps.corrections import (
     Curvatures,
     corrected_dissipation,
     correction,
@@ -28,8 +28,18 @@ from reports.maps.corrections import (
     share_of,
     work_constant,
 )
-from reports.maps.laws import MAPS, PUBLISHED, STUDIES, Line, bound, errors, figures, lines, read
-from reports.sweep import load_study
+from reports.studies.maps.laws import (
+    MAPS,
+    PUBLISHED,
+    STUDIES,
+    Line,
+    bound,
+    errors,
+    figures,
+    lines,
+    read,
+)
+from reports.studies.sweep import load_study
 from scene_cases import scene_of
 from scenes import (
     Block,

@@ -18,12 +18,12 @@ from matplotlib.textpath import TextToPath
 from reports.charts.plate import Band, Curve, Note, Panel, Plate
 from reports.cli import main
 from reports.console import Stages
-from reports.paper import page as paper_page
-from reports.paper.cases import FRICTIONS, LETTERS, Case, Paper, paper, sliding_limit
-from reports.paper.figures import sheets
-from reports.paper.page import PaperReport, tally
-from reports.paper.statements import course, loads, one_way_slip, slip_speed
-from reports.paper.tables import APART, EXACT, judge_number, proves
+from reports.studies.paper import page as paper_page
+from reports.studies.paper.cases import FRICTIONS, LETTERS, Case, Paper, paper, sliding_limit
+from reports.studies.paper.figures import sheets
+from reports.studies.paper.page import PaperReport, tally
+from reports.studies.paper.statements import course, loads, one_way_slip, slip_speed
+from reports.studies.paper.tables import APART, EXACT, judge_number, proves
 from scenes import InputError, load_scene
 from semi_analytic import Reason, dissipation
 

@@ -43,8 +43,8 @@ from reports.comparison.findings import (
     patterned_tolerances,
 )
 from reports.comparison.words import as_json
-from reports.maps.laws import PUBLISHED
 from reports.page.writing import published
+from reports.studies.maps.laws import PUBLISHED
 from scenes import InputError, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 

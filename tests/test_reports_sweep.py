@@ -38,12 +38,12 @@ from meshes import MeshSettings
 from reports.charts.plate import stacks
 from reports.cli import main
 from reports.comparison import compare
-from reports.sweep import running, solving
-from reports.sweep.page import draw, state_of, write_page
-from reports.sweep.running import Processes, prepare, run, workers_of
-from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import STATUS, Planned, Store, StoreError, done, read_index
-from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
+from reports.studies.sweep import running, solving
+from reports.studies.sweep.page import draw, state_of, write_page
+from reports.studies.sweep.running import Processes, prepare, run, workers_of
+from reports.studies.sweep.solving import code_versions, solve_task
+from reports.studies.sweep.store import STATUS, Planned, Store, StoreError, done, read_index
+from reports.studies.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
 
@@ -255,7 +255,7 @@ def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch
         both(),
     ]
     others += [both(set={"mesh.element_size": 0.1}), both(share_condensations=False)]
-    monkeypatch.setattr("reports.sweep.solving.code_versions", lambda: {"code": "other"})
+    monkeypatch.setattr("reports.studies.sweep.solving.code_versions", lambda: {"code": "other"})
     assert len({plain, *others, address()}) == 7
 
 
@@ -263,7 +263,7 @@ def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.Monkey
     """The engines, and what a process loads of `reports` that works as a worker does; that each
     line counts is the store's test.
     """
-    words = "import sys, reports.sweep.solving, reports.comparison.budget\n"
+    words = "import sys, reports.studies.sweep.solving, reports.comparison.budget\n"
     words += "print(*(name for name in sys.modules if name.startswith('reports.')))"
     found = subprocess.run(
         [sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT
@@ -273,11 +273,14 @@ def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.Monkey
         solving, "source_digest", lambda *names: "".join(counted.extend(names) or ())
     )
     code_versions.__wrapped__()
-    needed = {"scenes", "semi_analytic", "meshes", "halfplane_fe", *found} - {"reports.sweep"}
+    needed = {"scenes", "semi_analytic", "meshes", "halfplane_fe", *found} - {
+        "reports.studies",
+        "reports.studies.sweep",
+    }
     assert {
         "reports.comparison.metrics",
         "reports.comparison.budget",
-        "reports.sweep.solving",
+        "reports.studies.sweep.solving",
     } <= needed
     assert not [
         name for name in needed if not any(f"{name}.".startswith(f"{whole}.") for whole in counted)
@@ -285,7 +288,7 @@ def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.Monkey
 
 
 def test_a_module_that_is_missing_has_no_digest() -> None:
-    for name in ("reports.gone", "gone", "reports.sweep.gone"):
+    for name in ("reports.gone", "gone", "reports.studies.sweep.gone"):
         with pytest.raises(
             InputError, match=f"^{name}: this installation lacks the module's source file"
         ):

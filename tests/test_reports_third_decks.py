@@ -19,7 +19,7 @@ import pytest
 
 from reports import cli
 from reports.console import Stages
-from reports.third.calculix import (
+from reports.studies.third.calculix import (
     Attempt,
     calculix_version,
     find_calculix,
@@ -27,7 +27,7 @@ from reports.third.calculix import (
     solve_with_calculix,
     status,
 )
-from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
+from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import ConvergenceError, InputError, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
@@ -684,7 +684,7 @@ class TestCalculix:
         assert "A third solver" in (out / "report.html").read_text(encoding="utf-8")
         assert (out / "third.nc").exists()
         late = tmp_path / "late"
-        monkeypatch.setattr("reports.third.calculix.TIME_LIMIT", 1.0)
+        monkeypatch.setattr("reports.studies.third.calculix.TIME_LIMIT", 1.0)
         assert cli.main([*words[:-2], str(late), "--quiet"]) == 3
         assert "time limit of 1 s" in capsys.readouterr().err.replace("\n", " ")
         assert (

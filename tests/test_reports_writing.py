@@ -39,10 +39,10 @@ from reports.comparison import Comparison
 from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
 from reports.page.writing import draw
-from reports.sweep import running
-from reports.sweep.page import write_page
-from reports.sweep.store import Planned, Store
-from reports.sweep.study import expand, study_of
+from reports.studies.sweep import running
+from reports.studies.sweep.page import write_page
+from reports.studies.sweep.store import Planned, Store
+from reports.studies.sweep.study import expand, study_of
 from scenes import InputError, Scene, load_scene, scene_names
 from test_reports_sweep import Bench
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields

@@ -21,7 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.measured import read_in_pairs
-from reports.sweep.study import expand, load_study, study_of
+from reports.studies.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
     Bodies,

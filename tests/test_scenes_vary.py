@@ -14,10 +14,10 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from reports import score
-from reports.maps.corrections import correction
-from reports.sweep import run
-from reports.sweep.study import study_of
-from reports.third.deck import build_deck
+from reports.studies.maps.corrections import correction
+from reports.studies.sweep import run
+from reports.studies.sweep.study import study_of
+from reports.studies.third.deck import build_deck
 from scenes import (
     Block,
     Bodies,

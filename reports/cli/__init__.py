@@ -3,15 +3,17 @@ of options.
 
     application.py   the tables of options and of commands, and commands made of them; exit codes,
                      what is said of a fault, the one place that prints answers; streams and signals
-    solving.py       run, exact, fe, export, paper
+    solving.py       run, exact, fe
     field_output.py  fields: files for ParaView, pictures
-    results.py       score, diff, advise
-    studies.py       sweep, sweep status, sweep report, map
+    results.py       score, diff
     scene_files.py   init, check, scenes, schema
     machine.py       doctor
 
-The modules of commands are imported when one of their commands is called: `halfplane --help` loads
-nothing heavy.
+The commands of many runs are in `reports.studies`, in commands.py of each folder; they take
+`Answer` `Options` `WORKERS` `share_of`, the exit codes `WITHIN` `OUTSIDE` `NOT_CONVERGED`
+`INTERRUPTED`, and of solving.py `Job` `at_work` `read` `deck_file`. The modules of
+commands are imported by name when one of their commands is called: `halfplane --help` loads nothing
+heavy.
 """
 
 from reports.cli.application import main

@@ -1,8 +1,8 @@
 """The command line `halfplane`: the tables of options and of commands, exit codes, what is said of
 a fault, streams and signals.
 
-A command is a row of `_COMMANDS`, and a function in a module of its own that is imported when the
-command is called.
+A command is a row of `_COMMANDS`, and a function in a module of its own that is imported by its
+name when the command is called: so the command line reaches the studies without importing them.
 """
 
 # Annotations are evaluated here: no `from __future__`.
@@ -319,7 +319,7 @@ class _Command:
     group: str
     name: str
     help: str
-    does: str  # module and function, of the operands and of `Options`
+    does: str  # module of `reports` and its function, of the operands and of `Options`
     # operands, options: what it takes; an option with "!" must be given
     operands: tuple[_Operand, ...]
     options: tuple[str, ...]
@@ -337,7 +337,7 @@ _COMMANDS = (
         "Solve",
         "run",
         "Both engines on one scene: verdict, page and data.",
-        "solving:run",
+        "cli.solving:run",
         (_SCENE_NAME,),
         (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "third", *_FINITE_ELEMENTS),
     ),
@@ -345,7 +345,7 @@ _COMMANDS = (
         "Solve",
         "exact",
         "Half-plane theory alone: summary, NetCDF and CSV, no page.",
-        "solving:exact",
+        "cli.solving:exact",
         (_SCENE_NAME,),
         _OUTPUT,
     ),
@@ -353,7 +353,7 @@ _COMMANDS = (
         "Solve",
         "fe",
         "Finite elements alone: summary, NetCDF and CSV, no page.",
-        "solving:fe",
+        "cli.solving:fe",
         (_SCENE_NAME,),
         (*_OUTPUT, *_FINITE_ELEMENTS),
     ),
@@ -361,7 +361,7 @@ _COMMANDS = (
         "Solve",
         "fields",
         "Displacement, stress and tractions in both bodies: files for ParaView, pictures.",
-        "field_output:fields",
+        "cli.field_output:fields",
         (_SCENE_NAME,),
         (
             *_OUTPUT,
@@ -380,7 +380,7 @@ _COMMANDS = (
         "Solve",
         "sweep",
         "Run a study: a scene over axes of its keys, into a store; a later run resumes it.",
-        "studies:sweep",
+        "studies.sweep.commands:sweep",
         (_Operand("study", str, "A study file, .toml or .json; see docs/sweeps.md."),),
         (*_OUTPUT, *WORKERS, "resume"),
         {"out": "Folder of the store; out/<study file> if left out."},
@@ -389,7 +389,7 @@ _COMMANDS = (
         "Solve",
         "sweep status",
         "How far a sweep is: done, failed, running, time left.",
-        "studies:status",
+        "studies.sweep.commands:status",
         (_FOLDER,),
         ("json",),
     ),
@@ -397,7 +397,7 @@ _COMMANDS = (
         "Solve",
         "sweep report",
         "The page of a sweep: its table and a figure of each quantity, also while it runs.",
-        "studies:report",
+        "studies.sweep.commands:report",
         (_FOLDER,),
         ("json",),
     ),
@@ -405,7 +405,7 @@ _COMMANDS = (
         "Solve",
         "export",
         "The bodies and the load history as an input deck for CalculiX.",
-        "solving:export",
+        "studies.third.commands:export",
         (_SCENE_NAME,),
         (*_OUTPUT, "steps_per_cycle", "cycles"),
         {"steps_per_cycle": "Instants of a revolution; turning points come on top."},
@@ -414,7 +414,7 @@ _COMMANDS = (
         "Judge",
         "score",
         "Compare an external result with the reference: verdict, likely causes, page.",
-        "results:score",
+        "cli.results:score",
         (
             _Operand(
                 "result",
@@ -440,7 +440,7 @@ _COMMANDS = (
         "Judge",
         "diff",
         "Two runs, or a run and a baseline, value by value: 0 the same within tolerance, 1 not.",
-        "results:diff",
+        "cli.results:diff",
         (
             _Operand(
                 "a", str, "Folder of a run, its comparison.json, a solution (.nc), or a baseline."
@@ -456,7 +456,7 @@ _COMMANDS = (
         "advise",
         "May half-plane theory be used? Read off the published maps, without finite elements; exit"
         " code 1: better not.",
-        "results:advise",
+        "studies.maps.commands:advise",
         (_SCENE_NAME,),
         ("limit", "json"),
     ),
@@ -464,7 +464,7 @@ _COMMANDS = (
         "Judge",
         "map",
         "Run the studies of a map of the idealisation error, or resume them, and write its page.",
-        "studies:make_map",
+        "studies.maps.commands:make_map",
         (_Operand("name", str, "Name of a map (docs/maps.md), or all."),),
         (*_OUTPUT, "stores", "workers", "remake", "pages"),
         {
@@ -476,7 +476,7 @@ _COMMANDS = (
         "Judge",
         "paper",
         "The paper again from half-plane theory: its figures, statements and misprints.",
-        "solving:paper",
+        "studies.paper.commands:paper",
         (),
         _OUTPUT,
         {"out": "Folder for the results; out/paper if left out."},
@@ -485,7 +485,7 @@ _COMMANDS = (
         "Scenes",
         "init",
         "Write a commented scene to start from, never over a file that exists.",
-        "scene_files:init",
+        "cli.scene_files:init",
         (_Operand("file", Path, "New file, ending in .toml."),),
         ("start", "bodies", "profile", "quiet"),
         {"quiet": "Print nothing."},
@@ -495,7 +495,7 @@ _COMMANDS = (
         "Scenes",
         "check",
         "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
-        "scene_files:check",
+        "cli.scene_files:check",
         (_SCENE_NAME,),
         ("json", "quiet", "loop", "mapping"),
         _SILENT,
@@ -505,7 +505,7 @@ _COMMANDS = (
         "Scenes",
         "scenes",
         "The library of scenes, or all about one scene.",
-        "scene_files:show",
+        "cli.scene_files:show",
         (
             _Operand(
                 "name",
@@ -521,7 +521,7 @@ _COMMANDS = (
         "Scenes",
         "schema",
         "The JSON schema of a scene file, for editors.",
-        "scene_files:schema",
+        "cli.scene_files:schema",
         (),
         (),
     ),
@@ -529,7 +529,7 @@ _COMMANDS = (
         "Machine",
         "doctor",
         "Can this machine do the work?",
-        "machine:doctor",
+        "cli.machine:doctor",
         (),
         _OUTPUT,
         {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT},
@@ -721,9 +721,7 @@ def _taken(row: _Command) -> Callable[..., int]:
         about = [given.pop(operand.name) for operand in row.operands]
         module, _, name = row.does.partition(":")
         asked = Options(**given)
-        return _told(
-            row, getattr(import_module(f"reports.cli.{module}"), name)(*about, asked), asked
-        )
+        return _told(row, getattr(import_module(f"reports.{module}"), name)(*about, asked), asked)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command

@@ -1,5 +1,5 @@
 """The commands that judge results: an external one against the reference, two runs against each
-other, a scene by the maps.
+other.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import shlex
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from reports.cli.application import (
     NOT_CONVERGED,
@@ -18,7 +18,6 @@ from reports.cli.application import (
     Answer,
     Options,
     requested_tolerances,
-    share_of,
 )
 from reports.cli.solving import exit_code, read, verdict_shown
 from reports.console import Part, Sheet, Stages, complain
@@ -27,7 +26,6 @@ from reports.units import minus
 if TYPE_CHECKING:
     from reports.comparison import Report
     from reports.comparison.findings import Difference, Row
-    from reports.maps.advice import Advice
     from reports.scoring.mapping import Mapping
     from scenes import Scene
 
@@ -296,91 +294,3 @@ def _cells(row: Row) -> tuple[str, ...]:
         f"{row.tolerance:g}",
         row.verdict,
     )
-
-
-# ------------------------------------------------------------------------------ a scene by the maps
-def advise(scene: str, options: Options) -> Answer:
-    """What the published maps say of a scene; outside where the error of dissipation may exceed the
-    limit, or is not known.
-    """
-    from reports.maps.advice import Advice, parts_of
-    from scenes import InputError
-
-    limit = share_of(options.limit)
-    if not 0 < limit < 1:
-        raise InputError(
-            f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05"
-            " for 5 %"
-        )
-    found = read(scene)
-    advice = Advice(found, *parts_of(found), limit)
-    code = WITHIN if advice.may_be_used else OUTSIDE
-    return Answer(code, _advice_shown(advice, scene), lambda: _advice_content(advice), found.name)
-
-
-def _advice_content(advice: Advice) -> dict[str, Any]:
-    """Every departure (`errors` null where the maps know nothing), the sum of what is known, and
-    the answer.
-
-    Within by values that are extrapolated is undecided: they have no uncertainty estimate.
-    """
-    from reports.comparison.metrics import Verdict
-    from reports.maps.advice import FIGURES, sentence, total
-
-    def pairs(values: Any) -> dict[str, dict[str, float]]:
-        return {
-            name.removeprefix("error."): dict(
-                zip(("error", "uncertainty"), values(name), strict=True)
-            )
-            for name in FIGURES
-        }
-
-    verdict = advice.verdict
-    if verdict is Verdict.WITHIN and advice.extrapolated:
-        verdict = Verdict.UNDECIDED
-    return {
-        "passed": advice.may_be_used,
-        "sentence": sentence(advice),
-        "limit": advice.limit,
-        "verdict": verdict,
-        "within_limit": None if verdict is None else verdict is Verdict.WITHIN,
-        "extrapolated": advice.extrapolated,
-        "contact_half_width": advice.half_width,
-        "departures": [
-            {
-                "what": part.what,
-                "errors": None if part.values is None else pairs(part.values.__getitem__),
-                "extrapolated": part.extrapolated,
-                "from": part.how,
-            }
-            for part in advice.parts
-        ],
-        "sum_of_known": pairs(lambda name: total(advice.known, name)) if advice.known else None,
-    }
-
-
-def _advice_shown(advice: Advice, source: str) -> Iterator[Part]:
-    from reports.maps.advice import FIGURES, cell, cells, sentence, total
-    from reports.maps.laws import WORDS
-    from reports.units import units
-
-    if not advice.parts:
-        yield f"{source}: {sentence(advice)}"
-        return
-    rows = [(part.what, *cells(part), part.how) for part in advice.parts]
-    if len(rows) > 1 and advice.known:
-        name = "sum" if len(advice.known) == len(rows) else "sum of what is known"
-        rows.append(
-            (
-                name,
-                *(cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES),
-                "all added up",
-            )
-        )
-    heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
-    load = "mean" if advice.scene.load.kind == "ellipse" else "largest"
-    size = f"a = {advice.half_width:.4g} {units(advice.scene)[1]} at the {load} load"
-    yield Sheet(
-        f"{advice.scene.title or source}: bodies/half-plane theory − 1; {size}", heads, rows
-    )
-    yield sentence(advice)

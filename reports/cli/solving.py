@@ -1,6 +1,4 @@
-"""The commands that solve: both engines with their comparison, each engine alone, a deck for
-another code, the paper again.
-"""
+"""The commands that solve one scene: both engines with their comparison, or one engine alone."""
 
 from __future__ import annotations
 
@@ -265,10 +263,19 @@ def run(job: Job) -> Answer:
         )
         return replace(_answer_alone(job, solve(job), alone), command=name)
     if options.third:
-        from reports.third.calculix import find_calculix
-
-        find_calculix()
+        _third_solver(options.third).require()
     return _answer_of_both(_compared(job, tolerances), job.folder / "report.html", job.stages)
+
+
+# Third solvers by the name that --third takes: modules of studies, loaded when they are asked for.
+_THIRD_SOLVERS = {"calculix": "reports.studies.third.commands"}
+
+
+def _third_solver(name: str) -> Any:
+    """The module of a third solver: `require()` refuses where its program is missing, `answer(job,
+    result)` runs it.
+    """
+    return import_module(_THIRD_SOLVERS[name])
 
 
 def _compared(job: Job, tolerances: dict[str, float]) -> Report:
@@ -316,19 +323,7 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
                     report.comparison, error_budget(report.comparison, refinements, plain)
                 )
             if options.third:
-                from reports.third.calculix import solve_with_calculix
-                from reports.third.deck import DeckSettings
-
-                deck, scales = (
-                    DeckSettings(**options.given(("steps_per_cycle",))),
-                    getattr(result, "scales", None),
-                )
-                report = replace(
-                    report,
-                    third=solve_with_calculix(
-                        scene, deck, stages=stages, scales=scales, command=command
-                    ),
-                )
+                report = replace(report, third=_third_solver(options.third).answer(job, result))
         with stages.stage("report"):
             from reports.field_output.files import instants_of
             from reports.page.writing import write
@@ -401,10 +396,8 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
         yield from verdict_shown(report)
         yield from _uncertainty_shown(report)
         if third is not None:
-            from reports.third.calculix import heads, rows, sentences
-
-            yield Sheet("A third solver", heads(third), rows(comparison, third), (1, 2, 3))
-            yield from sentences(third)
+            yield Sheet("A third solver", third.heads, third.rows(comparison), (1, 2, 3))
+            yield from third.sentences
         yield from _expected_shown(findings)
         yield Sheet(
             "Time",
@@ -633,100 +626,3 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
             solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8"
         )
     return out / f"{stem}.nc"
-
-
-# -------------------------------------------------------------------------- a deck for another code
-@at_work
-def export(job: Job) -> Answer:
-    """The bodies and the load history as an input deck."""
-    from reports.folder import filled
-
-    scene, options, stages = job.scene, job.options, job.stages
-    with stages.stage("loading"):
-        from halfplane_fe.solve import versions
-        from reports.third.deck import DeckSettings, build_deck, deck_text
-        from reports.units import units
-    with stages.stage("deck"):
-        deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
-    # The deck's first comment: where it lies is nobody's business.
-    text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
-    file = deck_file(scene)
-    with filled(job.folder, fresh=(file,)) as staging:
-        (staging / file).write_text(text, encoding="utf-8")
-    found = {
-        "nodes": deck.reference,
-        "elements": len(deck.lower.elements) + len(deck.upper.elements),
-        "edge_element_size": deck.element_size,
-        "instants": len(deck.time) - 1,
-        "pressure_per_penetration": deck.stiffness,
-        "shear_per_elastic_slip": deck.stick_slope,
-    }
-    _, length, stress = units(scene)
-    layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
-    rows = [
-        ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
-        (
-            f"surface elements at the edges [{length}]",
-            f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
-        ),
-        ("instants", f"{found['instants']}"),
-        (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
-    ]
-    path = str(job.folder / file)
-    whole = {"passed": True, **found, "file": path, "seconds": stages.seconds}
-    return Answer(
-        WITHIN,
-        [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
-        lambda: whole,
-        scene.name,
-    )
-
-
-# ---------------------------------------------------------------------------------- the paper again
-def paper(options: Options) -> Answer:
-    """The paper's figures and both tables; outside if a misprint is not proven."""
-    from reports.folder import claim, default_folder
-
-    stages = Stages(options.quiet)
-    folder = claim(options.out or default_folder("paper"))
-    with stages.stage("loading"):
-        from reports.paper import page
-        from reports.paper.tables import proven_in_words
-    report = page.write(folder, stages, options.command("paper", "", folder))
-    code, verdicts = WITHIN if report.proven else OUTSIDE, page.tally(report.statements)
-    tables = {
-        name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")
-    }
-    content = {
-        "passed": code == WITHIN,
-        "verdicts": verdicts,
-        **tables,
-        "page": str(report.page),
-        "seconds": stages.seconds,
-    }
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
-    proven = sum(row.proven is True for row in report.misprints)
-    shown: list[Part] = [
-        Sheet(
-            "What the paper states in words",
-            ("statement", "where", "the paper", "computed", "verdict"),
-            [
-                (row.key, row.where, row.words, row.computed, row.verdict.value)
-                for row in report.statements
-            ],
-        ),
-        Sheet(
-            "Misprints of the paper",
-            ("where", "printed", "right", "proof", "proven"),
-            [
-                (row.key, row.printed, row.right, row.proof, proven_in_words(row))
-                for row in report.misprints
-            ],
-        ),
-        (
-            f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
-            f" {proven} proven by evaluation"
-        ),
-        str(report.page),
-    ]
-    return Answer(code, shown, lambda: content)

@@ -1,7 +1,8 @@
 """What was compared: two solutions of one scene side by side, every metric with its uncertainty and
 verdict.
 
-Offered to the rest of reports, `Comparison` `Report` `UnscoredFile` `compare` first:
+Offered to the rest of reports, `Comparison` `Report` `ThirdAnswer` `UnscoredFile` `compare`
+first:
 
     metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `OF_BULK`; the metrics, one table of words, needs, functions,
@@ -34,7 +35,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from reports.comparison.laws import Certificate, certificates
 from reports.comparison.metrics import (
@@ -59,7 +60,6 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.scoring.diagnosis import Diagnosis
     from reports.scoring.study import Study
-    from reports.third.calculix import ThirdSolver
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +173,42 @@ class UnscoredFile:
         return f"Not scored: {self.reason}."
 
 
+class ThirdAnswer(Protocol):
+    """What a page and the command line ask of the answer of a third solver, or of its failure.
+
+    Attributes
+    ----------
+    text : the input that it was run on
+    comparison : its answer against half-plane theory; None where it failed
+    failure : the sentence, "" where it did not
+    heads : titles of the columns of its table, of which `rows` gives the lines
+    sentences : what must stand beside the table
+    """
+
+    @property
+    def text(self) -> str: ...
+    @property
+    def comparison(self) -> Comparison | None: ...
+    @property
+    def failure(self) -> str: ...
+    @property
+    def heads(self) -> tuple[str, ...]: ...
+    @property
+    def sentences(self) -> list[str]: ...
+
+    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
+        """The table: values of all three solvers, then errors, then time."""
+        ...
+
+    def page_words(self, comparison: Comparison) -> dict[str, Any]:
+        """What the page's block is filled with."""
+        ...
+
+    def as_json(self, comparison: Comparison) -> str:
+        """The table in numbers, as strict JSON."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Report:
     """What a page is written of: a comparison, and what was worked out from it.
@@ -193,7 +229,7 @@ class Report:
     guesses: tuple[str, ...] = ()
     diagnoses: tuple[Diagnosis, ...] = ()
     study: Study | None = None
-    third: ThirdSolver | None = None
+    third: ThirdAnswer | None = None
     unscored: tuple[UnscoredFile, ...] = ()
 
     def __repr__(self) -> str:

@@ -47,7 +47,7 @@ from reports.charts.plate import (
     worded,
 )
 from reports.charts.templating import STATE_NAMES, Table, script, template
-from reports.comparison import Comparison, Report, words
+from reports.comparison import Comparison, Report, ThirdAnswer, words
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
 from reports.comparison.metrics import (
     Cycle,
@@ -82,7 +82,6 @@ from scenes.scene import OWN_TOLERANCES
 if TYPE_CHECKING:
     from reports.field_output.files import Instant
     from reports.scoring.study import Study
-    from reports.third.calculix import ThirdSolver
 
 # Files of the solutions in a folder of a report: of the reference, of the result.
 SOLUTIONS = ("reference.nc", "result.nc")
@@ -160,15 +159,13 @@ def write(
     return Path(out) / "report.html"
 
 
-def _write_third(comparison: Comparison, third: ThirdSolver, folder: Path) -> dict[str, Any]:
+def _write_third(comparison: Comparison, third: ThirdAnswer, folder: Path) -> dict[str, Any]:
     """Files of a third solver; returns what the page states of it."""
-    from reports.third.calculix import as_json, page_words
-
     (folder / "third.inp").write_text(third.text, encoding="utf-8")
-    (folder / "third.json").write_text(as_json(comparison, third), encoding="utf-8")
+    (folder / "third.json").write_text(third.as_json(comparison), encoding="utf-8")
     if third.comparison is not None:
         third.comparison.result.save(folder / "third.nc")
-    return page_words(comparison, third)
+    return third.page_words(comparison)
 
 
 # ----------------------------------------------------------------------------------------- the page

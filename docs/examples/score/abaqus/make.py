@@ -21,7 +21,7 @@ import numpy as np
 
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.third.calculix import calculix_version, find_calculix, status
+from reports.studies.third.calculix import calculix_version, find_calculix, status
 from scenes import load_scene
 
 SCENE, NAME = "cattaneo-mindlin", "path"

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper.cases import Case, Formulas, Paper, integral, sliding_limit, total
-from reports.paper.tables import EXACT, Found, proves
+from reports.studies.paper.cases import Case, Formulas, Paper, integral, sliding_limit, total
+from reports.studies.paper.tables import EXACT, Found, proves
 from scenes import PolygonLoad
 
 Array = NDArray[np.float64]

@@ -8,8 +8,9 @@ whoever fills it.
     running.py   processes or a dask cluster, and the loop that hands out points and stores results
     store.py     one file for each result, the table
     page.py      how far a sweep is; its page, with a figure of each quantity
+    commands.py  `halfplane sweep`, `sweep status`, `sweep report`
 
-from reports import sweep
+from reports.studies import sweep
 
 table = sweep.run("study.toml", "out/study")  # starts, or resumes
 heights = table["height"]
@@ -21,9 +22,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reports.sweep.running import run
-    from reports.sweep.store import read_index
-    from reports.sweep.study import Study, load_study
+    from reports.studies.sweep.running import run
+    from reports.studies.sweep.store import read_index
+    from reports.studies.sweep.study import Study, load_study
 
 __all__ = ["Study", "load_study", "read_index", "run"]
 _HOME = {"Study": "study", "load_study": "study", "read_index": "store", "run": "running"}
@@ -31,5 +32,5 @@ _HOME = {"Study": "study", "load_study": "study", "read_index": "store", "run": 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
-        raise AttributeError(f"module 'reports.sweep' has no attribute {name!r}")
-    return getattr(import_module(f"reports.sweep.{_HOME[name]}"), name)
+        raise AttributeError(f"module 'reports.studies.sweep' has no attribute {name!r}")
+    return getattr(import_module(f"reports.studies.sweep.{_HOME[name]}"), name)

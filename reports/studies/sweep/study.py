@@ -18,8 +18,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from reports.checking import require_admissible
-from reports.sweep.solving import Question, check_figures
-from reports.sweep.store import Planned
+from reports.studies.sweep.solving import Question, check_figures
+from reports.studies.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked, neglected

@@ -1,10 +1,7 @@
-"""The commands of many runs: sweeps, how far one is, its page; and the maps of the idealisation
-error, which are made of them.
-"""
+"""The commands of a sweep: run or resume it, how far it is, its page."""
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,8 +13,8 @@ from reports.console import Part, Sheet, Stages, complain, say
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from reports.sweep.running import Prepared
-    from reports.sweep.store import Store
+    from reports.studies.sweep.running import Prepared
+    from reports.studies.sweep.store import Store
 
 # Points and failures, and notes, that the terminal lists; all are in index.csv.
 _SHOWN, _NOTES = 20, 3
@@ -27,14 +24,14 @@ def sweep(study: str, options: Options) -> Answer:
     """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point
     failed.
     """
-    return _swept(study, options, announced=not options.json)
+    return swept(study, options, announced=not options.json)
 
 
-def _swept(source: str, options: Options, *, announced: bool = False) -> Answer:
+def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
     """Run a study, or resume it; `announced`: what it is about is printed before the work."""
     from reports.folder import claim, default_folder
-    from reports.sweep.running import prepare, work, workers_of
-    from reports.sweep.store import StoreError
+    from reports.studies.sweep.running import prepare, work, workers_of
+    from reports.studies.sweep.store import StoreError
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
@@ -85,8 +82,8 @@ def _announced(prepared: Prepared) -> Iterator[str]:
 
 def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
     """The points with their values, those that failed, and the notes."""
-    from reports.sweep.page import plain_figures
-    from reports.sweep.study import described
+    from reports.studies.sweep.page import plain_figures
+    from reports.studies.sweep.study import described
     from reports.units import number
 
     done, failed, axes = (
@@ -134,14 +131,14 @@ def _content(store: Store) -> dict[str, Any]:
     """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is
     known.
     """
-    from reports.sweep.page import state_of
+    from reports.studies.sweep.page import state_of
 
     return {name: value for name, value in state_of(store).items() if name != "table"}
 
 
 def status(folder: Path, _: Options) -> Answer:
     """How far a sweep is: done, failed, waiting, time left."""
-    from reports.sweep.store import Store
+    from reports.studies.sweep.store import Store
 
     state = _content(Store(folder))
 
@@ -171,48 +168,8 @@ def status(folder: Path, _: Options) -> Answer:
 
 def report(folder: Path, _: Options) -> Answer:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
-    from reports.sweep.page import write_page
-    from reports.sweep.store import Store
+    from reports.studies.sweep.page import write_page
+    from reports.studies.sweep.store import Store
 
     page = str(write_page(Store(folder)))
     return Answer(WITHIN, [page], lambda: _content(Store(folder)) | {"page": page})
-
-
-def make_map(name: str, options: Options) -> Answer:
-    """Run the studies of a map, or of all, and write tables and pages; 3 where a point failed.
-
-    Raises
-    ------
-    InputError
-        Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
-    """
-    from reports.folder import replace_text
-    from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
-    from reports.maps.pages import require_free, write
-    from reports.sweep import read_index
-    from scenes import InputError
-
-    if options.out is None and not (PUBLISHED / "README.md").exists():
-        raise InputError(
-            "the published maps are those of a checkout, and this is an installed copy: name a"
-            " folder by --out"
-        )
-    folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
-    wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
-    require_free(folder)
-    for study in [study for one in wanted for study in one.studies] if not options.pages else ():
-        store = options.stores / study
-        if options.remake and store.exists():
-            shutil.rmtree(store)
-        how = Options(out=store, workers=options.workers, resume=True, quiet=options.quiet)
-        found = _swept(str(STUDIES / f"{study}.toml"), how)
-        if found.result is None:
-            return found
-        code = max(code, found.code)
-        replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
-        states[study] = {
-            key: value for key, value in found.result().items() if key not in ("title", "file")
-        }
-    write(folder)
-    page = str(folder / "README.md")
-    return Answer(code, [page], lambda: {"passed": code == WITHIN, "studies": states, "page": page})

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.templating import STATE_NAMES
-from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Formulas, Paper, total
-from reports.paper.tables import EXACT, Found, judge, judge_number
+from reports.studies.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Formulas, Paper, total
+from reports.studies.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times
 

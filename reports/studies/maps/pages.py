@@ -32,8 +32,8 @@ from reports.charts.plate import (
 from reports.charts.templating import markdown_table
 from reports.comparison.words import with_uncertainty
 from reports.folder import MANIFEST, claim, filled
-from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
-from reports.maps.corrections import (
+from reports.studies.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
+from reports.studies.maps.corrections import (
     Curvatures,
     added_curvatures,
     corrected_dissipation,
@@ -42,7 +42,7 @@ from reports.maps.corrections import (
     ellipse_path,
     work_constant,
 )
-from reports.maps.laws import (
+from reports.studies.maps.laws import (
     AXES,
     MAPS,
     PAGE_WORDS,
@@ -64,7 +64,7 @@ from reports.maps.laws import (
     points_of,
     read,
 )
-from reports.sweep.page import bars, cell_borders, heat_map
+from reports.studies.sweep.page import bars, cell_borders, heat_map
 from scenes import InputError, load_scene
 
 Array = NDArray[np.float64]

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.comparison.metrics import Verdict, verdict_on
-from reports.maps.corrections import (
+from reports.studies.maps.corrections import (
     correction,
     share_of,
     smaller_than_the_maps,
     to_and_fro,
     work_constant,
 )
-from reports.maps.laws import MAPS, PUBLISHED, Chart, Line, along, lines, read
-from reports.sweep.solving import QUANTITIES
+from reports.studies.maps.laws import MAPS, PUBLISHED, Chart, Line, along, lines, read
+from reports.studies.sweep.solving import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
 

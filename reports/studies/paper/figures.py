@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.charts.plate import Arrow, Axis, Band, Curve, Dot, Key, Mark, Note, Panel, Plate
 from reports.charts.templating import Table
-from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
-from reports.paper.tables import WORDS, filled_in
+from reports.studies.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
+from reports.studies.paper.tables import WORDS, filled_in
 from scenes import SurfaceState
 
 Array = NDArray[np.float64]

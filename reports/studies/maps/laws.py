@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
 from reports.charts.templating import table_text
-from reports.sweep.study import Point, expand, load_study
+from reports.studies.sweep.study import Point, expand, load_study
 from scenes import InputError
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ _LEFT_OUT = ("address", "notes", "number", "reason")
 
 # --------------------------------------------------------------------------------------------- maps
 STUDIES = Path(__file__).with_name("studies")
-PUBLISHED = Path(__file__).parents[1] / "published" / "maps"
+PUBLISHED = Path(__file__).parents[2] / "published" / "maps"
 
 
 def place(at: Mapping[str, str], everywhere: str = "all") -> str:

@@ -34,9 +34,9 @@ from reports.charts.plate import (
     limits,
 )
 from reports.charts.templating import script, shades, template
-from reports.sweep.solving import is_error, label_of
-from reports.sweep.store import STATUS, Store, done
-from reports.sweep.study import Axis, study_of
+from reports.studies.sweep.solving import is_error, label_of
+from reports.studies.sweep.store import STATUS, Store, done
+from reports.studies.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
 

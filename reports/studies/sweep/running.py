@@ -35,9 +35,9 @@ import pandas as pd
 
 from meshes.interrupts import interrupts_wait
 from reports.console import complain
-from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import Store
-from reports.sweep.study import Point, Study, described, expand, load_study
+from reports.studies.sweep.solving import code_versions, solve_task
+from reports.studies.sweep.store import Store
+from reports.studies.sweep.study import Point, Study, described, expand, load_study
 from scenes import InputError
 from scenes.frozen import validated
 

@@ -23,7 +23,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import xlogy
 
 import semi_analytic
-from reports.maps.laws import PUBLISHED
+from reports.studies.maps.laws import PUBLISHED
 from scenes import Block, Elastic, FlatRounded, HalfPlane, Hertz, InputError, Materials, Pad, Scene
 from scenes.frozen import validated
 from semi_analytic.elasticity import composite_modulus

@@ -32,7 +32,7 @@ from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution, whole_path
-from reports.third.deck import Deck, DeckSettings, build_deck, deck_text
+from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
 
@@ -74,6 +74,118 @@ class ThirdSolver:
     done: Done | None = None
     failure: str = ""
     guesses: tuple[str, ...] = ()
+
+    @property
+    def heads(self) -> tuple[str, str, str, str]:
+        """Titles of the columns."""
+        return ("quantity", "half-plane theory", "our finite elements", self.code)
+
+    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
+        """The lines of the table: values of each, then the error of each, then time."""
+        theirs = self.comparison
+        solutions = [comparison.reference, comparison.result] + ([theirs.result] if theirs else [])
+        lines = []
+        for name, unit, of in _values(comparison.scene):
+            values = [of(solution) for solution in solutions] + [math.nan] * (3 - len(solutions))
+            lines.append(
+                (f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values))
+            )
+        for key in (
+            "dissipation",
+            "peak_pressure",
+            "pressure",
+            "shear",
+            "contact_edge",
+            "stick_edge",
+        ):
+            metric = comparison.metric(key)
+            lines.append(
+                (
+                    f"{metric.label}: error",
+                    "reference",
+                    value_of(metric),
+                    value_of(theirs.metric(key)) if theirs else "–",
+                )
+            )
+        seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
+        lines.append(
+            (
+                "time [s]",
+                *(f"{t:.2f}" if t else "–" for t in seconds),
+                f"{self.done.seconds:.1f}" if self.done else "–",
+            )
+        )
+        return lines
+
+    @property
+    def sentences(self) -> list[str]:
+        """What must stand beside the numbers: failure or how the run went, then the limits."""
+        size, done = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants", self.done
+        if done is None:
+            first = f"{self.code} gave no answer ({size}): {self.failure}."
+        else:
+            first = (
+                f"{self.code} on the exported deck: {size}, {done.increments} increments,"
+                f" {done.iterations} iterations."
+            )
+        return [first, *_limits(self.deck)]
+
+    @property
+    def _notes(self) -> list[str]:
+        return [*self.guesses, *self.comparison.result.record.notes] if self.comparison else []
+
+    def page_words(self, comparison: Comparison) -> dict[str, Any]:
+        """What the page's block is filled with."""
+        first, *others = self.sentences
+        table = {"heads": self.heads, "rows": self.rows(comparison)}
+        return {
+            **table,
+            "told": first,
+            "failed": bool(self.failure),
+            "limits": others,
+            "notes": self._notes,
+        }
+
+    def as_json(self, comparison: Comparison) -> str:
+        """third.json: the table in numbers; strict JSON."""
+        theirs, deck = self.comparison, self.deck
+        known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
+        solutions = {
+            "theory": comparison.reference,
+            "ours": comparison.result,
+            "third": theirs.result if theirs else None,
+        }
+        content = {
+            "format": "halfplane third opinion 1",
+            "code": self.code,
+            "failure": self.failure or None,
+            "deck": {
+                "settings": asdict(deck.settings),
+                "nodes": deck.reference,
+                "instants": len(deck.time) - 1,
+                "element_size": deck.element_size,
+                "stiffness": deck.stiffness,
+                "stick_slope": deck.stick_slope,
+            },
+            "run": asdict(self.done) if self.done else None,
+            "figures": {
+                name: {
+                    "unit": unit,
+                    **{
+                        who: of(solution) if solution else None
+                        for who, solution in solutions.items()
+                    },
+                }
+                for name, unit, of in _values(comparison.scene)
+            },
+            "metrics": {
+                metric.key: {"ours": metric.value, "third": known.get(metric.key)}
+                for metric in comparison.metrics
+            },
+            "limits": _limits(deck),
+            "notes": self._notes,
+        }
+        return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"
 
 
 def find_calculix() -> Path:
@@ -278,11 +390,6 @@ def _limits(deck: Deck) -> list[str]:
     return [line.strip() for line in str(words).split("\n") if line.strip()]
 
 
-def heads(third: ThirdSolver) -> tuple[str, str, str, str]:
-    """Titles of the columns."""
-    return ("quantity", "half-plane theory", "our finite elements", third.code)
-
-
 def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
     """Name, unit and function of the values that all three have."""
     _, length, stress = units(scene)
@@ -298,103 +405,3 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
             lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle])),
         ),
     ]
-
-
-def rows(comparison: Comparison, third: ThirdSolver) -> list[tuple[str, ...]]:
-    """The lines of the table: values of each, then the error of each, then time."""
-    theirs = third.comparison
-    solutions = [comparison.reference, comparison.result] + ([theirs.result] if theirs else [])
-    lines = []
-    for name, unit, of in _values(comparison.scene):
-        values = [of(solution) for solution in solutions] + [math.nan] * (3 - len(solutions))
-        lines.append(
-            (f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values))
-        )
-    for key in ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
-        metric = comparison.metric(key)
-        lines.append(
-            (
-                f"{metric.label}: error",
-                "reference",
-                value_of(metric),
-                value_of(theirs.metric(key)) if theirs else "–",
-            )
-        )
-    seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
-    lines.append(
-        (
-            "time [s]",
-            *(f"{t:.2f}" if t else "–" for t in seconds),
-            f"{third.done.seconds:.1f}" if third.done else "–",
-        )
-    )
-    return lines
-
-
-def sentences(third: ThirdSolver) -> list[str]:
-    """What must stand beside the numbers: failure or how the run went, then the limits."""
-    size, done = f"{third.deck.reference} nodes, {len(third.deck.time) - 1} instants", third.done
-    if done is None:
-        first = f"{third.code} gave no answer ({size}): {third.failure}."
-    else:
-        first = (
-            f"{third.code} on the exported deck: {size}, {done.increments} increments,"
-            f" {done.iterations} iterations."
-        )
-    return [first, *_limits(third.deck)]
-
-
-def _notes(third: ThirdSolver) -> list[str]:
-    return [*third.guesses, *third.comparison.result.record.notes] if third.comparison else []
-
-
-def page_words(comparison: Comparison, third: ThirdSolver) -> dict[str, Any]:
-    """What the page's block is filled with."""
-    first, *others = sentences(third)
-    table = {"heads": heads(third), "rows": rows(comparison, third)}
-    return {
-        **table,
-        "told": first,
-        "failed": bool(third.failure),
-        "limits": others,
-        "notes": _notes(third),
-    }
-
-
-def as_json(comparison: Comparison, third: ThirdSolver) -> str:
-    """third.json: the table in numbers; strict JSON."""
-    theirs, deck = third.comparison, third.deck
-    known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
-    solutions = {
-        "theory": comparison.reference,
-        "ours": comparison.result,
-        "third": theirs.result if theirs else None,
-    }
-    content = {
-        "format": "halfplane third opinion 1",
-        "code": third.code,
-        "failure": third.failure or None,
-        "deck": {
-            "settings": asdict(deck.settings),
-            "nodes": deck.reference,
-            "instants": len(deck.time) - 1,
-            "element_size": deck.element_size,
-            "stiffness": deck.stiffness,
-            "stick_slope": deck.stick_slope,
-        },
-        "run": asdict(third.done) if third.done else None,
-        "figures": {
-            name: {
-                "unit": unit,
-                **{who: of(solution) if solution else None for who, solution in solutions.items()},
-            }
-            for name, unit, of in _values(comparison.scene)
-        },
-        "metrics": {
-            metric.key: {"ours": metric.value, "third": known.get(metric.key)}
-            for metric in comparison.metrics
-        },
-        "limits": _limits(deck),
-        "notes": _notes(third),
-    }
-    return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"

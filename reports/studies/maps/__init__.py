@@ -7,6 +7,6 @@ docs/maps.md describes them.
 
 from __future__ import annotations
 
-from reports.maps.laws import Law, fit_law
+from reports.studies.maps.laws import Law, fit_law
 
 __all__ = ["Law", "fit_law"]

@@ -12,11 +12,11 @@ from pathlib import Path
 from reports.charts.templating import script, table_text, template
 from reports.console import Stages
 from reports.folder import filled
-from reports.paper.cases import Paper, paper
-from reports.paper.figures import sheets
-from reports.paper.misprints import proofs
-from reports.paper.statements import judged
-from reports.paper.tables import (
+from reports.studies.paper.cases import Paper, paper
+from reports.studies.paper.figures import sheets
+from reports.studies.paper.misprints import proofs
+from reports.studies.paper.statements import judged
+from reports.studies.paper.tables import (
     WORDS,
     Misprint,
     Statement,

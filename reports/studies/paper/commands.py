@@ -1,0 +1,55 @@
+"""The command `halfplane paper`."""
+
+from __future__ import annotations
+
+from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
+from reports.console import Part, Sheet, Stages
+
+
+def paper(options: Options) -> Answer:
+    """The paper's figures and both tables; outside if a misprint is not proven."""
+    from reports.folder import claim, default_folder
+
+    stages = Stages(options.quiet)
+    folder = claim(options.out or default_folder("paper"))
+    with stages.stage("loading"):
+        from reports.studies.paper import page
+        from reports.studies.paper.tables import proven_in_words
+    report = page.write(folder, stages, options.command("paper", "", folder))
+    code, verdicts = WITHIN if report.proven else OUTSIDE, page.tally(report.statements)
+    tables = {
+        name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")
+    }
+    content = {
+        "passed": code == WITHIN,
+        "verdicts": verdicts,
+        **tables,
+        "page": str(report.page),
+        "seconds": stages.seconds,
+    }
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+    proven = sum(row.proven is True for row in report.misprints)
+    shown: list[Part] = [
+        Sheet(
+            "What the paper states in words",
+            ("statement", "where", "the paper", "computed", "verdict"),
+            [
+                (row.key, row.where, row.words, row.computed, row.verdict.value)
+                for row in report.statements
+            ],
+        ),
+        Sheet(
+            "Misprints of the paper",
+            ("where", "printed", "right", "proof", "proven"),
+            [
+                (row.key, row.printed, row.right, row.proof, proven_in_words(row))
+                for row in report.misprints
+            ],
+        ),
+        (
+            f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
+            f" {proven} proven by evaluation"
+        ),
+        str(report.page),
+    ]
+    return Answer(code, shown, lambda: content)

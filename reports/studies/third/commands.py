@@ -1,0 +1,74 @@
+"""What the command line takes of the third solver: `halfplane export`, and `--third calculix` of
+`halfplane run`.
+"""
+
+from __future__ import annotations
+
+from reports.cli.application import WITHIN, Answer
+from reports.cli.solving import Job, at_work, deck_file
+from reports.console import Sheet
+from reports.studies.third.calculix import ThirdSolver, find_calculix, solve_with_calculix
+from reports.studies.third.deck import DeckSettings
+from scenes import ContactSolution
+
+
+def require() -> None:
+    """InputError where CalculiX is not installed."""
+    find_calculix()
+
+
+def answer(job: Job, result: ContactSolution) -> ThirdSolver:
+    """CalculiX' answer to the scene of a job; its deck has the scales of our finite elements."""
+    return solve_with_calculix(
+        job.scene,
+        DeckSettings(**job.options.given(("steps_per_cycle",))),
+        stages=job.stages,
+        scales=getattr(result, "scales", None),
+        command=job.command("run"),
+    )
+
+
+@at_work
+def export(job: Job) -> Answer:
+    """The bodies and the load history as an input deck."""
+    from reports.folder import filled
+
+    scene, options, stages = job.scene, job.options, job.stages
+    with stages.stage("loading"):
+        from halfplane_fe.solve import versions
+        from reports.studies.third.deck import DeckSettings, build_deck, deck_text
+        from reports.units import units
+    with stages.stage("deck"):
+        deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
+    # The deck's first comment: where it lies is nobody's business.
+    text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
+    file = deck_file(scene)
+    with filled(job.folder, fresh=(file,)) as staging:
+        (staging / file).write_text(text, encoding="utf-8")
+    found = {
+        "nodes": deck.reference,
+        "elements": len(deck.lower.elements) + len(deck.upper.elements),
+        "edge_element_size": deck.element_size,
+        "instants": len(deck.time) - 1,
+        "pressure_per_penetration": deck.stiffness,
+        "shear_per_elastic_slip": deck.stick_slope,
+    }
+    _, length, stress = units(scene)
+    layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
+    rows = [
+        ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
+        (
+            f"surface elements at the edges [{length}]",
+            f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
+        ),
+        ("instants", f"{found['instants']}"),
+        (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
+    ]
+    path = str(job.folder / file)
+    whole = {"passed": True, **found, "file": path, "seconds": stages.seconds}
+    return Answer(
+        WITHIN,
+        [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
+        lambda: whole,
+        scene.name,
+    )
