@@ -1,5 +1,5 @@
-"""The picture of the architecture, drawn from the import contracts in pyproject.toml, and the map of
-packages with their sizes.
+"""The picture of the architecture, drawn from the import contracts in pyproject.toml, and the map
+of packages with their sizes.
 
 A box for each package in the layer that the contract gives it; an arrow where an import is allowed
 and no way round another package says the same; a barrier where the contract of independence stands;
@@ -153,7 +153,7 @@ def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[s
         )
 
 
-# ------------------------------------------------------------------------------- the map of packages
+# ------------------------------------------------------------------------------ the map of packages
 class Part(NamedTuple):
     """A row of the map: its name, what it holds, what it imports, and its files or folders."""
 
@@ -175,29 +175,29 @@ def packages() -> list[Part]:
         if path.name != "studies" and (path.suffix == ".py" or path.name in CORE)
     )
     return [
-        Part("scenes", "scene files, the library, the form of an answer", "none", ("scenes",)),
+        Part("scenes", "scene files, library, form of an answer", "none", ("scenes",)),
         Part(
             "semi_analytic",
-            "half-plane theory: normal contact, memory of friction, dissipation",
+            "half-plane theory: contact, memory of friction, dissipation",
             "`scenes`",
             ("semi_analytic",),
         ),
         Part("meshes", "bodies meshed by gmsh, mesh and field files", "`scenes`", ("meshes",)),
         Part(
             "halfplane_fe",
-            "plane-strain finite elements with Coulomb friction",
+            "plane-strain finite elements, Coulomb friction",
             "`scenes`, `meshes`",
             ("halfplane_fe",),
         ),
         Part(
             "reports",
-            "the core, one question about one scene: comparison, page, scoring, command line",
+            "the core: one question about one scene",
             "all above",
             core,
         ),
         Part(
             "reports.studies",
-            "what runs many: sweeps, maps of the error, the paper again, a third solver",
+            "sweeps, maps, the paper, a third solver",
             "all above",
             ("reports/studies",),
         ),

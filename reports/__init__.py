@@ -1,8 +1,8 @@
 """Comparison of two solutions, the page about it, and the command line.
 
 `compare`, `score`, `write` and `figure` are all that a script needs. Public is what `__all__` of
-`reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules beneath may change. Names are
-loaded when they are first asked for: `halfplane --help` must not wait for numpy.
+`reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules beneath may change.
+Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy.
 """
 
 from __future__ import annotations

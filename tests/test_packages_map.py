@@ -176,7 +176,7 @@ def test_the_core_of_reports_names_studies_in_the_tables_of_the_command_line_alo
 
 
 def test_the_map_has_each_folder_of_reports_and_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every statement is in one row; a size moves on the page only when it is wrong by a hundred."""
+    """Every statement is in one row; a size on the page moves only when it is off by a hundred."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     architecture, sizes = import_module("architecture"), import_module("sizes")
     floors = {part.name: part.paths for part in architecture.packages()}

@@ -1,5 +1,5 @@
-"""Studies: what runs many scenes or another solver, above the core of `reports`, which never imports
-them.
+"""Studies: what runs many scenes or another solver, above the core of `reports`, which never
+imports them.
 
     sweep   a scene over axes of its keys, with a store and a page; processes or dask
     maps    maps of the idealisation error, made of sweeps; their laws; advice on a scene
