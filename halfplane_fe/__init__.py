@@ -30,6 +30,7 @@ In the order in which a scene passes through::
     answer.py, solve.py                    the answer: `solve`; datum of approach and displacement;
                                            cost of a penalty layer
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
+    arrays.py                              types of the arrays of the package
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
                                            the contact from the tractions
 """

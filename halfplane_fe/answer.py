@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     contact_edges,
@@ -57,9 +58,6 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     ]
     return replace(run, states=moved)
 
-
-Array = NDArray[np.float64]
-States = NDArray[np.int8]
 
 # Instants whose edges are found together: a few, so that what is in the making stays small.
 _AT_ONCE = 256
@@ -241,9 +239,7 @@ def _permanent_stick(
     return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
 
 
-def _zones_by_nodes(
-    x: Array, stick: NDArray[np.bool_], closed: NDArray[np.bool_], anywhere: bool
-) -> Array:
+def _zones_by_nodes(x: Array, stick: Mask, closed: Mask, anywhere: bool) -> Array:
     """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost
     nodes.
     """
@@ -253,7 +249,7 @@ def _zones_by_nodes(
     return stick_edges(x, stick, closed, contact, anywhere=anywhere)
 
 
-def _creeping(slip: Array, closed: NDArray[np.bool_], share: float) -> NDArray[np.bool_]:
+def _creeping(slip: Array, closed: Mask, share: float) -> Mask:
     """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
     of slip; arrays (m, n).
     """

@@ -40,14 +40,11 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
-
-Array = NDArray[np.float64]
-States = NDArray[np.int8]
 
 # D and V: least squares on Hertz' compression pressed through 40 elements. rms of g over the edge's
 # places.
@@ -112,7 +109,7 @@ def _at_stick_edge(
     states: Sequence[InterfaceState],
     slip: Array,
     law: States,
-    sticks: NDArray[np.bool_],
+    sticks: Mask,
     side: int,
 ) -> tuple[float, float] | None:
     """Work in excess and its rms over places, at the edge of permanent stick on that side of x = 0.

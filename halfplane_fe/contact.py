@@ -12,18 +12,15 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-States = NDArray[np.int8]
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a
 # node keeps its state.

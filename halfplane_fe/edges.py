@@ -12,13 +12,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from scenes import STICK
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 # Share of the distance of two nodes by which an edge between them is uncertain whatever the fit
 # says: the shape functions of quadratic elements know no square root. Measured on hertz-paper,
@@ -63,7 +60,7 @@ _ROUNDING = 1e-9
 
 def reported_states(
     problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]
-) -> NDArray[np.int8]:
+) -> States:
     """(n_steps, n) states as the user sees them: of coupled bodies those of the law, of others what
     `visible_states` shows.
 
@@ -81,7 +78,7 @@ def reported_states(
     return visible_states(states, cycle_starts, problem.friction, problem.interface.imposed)
 
 
-def law_states(states: Sequence[InterfaceState]) -> NDArray[np.int8]:
+def law_states(states: Sequence[InterfaceState]) -> States:
     """(n_steps, n) states by the law, but for rounding: a node on the Coulomb limit that has not
     moved sticks.
 
@@ -113,7 +110,7 @@ def visible_states(
     cycle_starts: Sequence[int],
     friction: float,
     imposed: Array | None = None,
-) -> NDArray[np.int8]:
+) -> States:
     """(n_steps, n) states as the user sees them: the law's, but a node that only creeps by the
     error of the mesh sticks.
 
@@ -143,7 +140,7 @@ def visible_states(
         slice(first, min(first + _AT_ONCE, len(rise))) for first in range(0, len(rise), _AT_ONCE)
     ]
 
-    def moved(steps: slice) -> tuple[NDArray[np.int64], Array]:
+    def moved(steps: slice) -> tuple[Indices, Array]:
         """Sense of slip by the law, and slip of the increments, (k, n) each."""
         values = np.stack(
             [state.values[3 : 3 + size] for state in states[steps.start : steps.stop + 1]]

@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
 from scipy.linalg.lapack import dpotri
@@ -26,12 +25,10 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 from skfem.quadrature import get_quadrature
 
+from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.far_field import arc_work, line_elements
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu
 # = 1/3.

@@ -29,14 +29,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign, violations
 from scenes import STICK
-
-Array = NDArray[np.float64]
-States = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +86,7 @@ def elastic_energies(
     return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer)
 
 
-def _starting(before: States, after: States) -> NDArray[np.bool_]:
+def _starting(before: States, after: States) -> Mask:
     """Which nodes start to slide, or turn round: they slide after an increment and did not slide
     that way before.
     """
@@ -210,7 +207,7 @@ def _kinked_work(
     forces: tuple[Array, Array],
     slip: Array,
     sets: tuple[States, States],
-    rows: NDArray[np.int64],
+    rows: Indices,
 ) -> tuple[Array, Array, Array]:
     """Friction work of increments in which nodes start to slide, its part by kinks in between, the
     share of the states before.

@@ -35,11 +35,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dst
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from halfplane_fe.arrays import Array, Complex
 
 # Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them that
 # p^2 is fitted to on fine meshes: there the error of single nodes is left, which many nodes make

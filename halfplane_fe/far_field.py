@@ -16,11 +16,9 @@ to the mesh of the arc.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Indices
 from scenes import Elastic
-
-Array = NDArray[np.float64]
 
 # Gauss points of an element of the arc: to rounding on elements no longer than their distance from
 # a force.
@@ -111,9 +109,7 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
 
 
-def line_elements(
-    line: Array, order: int, count: int
-) -> tuple[NDArray[np.int64], Array, Array, Array]:
+def line_elements(line: Array, order: int, count: int) -> tuple[Indices, Array, Array, Array]:
     """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
     Gauss points g on each.
 

@@ -14,9 +14,10 @@ from typing import Literal
 
 import numpy as np
 import skfem
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from skfem.helpers import sym_grad
 
+from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.elasticity import (
     CondensedBody,
     cells_of,
@@ -39,8 +40,6 @@ from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import ContactSolution, HalfPlane, InputError, Scene
 from scenes.bodies import Cylinder, Shape, face_of
-
-Array = NDArray[np.float64]
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
@@ -85,7 +84,7 @@ class BodyFields:
 
     name: str
     points: Array
-    cells: NDArray[np.int64]
+    cells: Indices
     displacement: Array
     stress: Array
     von_mises: Array
@@ -505,7 +504,7 @@ def _room(shape: Shape) -> float:
     return shape.radius if isinstance(shape, Cylinder) else min(shape.width / 2, shape.height)
 
 
-def _counter_clockwise(points: Array, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def _counter_clockwise(points: Array, cells: Indices) -> Indices:
     """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
     areas.
     """

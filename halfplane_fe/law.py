@@ -18,13 +18,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfplane_fe.arrays import Array, States
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 
-Array = NDArray[np.float64]
-States = NDArray[np.int8]
-
 _SIGN = np.zeros(4, dtype=np.int64)
-_SIGN[SLIP_FORWARD], _SIGN[SLIP_REVERSE] = 1, -1
+_SIGN[SLIP_FORWARD] = 1
+_SIGN[SLIP_REVERSE] = -1
 _OPEN, _STICK, *_SLIPS = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
 
 
@@ -51,14 +50,10 @@ def project(
     trial = np.asarray(trial_shear, dtype=float)
     limit = friction * pressure
     shear = np.minimum(np.maximum(trial, -limit), limit)  # several times as fast as np.clip
-    slips = np.where(trial > 0, *_SLIPS)
-    return (
-        pressure,
-        shear,
-        np.where(
-            np.asarray(trial_pressure) > 0, np.where(np.abs(trial) > limit, slips, _STICK), _OPEN
-        ),
-    )
+    sense_of_slip = np.where(trial > 0, *_SLIPS)
+    if_closed = np.where(np.abs(trial) > limit, sense_of_slip, _STICK)
+    state = np.where(np.asarray(trial_pressure) > 0, if_closed, _OPEN)
+    return pressure, shear, state
 
 
 def slip_sign(state: States) -> NDArray[np.int64]:
@@ -73,8 +68,8 @@ def slip_sign(state: States) -> NDArray[np.int64]:
 def violations(
     gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float
 ) -> dict[str, Array]:
-    """How far answers (..., n) are from the law, each figure (...) in the units of its own
-    arguments (0 is perfect).
+    """How far answers (..., n) are from the law: (...) of each, in the units of its arguments, 0
+    where the law is met.
 
     Returns
     -------
@@ -86,7 +81,7 @@ def violations(
     limit = friction * pressure
     inside = np.abs(shear) < limit * (1 - 1e-9)
     closed = pressure > 0
-    found = {
+    by_law = {
         "tension": -pressure,
         "penetration": -gap,
         "gap_pressure": np.abs(gap * pressure),
@@ -94,4 +89,4 @@ def violations(
         "slip_sign": np.where(closed, -(shear * slip_increment), 0.0),
         "creep": np.where(inside & closed, np.abs(slip_increment), 0.0),
     }
-    return {name: np.max(values, axis=-1, initial=0.0) for name, values in found.items()}
+    return {name: np.max(values, axis=-1, initial=0.0) for name, values in by_law.items()}

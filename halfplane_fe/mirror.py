@@ -16,14 +16,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import PathRun
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
-
-Array = NDArray[np.float64]
 
 # By how much a face and its image may differ, over the largest entry: rounding of the condensation.
 _ALIKE = 1e-9
@@ -78,7 +76,7 @@ def half(faces: Interface) -> Interface:
     )
 
 
-def _images(faces: Interface) -> tuple[NDArray[np.int64], Array, Array]:
+def _images(faces: Interface) -> tuple[Indices, Array, Array]:
     """Of each node in ascending order its place in the right half, its share of that node's p, and
     the sign of its q.
     """

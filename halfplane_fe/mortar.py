@@ -19,10 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Members = NDArray[np.intp]
+from halfplane_fe.arrays import Array, Indices
 
 # Points of a segment of the common refinement: exact for the product of two quadratics on a
 # straight line, and to rounding for the slopes of a contact.
@@ -134,7 +132,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     )
 
 
-def _on_side(side: Side, x: Array) -> tuple[Members, Array, Array, Array]:
+def _on_side(side: Side, x: Array) -> tuple[Indices, Array, Array, Array]:
     """Nodes (s, k) of the elements that hold the segments with points `x` (s, m), shape functions
     (s, k, m), y and slope (s, m).
     """

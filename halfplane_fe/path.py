@@ -11,9 +11,9 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from halfplane_fe.arrays import Array
 from scenes import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -23,8 +23,6 @@ from scenes import (
     LoadSegment,
     sampled,
 )
-
-Array = NDArray[np.float64]
 
 # Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its
 # twin closer than that are missed together.

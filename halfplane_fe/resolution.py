@@ -21,12 +21,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array
 from meshes import MeshSettings, SurfaceGrading
 from scenes import Profile, Scene
-
-Array = NDArray[np.float64]
 
 # Error in L2 over h/a, of q and of p; that of linear elements over that of quadratic ones.
 _SHEAR, _PRESSURE, _LINEAR = 0.65, 0.25, 3.7

@@ -20,8 +20,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.between_nodes import Excess, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
@@ -29,7 +29,6 @@ from halfplane_fe.path import enclosed, scaled_loads, straight, stretches
 from halfplane_fe.stepping import Increment, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
 
 # Two revolutions end alike when no nodal force differs by more than this share of the largest.
@@ -187,7 +186,7 @@ class PathRun:
         return ratchets([drifts[-1]] * 2 if self.cycle_change[-1] <= _EQUAL else drifts, travel)
 
     @property
-    def kept(self) -> NDArray[np.int64]:
+    def kept(self) -> Indices:
         """Indices of the states that are whole, the first and the last among them."""
         return np.flatnonzero([state.whole for state in self.states])
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from halfplane_fe.arrays import Array, States
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import contact_edges, reported_states, stick_edges
 from halfplane_fe.interface import (
@@ -32,8 +32,6 @@ from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading
 from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampled
-
-Array = NDArray[np.float64]
 
 # The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
 # them.
@@ -300,7 +298,7 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
 def _innermost_edge(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
-    seen: NDArray[np.int8],
+    seen: States,
     anywhere: bool,
 ) -> float:
     """The least half-width of the contact or of its stick zone, 0 where nothing sticks.

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, from_datum, penalty_audit, record_of
+from halfplane_fe.arrays import Array
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
@@ -67,8 +67,6 @@ from scenes import (
     freeze,
     scene_of,
 )
-
-Array = NDArray[np.float64]
 
 # Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
 # on the faces as they are.

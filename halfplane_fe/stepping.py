@@ -17,16 +17,15 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import step_errors
 from halfplane_fe.path import Stretch, scaled_loads
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 
-Array = NDArray[np.float64]
 Event = Literal["regular", "touch", "release"]
 LoadsAt = Callable[[float], tuple[float, ...]]
 
@@ -73,7 +72,7 @@ class Increment:
     """
 
     state: InterfaceState
-    solved: NDArray[np.int8]
+    solved: States
     step_error: float
     iterations: int
     event: Event
@@ -187,7 +186,7 @@ def next_event(
     history: InterfaceState,
     loads_at: LoadsAt,
     end: float,
-    states: NDArray[np.int8],
+    states: States,
 ) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear
     prediction.
@@ -307,7 +306,7 @@ def _zero(
     return float(brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 
 
-def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tuple[float, int]:
+def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, int]:
     """Fraction of the increment at which the first of `nodes` goes from positive to negative,
     linearly, and it; 1 if none does.
     """
@@ -319,7 +318,7 @@ def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tu
     return float(shares[first]), int(falling[first])
 
 
-def up_to_event(history: InterfaceState, solved: InterfaceState) -> NDArray[np.int8]:
+def up_to_event(history: InterfaceState, solved: InterfaceState) -> States:
     """(n,) solved states, nodes that are at their event on the side where they have been: within
     rounding the law takes either.
 
@@ -330,9 +329,7 @@ def up_to_event(history: InterfaceState, solved: InterfaceState) -> NDArray[np.i
     return _on_its_side(history, solved, changed) if changed.any() else solved.state
 
 
-def _on_its_side(
-    history: InterfaceState, solved: InterfaceState, changed: NDArray[np.bool_]
-) -> NDArray[np.int8]:
+def _on_its_side(history: InterfaceState, solved: InterfaceState, changed: Mask) -> States:
     """(n,) solved states; those that `changed` sides on the one where they have been: open, stuck
     or sliding as they have moved.
     """
@@ -344,7 +341,7 @@ def _on_its_side(
     )
 
 
-def _marginal(state: InterfaceState) -> NDArray[np.bool_]:
+def _marginal(state: InterfaceState) -> Mask:
     return (np.abs(state.gap) <= _LANDED) & (np.abs(state.pressure) <= _LANDED)
 
 

@@ -36,22 +36,19 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
+from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK, ConvergenceError
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-States = NDArray[np.int8]
 Factors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases: a cycle meets the same sets again and again.
 _BYTES = 300_000_000
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 96
-# Rows next to one that is wanted whose answers are found along with it: edges of contact and stick
-# travel from node to node.
+# Rows on either side of one that is needed whose answers are found along with it: edges of contact
+# and stick travel from node to node.
 _NEIGHBOURS = 12
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
 # beyond the diagonal.
@@ -63,9 +60,9 @@ class SingularSet(ArithmeticError):
 
 
 def _lu(matrix: Array) -> Factors:
-    factors, pivots, info = dgetrf(matrix)
-    if info > 0:
-        raise SingularSet(f"pivot {info} is zero")
+    factors, pivots, zero_pivot = dgetrf(matrix)
+    if zero_pivot > 0:
+        raise SingularSet(f"pivot {zero_pivot} is zero")
     return factors, pivots
 
 
@@ -93,16 +90,17 @@ class _Base:
     ----------
     kinds : (2 n,) of its rows: closed, then the states
     traction : (n,) q over p of the nodes that slide
-    held : (k,) rows of gap, slip and loads that hold, and at once the unknowns that are not given
-    by others place : (2 n + 5,) of each row among them, -1 of others
-    factors : of their equations
-    free, beyond : rows of gap and slip that do not hold, and those rows of the matrix, (n_free, k)
-    number, answers : (2 n + 5,) of each row or load whose answer is there, -1 of others; the
-    answers, `count` of (m, 3 + 4 n) met : sets that were reached from it: met again, they have the
-    same bits
+    held : (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
+    place : (2 n + 5,) of each row among `held`, -1 of others
+    factors : of the equations of `held`
+    free : (n_free,) rows of gap and slip that do not hold
+    beyond : (n_free, k) those rows of the matrix
+    number : (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
+    answers : (m, 3 + 4 n), of which `count` are known
+    met : sets that were reached from it: met again, they have the same bits
     """
 
-    kinds: NDArray[np.int8]
+    kinds: States
     traction: Array
     held: Indices
     place: Indices
@@ -121,39 +119,49 @@ class _Base:
 
 
 class _Nested:
-    """A compliance C (n, n), and what holds some first nodes: those at known displacements carry
-    what keeps them there.
+    """A compliance C (n, n) of which the first k nodes, for any k, are held at known displacements.
+
+    Attributes
+    ----------
+    compliance : (n, n) C
+    inverse : (n, n) X = L^-1 of C = L L^T
+    uniform, moved : (n, n) in row k - 1 the forces that move each of the first k nodes by 1, and
+        what these forces move all nodes by
+    stiffness : (n,) sum of the forces of each row of `uniform`
     """
 
     def __init__(self, compliance: Array, factor: Array) -> None:
-        self.compliance, self.inverse = compliance, np.ascontiguousarray(dtrtri(factor, lower=1)[0])
-        # In row k - 1 the forces that move each of the first k nodes by 1, and what they move all
-        # nodes by.
-        by_row = self.inverse.sum(axis=1)[:, None]
-        self.uniform, self.moved = (
-            np.cumsum(self.inverse * by_row, axis=0),
-            np.cumsum(factor.T * by_row, axis=0),
-        )
+        self.compliance = compliance
+        self.inverse = np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+        sum_of_row = self.inverse.sum(axis=1)[:, None]
+        self.uniform = np.cumsum(self.inverse * sum_of_row, axis=0)
+        self.moved = np.cumsum(factor.T * sum_of_row, axis=0)
         self.stiffness = self.uniform.sum(axis=1)
 
     def solved(
         self, held: int, touching: int, known: Array, total: Array
     ) -> tuple[Array, Array, Array]:
-        """Forces F (n, m) that add up to `total` (m,), rigid motion r (m,), and C F - r: of the
-        latter what the first `held` nodes have, of F what the others have, is `known` (n, m); most
-        often nothing beyond the first `touching` ones."""
-        forces, moved, rigid = known.copy(), known.copy(), total / self.stiffness[held - 1]
+        """Forces F (n, m) that add up to a total, the rigid motion r (m,), and C F - r (n, m).
+
+        Parameters
+        ----------
+        held : the first nodes, whose C F - r is known; of the others F is known
+        touching : nodes beyond which the known F is most often 0
+        known : (n, m) what is known of each node
+        total : (m,) sum of F
+        """
+        forces = known.copy()
+        moved = known.copy()
         moved[held:] = 0.0
+        rigid = total / self.stiffness[held - 1]
         if known.any():
-            reach = len(known) if known[touching:].any() else touching
-            right, forces[:held] = (
-                known[:held] - self.compliance[:held, held:reach] @ known[held:reach],
-                0.0,
-            )
+            loaded = len(known) if known[touching:].any() else touching
+            right = known[:held] - self.compliance[:held, held:loaded] @ known[held:loaded]
+            forces[:held] = 0.0
             for end in range(_ROWS, held + _ROWS, _ROWS):
                 rows = self.inverse[end - _ROWS : min(end, held), : min(end, held)]
                 forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
-            moved[held:] = self.compliance[held:, :reach] @ forces[:reach]
+            moved[held:] = self.compliance[held:, :loaded] @ forces[:loaded]
             rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
         forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
         moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
@@ -179,7 +187,7 @@ class Systems:
     shears: bool = True
 
     def __post_init__(self) -> None:
-        faces, n = self.interface, len(self.interface.x)
+        faces = self.interface
         self.normal = faces.normal + np.diag(self.layer.normal)
         self.tangential = faces.tangential + np.diag(self.layer.tangential)
         compliances = (self.normal, self.tangential) if self.shears else (self.normal,)
@@ -191,35 +199,53 @@ class Systems:
             raise ConvergenceError(
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
-        n_x, n_y = faces.normals
-        # (2 n + 2, 2 n + 5) gap, slip and the two loads by z, as if all nodes stuck, and by bulk
-        # stresses and tilt.
-        self.matrix = np.zeros((2 * n + 2, 2 * n + 5))
-        self.matrix[:n, :n], self.matrix[n : 2 * n, n : 2 * n] = self.normal, -self.tangential
-        if faces.coupling is not None:
-            self.matrix[:n, n : 2 * n], self.matrix[n : 2 * n, :n] = (
-                -faces.coupling.T,
-                faces.coupling,
-            )
-        self.matrix[: 2 * n, 2 * n : 2 * n + 2] = np.column_stack(
-            [np.concatenate([-n_y, n_x]), np.concatenate([n_x, n_y])]
-        )
-        self.matrix[2 * n, : 2 * n] = np.concatenate([n_y, n_x])
-        if faces.imposed is not None:
-            self.matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
         self._held_still = faces.guided or not self.shears
-        if self._held_still:
-            self.matrix[2 * n + 1, 2 * n + 1] = 1.0
-        else:
-            self.matrix[2 * n + 1, : 2 * n] = np.concatenate([-n_x, n_y])
+        self.matrix = self._assembled()
         self._bases: list[_Base] = []  # what was used last comes last
         self._nested: list[_Nested] = []
         # p does not depend on q then
         if faces.coupling is None and faces.flat and faces.imposed is None:
-            self._nested = [_Nested(*both) for both in zip(compliances, factors, strict=True)]
+            self._nested = [
+                _Nested(compliance, factor)
+                for compliance, factor in zip(compliances, factors, strict=True)
+            ]
+
+    def _assembled(self) -> Array:
+        """(2 n + 2, 2 n + 5) gap, slip and the two loads by z, as if all nodes stuck, and by bulk
+        stresses and tilt.
+        """
+        faces = self.interface
+        n = len(faces.x)
+        n_x, n_y = faces.normals
+        matrix = np.zeros((2 * n + 2, 2 * n + 5))
+        gap, slip = slice(0, n), slice(n, 2 * n)  # as rows
+        pressure, shear = gap, slip  # as columns
+        matrix[gap, pressure] = self.normal
+        matrix[slip, shear] = -self.tangential
+        if faces.coupling is not None:
+            matrix[gap, shear] = -faces.coupling.T
+            matrix[slip, pressure] = faces.coupling
+        matrix[gap, 2 * n] = -n_y
+        matrix[slip, 2 * n] = n_x
+        matrix[gap, 2 * n + 1] = n_x
+        matrix[slip, 2 * n + 1] = n_y
+        if faces.imposed is not None:
+            matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
+        matrix[2 * n, pressure] = n_y
+        matrix[2 * n, shear] = n_x
+        if self._held_still:
+            matrix[2 * n + 1, 2 * n + 1] = 1.0
+        else:
+            matrix[2 * n + 1, pressure] = -n_x
+            matrix[2 * n + 1, shear] = n_y
+        return matrix
 
     def answers(
-        self, states: States, n_loads: int, rows: Indices | None = None, given: Array | None = None
+        self,
+        states: States,
+        n_loads: int,
+        rows: Indices | None = None,
+        changes: Array | None = None,
     ) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row
         for changes that are given.
@@ -228,8 +254,8 @@ class Systems:
         ----------
         states : which the nodes keep
         n_loads : 2 (P and Q) or 5 (bulk stresses and tilt too)
-        rows, given : numbers of rows, that of the gap i and that of the slip n + i, and
-            (len(rows),) what changes there while no load does: one more row of what is returned
+        rows : numbers of rows, that of the gap i and that of the slip n + i
+        changes : (len(rows),) of these rows while no load changes: one more row of what is returned
 
         Raises
         ------
@@ -255,155 +281,194 @@ class Systems:
         >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
+        """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row
+        for changes that are given.
+
+        Parameters
+        ----------
+        states : which the nodes keep
+        n_loads : 2 (P and Q) or 5 (bulk stresses and tilt too)
+        rows : numbers of rows, that of the gap i and that of the slip n + i
+        changes : (len(rows),) of these rows while no load changes: one more row of what is returned
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+
+        >>> springs = np.eye(2)  # two nodes, each on a spring of its own: one sticks, one slips
+        >>> none = np.zeros(2)
+        >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
+        >>> flat = Interface(places, np.ones(2), normals, none, springs, springs, None)
+        >>> by_loads = Systems(flat, Layer(none, none), 0.5).answers(
+        ...     np.array([1, 2], dtype=np.int8), 2
+        ... )
+        >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
+        [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
+        """
         self.work["linear solves"] += 1
-        n, touching, sticking = (
-            len(states),
-            int(np.count_nonzero(states)),
-            int(np.count_nonzero(states == STICK)),
+        touching = int(np.count_nonzero(states))
+        sticking = int(np.count_nonzero(states == STICK))
+        leading = states[:touching].all() and (states[:sticking] == STICK).all()
+        if self._nested and sticking and leading:
+            return self._answers_of_nested(states, n_loads, rows, changes)
+        return self._answers_from_base(states, n_loads, rows, changes)
+
+    def _answers_of_nested(
+        self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
+    ) -> Array:
+        """`answers` of states of which the first nodes stick, the next slip and the last are
+        open.
+        """
+        n = len(states)
+        touching = int(np.count_nonzero(states))
+        sticking = int(np.count_nonzero(states == STICK))
+        n_cases = n_loads + (rows is not None)
+        known_gap, known_slip = known = np.zeros((2, n, n_cases))
+        if rows is not None:
+            known[rows // n, rows % n, n_loads] = changes
+        values = np.zeros((n_cases, 3 + 4 * n))
+        slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+        normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
+        pressure[:], values[:, 0], gap[:] = self._nested[0].solved(
+            touching, touching, known_gap, normal_load
         )
-        if (
-            self._nested
-            and sticking
-            and states[:touching].all()
-            and (states[:sticking] == STICK).all()
-        ):
-            known = np.zeros((2, n, n_loads + (rows is not None)))
-            if rows is not None:
-                known[rows // n, rows % n, n_loads] = given
-            values, carried = np.zeros((known.shape[2], 3 + 4 * n)), np.eye(n_loads, known.shape[2])
-            slip, force, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
-            force[:], values[:, 0], gap[:] = self._nested[0].solved(
-                touching, touching, known[0], carried[0]
+        if self.shears:
+            known_slip[:sticking] *= -1
+            known_slip += (slip_sign(states) * self.friction)[:, None] * pressure
+            shear[:], values[:, 1], moved = self._nested[1].solved(
+                sticking, touching, known_slip, tangential_load
             )
-            if self.shears:
-                known[1, :sticking] *= -1
-                known[1] += (slip_sign(states) * self.friction)[:, None] * force
-                shear[:], values[:, 1], moved = self._nested[1].solved(
-                    sticking, touching, known[1], carried[1]
-                )
-                slip[:] = -moved
-            return values
+            slip[:] = -moved
+        return values
+
+    def _answers_from_base(
+        self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
+    ) -> Array:
+        """`answers` of any states: those of a base, and an update by the rows that differ
+        (Sherman-Morrison-Woodbury).
+        """
+        n = len(states)
         base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
-        wanted, loads = np.flatnonzero(differs), np.arange(2 * n, 2 * n + n_loads)
-        self._find(base, np.concatenate([wanted, loads]))
-        found = np.zeros((n_loads + (rows is not None), 3 + 4 * n))
-        found[:n_loads] = base.answers[base.number[loads]]
-        if not len(wanted):
-            return found
+        updated = np.flatnonzero(differs)
+        loads = np.arange(2 * n, 2 * n + n_loads)
+        self._find(base, np.concatenate([updated, loads]))
+        values = np.zeros((n_loads + (rows is not None), 3 + 4 * n))
+        values[:n_loads] = base.answers[base.number[loads]]
+        if not len(updated):
+            return values
         self.work["factor updates"] += 1
-        change = np.zeros(2 * n)
+        # What a row of the set holds is one of the values of its node, minus slope times p: p or
+        # gap of a normal row; slip or q - (+-f) p of a tangential one.
+        node = updated % n
+        is_normal = updated < n
+        state = states[node]
+        of_normal = np.where(state == OPEN, n, 3 * n)
+        of_tangential = np.where((state == STICK) & self.shears, 0, 2 * n)
+        place = 3 + np.where(is_normal, of_normal, of_tangential) + node
+        place_of_pressure = 3 + n + node
+        slope = np.where(is_normal, 0, slip_sign(state)) * self.friction
+        columns = base.answers[base.number[updated]]
+        right = values[:, place_of_pressure] * slope - values[:, place]
         if rows is not None:
-            change[rows] = given
-        # What values hold in a row: p or gap; of the tangential ones slip or q - (+-f) p.
-        nodes, normal = wanted % n, wanted < n
-        state = states[nodes]
-        of_node = np.where(
-            normal,
-            np.where(state == OPEN, n, 3 * n),
-            np.where((state == STICK) & self.shears, 0, 2 * n),
-        )
-        own, pressure, slope = (
-            3 + of_node + nodes,
-            3 + n + nodes,
-            np.where(normal, 0, slip_sign(state)) * self.friction,
-        )
-        columns = base.answers[base.number[wanted]]
-        right = found[:, pressure] * slope - found[:, own]
-        right[n_loads:] += change[wanted]
-        return np.asarray(
-            found
-            + _lu_solve(_lu((columns[:, own] - columns[:, pressure] * slope).T), right.T).T
-            @ columns
-        )
+            change = np.zeros(2 * n)
+            change[rows] = changes
+            right[n_loads:] += change[updated]
+        small_system = (columns[:, place] - columns[:, place_of_pressure] * slope).T
+        factors = _lu_solve(_lu(small_system), right.T).T
+        return np.asarray(values + factors @ columns)
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
+        """A base for a set, and the rows that differ: that from which the set was reached before,
+        the one used last or, where it is far, the nearest one, or the set itself."""
         """A base for a set, and the rows that differ: that from which the set was reached before,
         the one used last or, where it is far, the nearest one, or the set itself."""
         # An update of a base makes a pivot of rounding from the zero that this is.
         if not (self._held_still or np.any(states == STICK)):
             raise SingularSet("no node sticks: the bodies slide on each other")
-        key, kinds = (
-            states.tobytes(),
-            np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe"),
-        )
-        found = next((base for base in self._bases if key in base.met), None)
-        for near in (self._bases[-1:], self._bases):
-            if found is None and near:
-                apart = [np.count_nonzero(base.kinds != kinds) for base in near]
-                found = near[int(np.argmin(apart))] if min(apart) <= _MOST_ROWS else None
-        if found is None:
-            found = self._made(states, kinds)
+        key = states.tobytes()
+        kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
+        base = next((base for base in self._bases if key in base.met), None)
+        for candidates in (self._bases[-1:], self._bases):
+            if base is None and candidates:
+                rows_apart = [np.count_nonzero(other.kinds != kinds) for other in candidates]
+                nearest = int(np.argmin(rows_apart))
+                if rows_apart[nearest] <= _MOST_ROWS:
+                    base = candidates[nearest]
+        if base is None:
+            base = self._new_base(states, kinds)
         else:
-            self._bases.remove(found)
-        self._bases.append(found)
-        found.met.add(key)
-        return found, found.kinds != kinds
+            self._bases.remove(base)
+        self._bases.append(base)
+        base.met.add(key)
+        return base, base.kinds != kinds
 
-    def _made(self, states: States, kinds: NDArray[np.int8]) -> _Base:
-        """A new base."""
+    def _new_base(self, states: States, kinds: States) -> _Base:
+        """A base with the factors of these states, and no answers yet."""
         self.work["factorisations"] += 1
         n = len(states)
         traction = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
-        mask = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
-        held, free = np.flatnonzero(mask), np.flatnonzero(~mask[: 2 * n])
-        columns, sliding = self.matrix[:, held], np.flatnonzero(traction)
+        holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
+        held = np.flatnonzero(holds)
+        free = np.flatnonzero(~holds[: 2 * n])
+        columns = self.matrix[:, held]
         # Sliding nodes take their q along with p.
+        sliding = np.flatnonzero(traction)
         columns[:, np.searchsorted(held, sliding)] += (
             self.matrix[:, n + sliding] * traction[sliding]
         )
-        place = np.full(len(mask), -1)
+        place = np.full(len(holds), -1)
         place[held] = np.arange(len(held))
-        table = np.empty((0, 3 + 4 * n))
         return _Base(
-            kinds,
-            traction,
-            held,
-            place,
-            _lu(columns[held]),
-            free,
-            columns[free],
-            np.full_like(place, -1),
-            table,
-            set(),
+            kinds=kinds,
+            traction=traction,
+            held=held,
+            place=place,
+            factors=_lu(columns[held]),
+            free=free,
+            beyond=columns[free],
+            number=np.full_like(place, -1),
+            answers=np.empty((0, 3 + 4 * n)),
+            met=set(),
         )
 
-    def _find(self, base: _Base, wanted: Indices) -> None:
+    def _find(self, base: _Base, required: Indices) -> None:
         """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
-        missing = wanted[base.number[wanted] < 0]
+        missing = required[base.number[required] < 0]
         if not len(missing):
             return
         n = len(base.traction)
-        near = np.add.outer(
+        neighbours = np.add.outer(
             missing[missing < 2 * n], np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
         ).clip(0, 2 * n - 1)
-        rows = np.union1d(near[base.number[near] < 0], missing)
-        place, number = base.place[rows], np.arange(len(rows))
+        rows = np.union1d(neighbours[base.number[neighbours] < 0], missing)
+        place = base.place[rows]
+        number = np.arange(len(rows))
         held = place >= 0
-        given = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
-        right = -given[base.held]
+        by_unknown = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
+        right = -by_unknown[base.held]
         right[place[held], number[held]] += 1.0
-        unknown = _lu_solve(base.factors, right)
-        z, moved = np.zeros((2 * n + 5, len(rows))), np.zeros((2 * n, len(rows)))
-        z[base.held] = unknown
+        solved = _lu_solve(base.factors, right)
+        z = np.zeros((2 * n + 5, len(rows)))
+        z[base.held] = solved
         z[rows[~held], number[~held]] = 1.0
         z[n : 2 * n] += base.traction[:, None] * z[:n]
-        moved[base.free] = base.beyond @ unknown + given[base.free]
-        inside = held & (rows < 2 * n)
-        moved[rows[inside], number[inside]] = 1.0
+        moved = np.zeros((2 * n, len(rows)))
+        moved[base.free] = base.beyond @ solved + by_unknown[base.free]
+        of_nodes = held & (rows < 2 * n)
+        moved[rows[of_nodes], number[of_nodes]] = 1.0
         first = base.count
         base.count += len(rows)
         if base.count > len(base.answers):  # twice the room, so that it is seldom copied
             base.answers = np.concatenate([base.answers[:first], np.empty((base.count, 3 + 4 * n))])
         base.number[rows] = first + number
-        for at, values in (
-            (0, z[[2 * n, 2 * n + 1, 2 * n + 4]]),
-            (3, moved[n:]),
-            (3 + n, z[: 2 * n]),
-            (3 + 3 * n, moved[:n]),
-        ):
-            base.answers[first : base.count, at : at + len(values)] = values.T
-        while len(self._bases) > 1 and sum(one.nbytes for one in self._bases) > _BYTES:
+        answers = base.answers[first : base.count]
+        answers[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
+        answers[:, 3 : 3 + n] = moved[n:].T  # slip
+        answers[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
+        answers[:, 3 + 3 * n :] = moved[:n].T  # gap
+        while len(self._bases) > 1 and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

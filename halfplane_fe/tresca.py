@@ -7,20 +7,20 @@ given).
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve
 from scipy.optimize import brentq
 
+from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.systems import SingularSet, Systems
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-States = NDArray[np.int8]
-
+# Active sets of these convex problems end within ten or so; sets that recur take a node a step.
 _ITERATIONS = 200
+
+NodeSet = TypeVar("NodeSet", Mask, States)
 
 
 def pressure_at_known_shear(
@@ -54,9 +54,11 @@ def pressure_at_known_shear(
     ([2.0, 1.0], 2.0, [True, True])
     """
 
-    approach, n_y = 0.0, systems.interface.normals[1]
+    approach = 0.0
+    n_y = systems.interface.normals[1]
 
     def step(closed: Mask) -> tuple[Array, Array, Mask]:
+        """Pressure, its violations, and the closed nodes that these ask for."""
         nonlocal approach
         if not closed.any():
             raise SingularSet("no node holds the normal load")
@@ -69,10 +71,10 @@ def pressure_at_known_shear(
         pressure = np.zeros_like(height)
         pressure[closed] = by_height + approach * by_approach
         gap = height - n_y * approach + systems.normal @ pressure
-        wrong = np.where(closed, -pressure, -gap)
-        return pressure, wrong, np.where(wrong > rounding, ~closed, closed)
+        violation = np.where(closed, -pressure, -gap)
+        return pressure, violation, np.where(violation > rounding, ~closed, closed)
 
-    pressure, closed = _settled(step, closed)
+    pressure, closed = _converged(step, closed)
     return pressure, float(approach), closed
 
 
@@ -110,77 +112,74 @@ def shear_at_known_pressure(
     limit = systems.friction * pressure
     closed = pressure > 0
     states = np.where(closed, STICK, OPEN).astype(np.int8)
-    most = (
-        np.abs(known_slip[closed]).max() + np.abs(systems.tangential @ limit)[closed].max()
-    ) / n_y.min()
+    largest_slip_of_limit = np.abs(systems.tangential @ limit)[closed].max()
+    largest_shift = (np.abs(known_slip[closed]).max() + largest_slip_of_limit) / n_y.min()
 
-    def shear(shift: float) -> Array:
+    def shear_at(shift: float) -> Array:
         nonlocal states
-        found, states = _bounded(systems, limit, known_slip - n_y * shift, states, rounding)
-        return found
+        shear, states = _bounded(systems, limit, known_slip - n_y * shift, states, rounding)
+        return shear
 
     if load is None:
-        return shear(0.0), 0.0, states
-    shift = float(
-        brentq(
-            lambda u: float(n_y @ shear(u)) - load,
-            -most,
-            most,
-            xtol=1e-13 * max(most, 1e-300),
-            rtol=8.9e-16,
-        )
-    )
-    return shear(shift), shift, states
+        return shear_at(0.0), 0.0, states
+
+    def excess_load(shift: float) -> float:
+        return float(n_y @ shear_at(shift)) - load
+
+    # xtol below the round-off of U; rtol is the least that brentq takes.
+    tolerance = 1e-13 * max(largest_shift, 1e-300)
+    shift = brentq(excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16)
+    return shear_at(float(shift)), float(shift), states
 
 
 def _bounded(
-    systems: Systems, limit: Array, known: Array, states: States, rounding: float
+    systems: Systems, limit: Array, known_slip: Array, states: States, rounding: float
 ) -> tuple[Array, States]:
-    """Shear and states of |q| <= limit, -T q - known = 0 inside, >= 0 at the upper bound, <= 0 at
-    the lower one.
+    """Shear and states of |q| <= limit with s = -T q - known_slip: s = 0 inside, s >= 0 at the
+    upper bound, s <= 0 at the lower one.
     """
-    sign = {SLIP_FORWARD: 1.0, SLIP_REVERSE: -1.0}
 
     def step(states: States) -> tuple[Array, Array, States]:
+        """Shear, its violations, and the states that these ask for."""
         stick = states == STICK
-        shear = sum(
-            (value * limit * (states == state) for state, value in sign.items()),
-            np.zeros_like(limit),
-        )
+        forward = states == SLIP_FORWARD
+        reverse = states == SLIP_REVERSE
+        shear = limit * forward - limit * reverse
         if stick.any():
-            known_there = (-known - systems.tangential @ shear)[stick]
+            missing_slip = (-known_slip - systems.tangential @ shear)[stick]
             shear[stick] = solve(
-                systems.tangential[np.ix_(stick, stick)], known_there, assume_a="pos"
+                systems.tangential[np.ix_(stick, stick)], missing_slip, assume_a="pos"
             )
-        slip = -systems.tangential @ shear - known
-        forward, reverse = states == SLIP_FORWARD, states == SLIP_REVERSE
-        wrong = np.where(
-            stick, np.abs(shear) - limit, np.where(forward, -slip, np.where(reverse, slip, -np.inf))
-        )
-        turned = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
-        wanted = np.where(wrong > rounding, np.where(stick, turned, STICK), states)
-        return shear, wrong, wanted.astype(np.int8)
+        slip = -systems.tangential @ shear - known_slip
+        violation = np.full(len(slip), -np.inf)  # nothing is asked of an open node
+        violation[stick] = (np.abs(shear) - limit)[stick]
+        violation[forward] = -slip[forward]
+        violation[reverse] = slip[reverse]
+        sense_of_shear = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
+        other_states = np.where(stick, sense_of_shear, STICK)
+        next_states = np.where(violation > rounding, other_states, states)
+        return shear, violation, next_states.astype(np.int8)
 
-    return _settled(step, states)
+    return _converged(step, states)
 
 
-def _settled(
-    step: Callable[[NDArray], tuple[Array, Array, NDArray]], states: NDArray
-) -> tuple[Array, NDArray]:
-    """Repeat `step` (states -> answer, violation, wanted states) until the states stay; the worst
-    node alone once they recur.
+def _converged(
+    step: Callable[[NodeSet], tuple[Array, Array, NodeSet]], states: NodeSet
+) -> tuple[Array, NodeSet]:
+    """Repeat `step` (states -> answer, violations, next states) until the states stay; once they
+    recur, only the node of the largest violation changes.
     """
-    seen: set[bytes] = set()
+    met: set[bytes] = set()
     for _ in range(_ITERATIONS):
-        answer, wrong, wanted = step(states)
-        changes = wanted != states
+        answer, violation, next_states = step(states)
+        changes = next_states != states
         if not changes.any():
             return answer, states
-        if wanted.tobytes() in seen:
-            worst = int(np.argmax(np.where(changes, wrong, -np.inf)))
-            wanted = np.where(np.arange(len(states)) == worst, wanted, states)
-        seen.add(wanted.tobytes())
-        states = wanted
+        if next_states.tobytes() in met:
+            worst = int(np.argmax(np.where(changes, violation, -np.inf)))
+            next_states = np.where(np.arange(len(states)) == worst, next_states, states)
+        met.add(next_states.tobytes())
+        states = next_states
     raise ConvergenceError(
         f"contact: a convex half of the problem did not settle in {_ITERATIONS} iterations"
     )
