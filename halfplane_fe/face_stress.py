@@ -1,16 +1,19 @@
 """Stress next to the contact, from the tractions: a sine series in the angle across the contact,
 Muskhelishvili's integral of it.
 
-Elements cannot follow the roots that p and q have at the edges of contact and stick, so that nodal
-stresses miss up to a third of the tension at the trailing edge. The tractions know it. With x = m -
-h cos(theta) across the contact
+Elements cannot follow the roots that p and q have at the edges of contact and stick. So nodal
+stresses miss up to a third of the tension at the trailing edge. The tractions have it. With
+x = m - h cos(theta) across the contact
 
-    p = sum_k A_k sin(k theta),  q = sum_k B_k sin(k theta),   w = v - sqrt(v^2 - 1),  v = (m - z)/h, z = x + i y
+    p = sum_k A_k sin(k theta),   q = sum_k B_k sin(k theta),
+    w = v - sqrt(v^2 - 1),        v = (m - z)/h,   z = x + i y
 
 their integral over a half-plane is A(z) = sum A_k w^k and B(z) = sum B_k w^k, on the face as inside
 (y <= 0, the lower body):
 
-    s_xx = Im A + 2 Re B + y (Re A' - Im B'),   s_yy = Im A - y (Re A' - Im B'),   s_xy = -Im B - y (Im A' + Re B')
+    s_xx = Im A + 2 Re B + y (Re A' - Im B')
+    s_yy = Im A - y (Re A' - Im B')
+    s_xy = -Im B - y (Im A' + Re B')
 
 It is a piece of half-plane theory inside the finite elements, as the far field is. What a body of
 finite size adds is a field without tractions on a flat face: a power series sum_k c_k z^k of the
@@ -33,46 +36,74 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.fft import dst
 
 from halfplane_fe.arrays import Array, Complex
 
-# Outermost nodes of the contact that are the mesh's own. Share of the half-width behind them that
-# p^2 is fitted to on fine meshes: there the error of single nodes is left, which many nodes make
-# small. Nodes that it is fitted to: fewest of all, on a coarse mesh, and most.
-_RIM, _SPAN, _FEWEST, _USUAL, _MANY_FITTED = 3, 0.17, 6, 16, 48
+# Outermost nodes of the contact that are the mesh's own.
+_RIM = 3
+# Share of the half-width behind them that p^2 is fitted to on fine meshes: there the error of
+# single nodes is left, which many nodes make small.
+_SPAN = 0.17
+# Nodes that p^2 is fitted to: fewest of all, on a coarse mesh, and most.
+_FEWEST = 6
+_USUAL = 16
+_MANY_FITTED = 48
 # Least uncertainty of the tension over f p0, by r, the spacing of the nodes over the half-width:
 # what is left of the error of single ones on coarse meshes, in proportion to sqrt(r), and on fine
 # ones, where many are fitted, in proportion to r.
-_LEAST_COARSE, _LEAST_FINE = 0.06, 0.6
+_LEAST_COARSE = 0.06
+_LEAST_FINE = 0.6
 # Degree of p^2 behind the rim.
 _DEGREE = 2
-# Other rims, shares of the nodes behind them, and degrees, whose answers say how uncertain the
-# tension
-# is. A parabola lacks the higher powers that p^2 has above a flat bottom: half as many nodes, or
-# one
-# degree more, leave about half of what that makes, and as coarse meshes fit fewer nodes, so do
-# other
-# rims. The error of the tension may be so many times the largest difference: 1.6 to 2.5 on 22
-# profiles.
-_OTHER_RIMS = ((2, 0.7, _DEGREE), (4, 1.0, _DEGREE), (_RIM, 0.5, _DEGREE), (_RIM, 1.0, _DEGREE + 1))
-_BY_OTHERS = 2.5
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of
 # the profile is among them.
 _ROUGH = 0.02
 FEWEST = 3
 """Fewest nodes in contact whose tractions have a series."""
 # Angles over nodes of the contact; at least and at most.
-_ANGLES, _FEW, _MANY = 8, 512, 8192
+_ANGLES_PER_NODE = 8
+_FEWEST_ANGLES = 512
+_MOST_ANGLES = 8192
 # Size of w^k below which the series ends.
 _NEGLIGIBLE = 1e-10
 # Distance from an edge over the half-width at which what is finite there counts as that of the
 # edge.
 _AT_EDGE = 1e-9
-# Terms of the power series of the rest.
+# Terms of the power series of what the size of a body adds.
 _TERMS = 7
+
+
+class RootFit(NamedTuple):
+    """How p^2 is fitted behind an edge of contact.
+
+    Attributes
+    ----------
+    rim : outermost nodes that are left out
+    share : of the nodes that p^2 is fitted to on this mesh
+    degree : of the polynomial
+    """
+
+    rim: int = _RIM
+    share: float = 1.0
+    degree: int = _DEGREE
+
+
+_USUAL_FIT = RootFit()
+# Other fits, whose answers show how uncertain the tension is. A parabola lacks the higher powers
+# that p^2 has above a flat bottom: half as many nodes, or one degree more, leave about half of what
+# that makes. As coarse meshes fit fewer nodes, so do other rims.
+_OTHER_FITS = (
+    RootFit(rim=2, share=0.7),
+    RootFit(rim=4),
+    RootFit(share=0.5),
+    RootFit(degree=_DEGREE + 1),
+)
+# The error of the tension over the largest difference of these: 1.6 to 2.5 on 22 profiles.
+_BY_OTHERS = 2.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,55 +145,65 @@ class Tractions:
 
     def moments(self) -> Array:
         """int p t^k dt and int q t^k dt for k = 0, 1, 2, from the origin, (6,)."""
-        m, h, found = self.middle, self.half_width, []
+        """int p t^k dt and int q t^k dt for k = 0, 1, 2, from the origin, (6,)."""
+        m = self.middle
+        h = self.half_width
+        moments: list[float] = []
         for series in (self.pressure, self.shear):
-            total, first = math.pi / 2 * h * series[0], -math.pi / 4 * h**2 * series[1]
+            # about the middle
+            total = math.pi / 2 * h * series[0]
+            first = -math.pi / 4 * h**2 * series[1]
             second = math.pi / 8 * h**3 * (series[0] + series[2])
-            found += [total, m * total + first, m**2 * total + 2 * m * first + second]
-        return np.array(found)
+            moments += [total, m * total + first, m**2 * total + 2 * m * first + second]
+        return np.array(moments)
 
     def stress(self, x: Array, y: Array) -> Array:
+        """(n, 3) s_xx, s_yy, s_xy of the half-plane y <= 0 at (n,) places [stress]."""
         """(n, 3) s_xx, s_yy, s_xy of the half-plane y <= 0 at (n,) places [stress]."""
         v = (self.middle - x + 0j) / self.half_width
         v.imag = np.abs(y) / self.half_width
         # From above the cut of the root, so that the face counts as inside the body; |w| <= 1.
         root = np.sqrt(v - 1) * np.sqrt(v + 1)
         w = v - root
-        sums = _sums(np.stack([self.pressure, self.shear]), w)
+        A, B, *by_order = _sums(np.stack([self.pressure, self.shear]), w)
         with np.errstate(divide="ignore", invalid="ignore"):
             # y A', y B'; dw/dz = w/(h root)
-            slopes = np.where(y == 0, 0.0, y * sums[2:] / (self.half_width * root))
-        bent, pressed = slopes[0].real - slopes[1].imag, sums[0].imag
-        rows = (
-            pressed + 2 * sums[1].real + bent,
-            pressed - bent,
-            -sums[1].imag - slopes[0].imag - slopes[1].real,
-        )
-        return np.stack(rows, axis=-1)
+            slope_A, slope_B = np.where(
+                y == 0, 0.0, y * np.array(by_order) / (self.half_width * root)
+            )
+        with_depth = slope_A.real - slope_B.imag
+        s_xx = A.imag + 2 * B.real + with_depth
+        s_yy = A.imag - with_depth
+        s_xy = -B.imag - slope_A.imag - slope_B.real
+        return np.stack([s_xx, s_yy, s_xy], axis=-1)
 
 
 def _sums(series: Array, w: Complex) -> Complex:
     """sum A_k w^k, sum B_k w^k, sum k A_k w^k, sum k B_k w^k: (4, n) from (2, k), by Horner's rule
     from where w^k counts.
     """
-    count, size = series.shape[1], np.abs(w)
+    """sum A_k w^k, sum B_k w^k, sum k A_k w^k, sum k B_k w^k: (4, n) from (2, k), by Horner's rule
+    from where w^k counts.
+    """
+    n_terms = series.shape[1]
+    number = np.arange(1, n_terms + 1)
     with np.errstate(divide="ignore"):
-        needed = np.minimum(
-            np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(size, 1 - 1e-12))), count
-        ).astype(int)
-    order = np.argsort(-needed, kind="stable")
-    terms, at = np.maximum(needed[order], 1), w[order]
-    weights = np.concatenate([series, np.arange(1, count + 1) * series])
+        terms_to_negligible = math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
+        terms = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
+    order = np.argsort(-terms, kind="stable")
+    terms = np.maximum(terms[order], 1)
+    w_in_order = w[order]
+    weights = np.concatenate([series, number * series])
     total = np.zeros((4, len(w)), dtype=complex)
-    # how many points need term k
-    active = np.searchsorted(-terms, -np.arange(1, count + 1), side="right")
+    # how many points have term k
+    active = np.searchsorted(-terms, -number, side="right")
     for k in range(int(terms.max(initial=0)), 0, -1):
         n = active[k - 1]
         total[:, :n] += weights[:, k - 1, None]
-        total[:, :n] *= at[:n]
-    found = np.empty_like(total)
-    found[:, order] = total
-    return found
+        total[:, :n] *= w_in_order[:n]
+    sums = np.empty_like(total)
+    sums[:, order] = total
+    return sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,8 +216,8 @@ class Nodal:
     stick, contact : edges of stick (NaN in full slip) and contact, as the answer has them [length]
     friction : f
     tangential_load : sum of the nodal forces of q: what the smoothed q lacks of it is put at the
-    stick edges growing : whether P grows by |dQ|/f at least: then a slip zone that no node shows is
-    none
+        stick edges [force per thickness]
+    growing : whether P grows by |dQ|/f at least: then a slip zone that no node shows is none
     kinks : (k, 2) x at which the curvature of the profile jumps, and E* times its jump from left to
         right [length, stress/length]
     """
@@ -200,87 +241,98 @@ class Nodal:
         )
 
 
-Rim = tuple[int, float, int]
-
-
-def tractions(nodal: Nodal, rim: Rim = (_RIM, 1.0, _DEGREE), level: bool = False) -> Tractions:
+def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> Tractions:
     """The series of nodal tractions.
 
     Parameters
     ----------
-    rim : outermost nodes that are left out, share that is taken of the nodes that p^2 is fitted to,
-    and degree of the polynomial level : whether q/p stays what it is at the outermost node from
-    there on, in full stick and in full slip
+    level : whether q/p stays what it is at the outermost node from there on, in full stick and in
+        full slip
     """
-    x, form = nodal.x, _form(nodal)
+    x = nodal.x
+    form = _form(nodal)
     p = nodal.pressure / form(x)
-    fits = [_edge(x, p, rim), _edge(-x[::-1], p[::-1], rim)]
-    known = [fit for fit in fits if fit is not None]
-    rough = len(known) < 2
-    edges = nodal.contact if rough else (known[0][0], -known[1][0])
-    middle, half = (edges[0] + edges[1]) / 2, (edges[1] - edges[0]) / 2
-    count = int(np.clip(_ANGLES * len(x), _FEW, _MANY))
-    theta = math.pi * (np.arange(count) + 0.5) / count
-    at = middle - half * np.cos(theta)
-    inner = slice(None) if rough else slice(rim[0], -rim[0])
-    inside = np.abs(x[inner] - middle) < half
-    angle = np.arccos((middle - x[inner][inside]) / half)
-    smooth = np.interp(theta, angle, p[inner][inside] / np.sin(angle)) * np.sin(theta)
-    for side, (_, start, polynomial) in zip((1.0, -1.0), () if rough else known, strict=False):
-        outside = side * at < start
-        smooth[outside] = np.sqrt(
-            np.maximum(np.polyval(polynomial, side * at[outside] - start), 0.0)
-        )
-    smooth = smooth * form(at)
-    sheared = _shear(at, smooth, nodal, 0 if rough else rim[0], level)
-    weights = np.sin(theta) * half * math.pi / count
-    lacking = _where_it_lacks(at, smooth, weights, nodal) * (
-        nodal.tangential_load - float(weights @ sheared)
+    left = _fitted_edge(x, p, fit)
+    right = _fitted_edge(-x[::-1], p[::-1], fit)  # mirrored
+    rough = left is None or right is None
+    edges = nodal.contact if left is None or right is None else (left.edge, -right.edge)
+    middle = (edges[0] + edges[1]) / 2
+    half_width = (edges[1] - edges[0]) / 2
+    n_angles = _ANGLES_PER_NODE * len(x)
+    n_angles = int(np.clip(n_angles, _FEWEST_ANGLES, _MOST_ANGLES))
+    theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
+    places = middle - half_width * np.cos(theta)
+    behind_rims = slice(None) if rough else slice(fit.rim, -fit.rim)
+    nodes, pressure = x[behind_rims], p[behind_rims]
+    inside = np.abs(nodes - middle) < half_width
+    angle = np.arccos((middle - nodes[inside]) / half_width)
+    smooth = np.interp(theta, angle, pressure[inside] / np.sin(angle)) * np.sin(theta)
+    if left is not None and right is not None:
+        for side, at_edge in ((1.0, left), (-1.0, right)):
+            outside = side * places < at_edge.start
+            square = np.polyval(at_edge.square, side * places[outside] - at_edge.start)
+            smooth[outside] = np.sqrt(np.maximum(square, 0.0))
+    smooth = smooth * form(places)
+    shear = _shear(places, smooth, nodal, 0 if rough else fit.rim, level)
+    lengths = np.sin(theta) * half_width * math.pi / n_angles
+    missing_load = nodal.tangential_load - float(lengths @ shear)
+    missing_shear = _unit_missing_shear(places, smooth, lengths, nodal) * missing_load
+    of_missing = _series(missing_shear)
+    placed = Tractions(edges, _series(smooth), of_missing, rough).edge_tension()
+    return Tractions(
+        edges,
+        pressure=_series(smooth),
+        shear=_series(shear) + of_missing,
+        rough=rough,
+        placed=float(np.abs(placed).max()),
     )
-    of_pressure, of_shear, of_lacking = (_series(values) for values in (smooth, sheared, lacking))
-    placed = Tractions(edges, of_pressure, of_lacking, rough).edge_tension()
-    return Tractions(edges, of_pressure, of_shear + of_lacking, rough, float(np.abs(placed).max()))
 
 
-def with_uncertainty(nodal: Nodal) -> tuple[Tractions | None, Array]:
-    """`tractions`, and how far the tension at either edge may be off, (2,) [stress]; None where
-    fewer than three nodes touch.
+class TractionsAndUncertainty(NamedTuple):
+    """The series of an instant, None where fewer than three nodes touch, and how far its tension at
+    either edge may be off, (2,) [stress].
+    """
 
-    The largest of a multiple of what other rims, fewer nodes or a higher degree change, and of what
-    q/p
-    that stays as it is at the outermost node changes; and what was put at the stick edges. Where
-    the
-    load has turned but no node shows it yet, what slip as narrow as the rim would change: q by 2 f
-    p
-    with p = K sqrt(d), hence s_xx by
-    (8/pi) f K sqrt(width).
+    series: Tractions | None
+    tension_uncertainty: Array
+
+
+def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
+    """`tractions`, and the uncertainty of the tension at both edges.
+
+    It is the largest of what three changes make, and what was put at the stick edges. The changes:
+    a multiple of what other rims, fewer nodes or a higher degree change; q/p that stays as it is at
+    the outermost node; and, where the load has turned but no node shows it yet, slip as narrow as
+    the rim. Such slip changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
     """
     if len(nodal.x) < FEWEST:
-        return None, np.zeros(2)
-    found = tractions(nodal)
-    own, spacing = found.edge_tension(), float(np.median(np.diff(nodal.x)))
-    share = spacing / found.half_width
-    least = min(_LEAST_COARSE * math.sqrt(share), _LEAST_FINE * share)
-    apart = np.full(2, least * nodal.friction * float(nodal.pressure.max()))
-    for rim in _OTHER_RIMS:
-        apart = np.maximum(apart, _BY_OTHERS * np.abs(tractions(nodal, rim).edge_tension() - own))
-    apart = np.maximum(apart, np.abs(tractions(nodal, level=True).edge_tension() - own))
+        return TractionsAndUncertainty(None, np.zeros(2))
+    series = tractions(nodal)
+    tension = series.edge_tension()
+    spacing = float(np.median(np.diff(nodal.x)))
+    spacing_ratio = spacing / series.half_width
+    least_ratio = min(_LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio)
+    uncertainty = np.full(2, least_ratio * nodal.friction * float(nodal.pressure.max()))
+    for fit in _OTHER_FITS:
+        difference = np.abs(tractions(nodal, fit).edge_tension() - tension)
+        uncertainty = np.maximum(uncertainty, _BY_OTHERS * difference)
+    difference = np.abs(tractions(nodal, level=True).edge_tension() - tension)
+    uncertainty = np.maximum(uncertainty, difference)
     if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
         # rim.
-        inward = np.array(
-            [nodal.x[: _RIM + 1] - found.edges[0], found.edges[1] - nodal.x[::-1][: _RIM + 1]]
-        )[:, -1]
-        pressed = np.array([nodal.pressure[: _RIM + 1], nodal.pressure[::-1][: _RIM + 1]])[:, -1]
-        apart = apart + 8 / math.pi * nodal.friction * pressed * (inward > 0)
-    return found, apart + found.placed
+        depth = np.array([nodal.x[_RIM] - series.edges[0], series.edges[1] - nodal.x[-1 - _RIM]])
+        pressure = np.array([nodal.pressure[_RIM], nodal.pressure[-1 - _RIM]])
+        uncertainty = uncertainty + 8 / math.pi * nodal.friction * pressure * (depth > 0)
+    return TractionsAndUncertainty(series, uncertainty + series.placed)
 
 
 def _series(values: Array) -> Array:
     """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
-    found = np.asarray(dst(values, type=2) / len(values))
-    found[-1] /= 2
-    return found
+    """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
+    sines = np.asarray(dst(values, type=2) / len(values))
+    sines[-1] /= 2
+    return sines
 
 
 def _form(nodal: Nodal) -> Callable[[Array], Array]:
@@ -298,131 +350,168 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
 
     Source: Muskhelishvili's integral of h' = k max(x - b, 0) over sqrt((x - l) (r - x)).
     """
-    left, right = nodal.contact
-    middle, half = (left + right) / 2, (right - left) / 2
-    inside = nodal.kinks[np.abs(nodal.kinks[:, 0] - middle) < half]
+    """What of p no root and no polynomial has: that of jumps of the profile's curvature, up to a
+    factor.
 
-    def kinked(x: Array) -> Array:
-        """p over the root by the jumps."""
-        u = ((x - middle) / half).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
-        root, found = np.sqrt(1 - u**2), np.zeros_like(u)
-        for place, jump in inside.tolist():
-            # Of a jump on the left the mirror image: curvature that ends there.
-            side, b = (
-                (1.0, (place - middle) / half)
-                if place > middle
-                else (-1.0, (middle - place) / half)
-            )
-            t, other = side * u, math.sqrt(1 - b**2)
-            away = np.where(t == b, 1.0, t - b)
-            log = np.where(t == b, 0.0, np.log(np.abs((1 - b * t + root * other) / away)))
-            found += side * jump / (2 * math.pi) * (math.acos(b) + (t - b) * log / root)
-        return found
+    With x between the edges l and r of contact, phi the angle whose cosine is (b - m)/h, and a jump
+    k of h'' at b,
 
-    inner = nodal.x[_RIM:-_RIM] if len(nodal.x) > 3 * _RIM else nodal.x
-    root = np.sqrt(np.maximum((inner - left) * (right - inner), (_AT_EDGE * half) ** 2))
-    rest = (
-        float(np.mean(nodal.pressure[_RIM:-_RIM] / root - kinked(inner)))
-        if len(inner) < len(nodal.x)
-        else 0.0
-    )
-    if not len(inside) or not np.all(rest + kinked(nodal.x) > 0):
-        return np.ones_like
-    return lambda x: rest + kinked(x)
+        p = E* k/(2 pi) [phi sqrt((x - l) (r - x)) + (x - b) ln |...|]
+            + sqrt((x - l) (r - x)) times what is smooth:
 
+    the slope of p is infinite at b. What is smooth is taken as constant; where that does not leave
+    a pressure, the form is 1.
 
-def _edge(x: Array, p: Array, rim: Rim) -> tuple[float, float, Array] | None:
-    """(edge, x of the outermost node that counts, p^2 beyond it) at the left end; None where no
-    smooth edge is seen.
+    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over sqrt((x - l) (r - x)).
     """
-    skipped, share, degree = rim
-    near = (
-        int(np.searchsorted(x, x[min(skipped, len(x) - 1)] + _SPAN * (x[-1] - x[0]) / 2)) - skipped
-    )
-    most = min(round(share * np.clip(near, _USUAL, _MANY_FITTED)), len(x) // 2 - skipped)
-    exponents = np.arange(degree, -1, -1)
-    while most >= _FEWEST:
-        chosen = slice(skipped, skipped + most)
-        away, square, number = x[chosen] - x[skipped], p[chosen] ** 2, np.arange(most)
-        powers = away[-1] ** exponents
-        columns = [
-            *((away[:, None] ** exponents / powers).T / square),
-            (-1.0) ** number / (number + 4),
-        ]
-        solved = np.linalg.lstsq(np.stack(columns, axis=1) * square[-1], np.ones(most), rcond=None)[
-            0
-        ]
-        fit = solved[: degree + 1] * square[-1] / powers
-        rms = math.sqrt(float(np.mean((np.polyval(fit, away) / square - 1) ** 2)))
-        roots = np.roots(fit)
+    left, right = nodal.contact
+    middle = (left + right) / 2
+    half_width = (right - left) / 2
+    kinks = nodal.kinks[np.abs(nodal.kinks[:, 0] - middle) < half_width]
+
+    def of_kinks(x: Array) -> Array:
+        """p over the root by the jumps."""
+        # notation: u, t, b places over the half-width from the middle; b > 0
+        u = ((x - middle) / half_width).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
+        root = np.sqrt(1 - u**2)
+        over_root = np.zeros_like(u)
+        for place, jump in kinks.tolist():
+            # Of a jump on the left the mirror image: curvature that ends there.
+            side = 1.0 if place > middle else -1.0
+            b = side * (place - middle) / half_width
+            t = side * u
+            root_of_b = math.sqrt(1 - b**2)
+            away = np.where(t == b, 1.0, t - b)
+            logarithm = np.log(np.abs((1 - b * t + root * root_of_b) / away))
+            logarithm[t == b] = 0.0
+            by_curvature = math.acos(b) + (t - b) * logarithm / root
+            over_root += side * jump / (2 * math.pi) * by_curvature
+        return over_root
+
+    smooth_part = 0.0
+    if len(nodal.x) > 3 * _RIM:
+        inner = nodal.x[_RIM:-_RIM]
+        square = (inner - left) * (right - inner)
+        root = np.sqrt(np.maximum(square, (_AT_EDGE * half_width) ** 2))
+        smooth_part = float(np.mean(nodal.pressure[_RIM:-_RIM] / root - of_kinks(inner)))
+    if not len(kinks) or not np.all(smooth_part + of_kinks(nodal.x) > 0):
+        return np.ones_like
+    return lambda x: smooth_part + of_kinks(x)
+
+
+class _FittedEdge(NamedTuple):
+    """A left edge of contact, from p^2 as a polynomial of the distance from the outermost node that
+    counts.
+
+    Attributes
+    ----------
+    edge : x at which p^2 = 0
+    start : x of the outermost node that counts
+    square : coefficients of p^2, the highest power first
+    """
+
+    edge: float
+    start: float
+    square: Array
+
+
+def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
+    """The left end by the nodal p; None where no smooth edge is seen."""
+    end_of_span = x[min(fit.rim, len(x) - 1)] + _SPAN * (x[-1] - x[0]) / 2
+    within_span = int(np.searchsorted(x, end_of_span)) - fit.rim
+    n_nodes = round(fit.share * np.clip(within_span, _USUAL, _MANY_FITTED))
+    n_nodes = min(n_nodes, len(x) // 2 - fit.rim)
+    exponents = np.arange(fit.degree, -1, -1)
+    while n_nodes >= _FEWEST:
+        fitted = slice(fit.rim, fit.rim + n_nodes)
+        distance = x[fitted] - x[fit.rim]
+        square = p[fitted] ** 2
+        number = np.arange(n_nodes)
+        powers = distance[-1] ** exponents
+        polynomial = (distance[:, None] ** exponents / powers).T / square
+        # what the mesh adds: alternating between corners and mid-side nodes, and dying out
+        alternating = (-1.0) ** number / (number + 4)
+        matrix = np.stack([*polynomial, alternating], axis=1) * square[-1]
+        factors = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
+        coefficients = factors[: fit.degree + 1] * square[-1] / powers
+        residual = np.polyval(coefficients, distance) / square - 1
+        root_mean_square = math.sqrt(float(np.mean(residual**2)))
+        roots = np.roots(coefficients)
         roots = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
-        if rms < _ROUGH and len(roots):
-            return float(x[skipped] + roots.max()), float(x[skipped]), fit
-        most //= 2
+        if root_mean_square < _ROUGH and len(roots):
+            start = float(x[fit.rim])
+            return _FittedEdge(float(x[fit.rim] + roots.max()), start, coefficients)
+        n_nodes //= 2
     return None
 
 
-def _shear(at: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) -> Array:
-    """q at the angles: +-f p where it slips, elsewhere linear in the angle across the stick zone
-    between the nodes.
+def _shear(places: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) -> Array:
+    """q at some places of pressure `smooth`: +-f p where it slips, elsewhere linear in the angle
+    across the stick zone between the nodes.
     """
-    x, q = nodal.x, nodal.shear
+    x = nodal.x
+    q = nodal.shear
+    friction = nodal.friction
     if not nodal.slips(1):
         # q/p has no root at the edge, in full stick and in full slip: linear from node to node, and
         # on to the edge.
         ratio = q / nodal.pressure
-        found = np.interp(at, x, ratio)
-        for end, behind, side in () if level else ((0, 1, -1.0), (-1, -2, 1.0)):
-            outside = side * (at - x[end]) > 0
-            found[outside] += (
-                (ratio[end] - ratio[behind]) / (x[end] - x[behind]) * (at[outside] - x[end])
-            )
-        return np.asarray(np.clip(found, -nodal.friction, nodal.friction) * smooth)
+        ratios = np.interp(places, x, ratio)
+        if not level:
+            for end, behind, side in ((0, 1, -1.0), (-1, -2, 1.0)):
+                outside = side * (places - x[end]) > 0
+                slope = (ratio[end] - ratio[behind]) / (x[end] - x[behind])
+                ratios[outside] += slope * (places[outside] - x[end])
+        return np.asarray(np.clip(ratios, -friction, friction) * smooth)
     low, high = nodal.stick
-    left, right = np.sign(q[0]) * nodal.friction, np.sign(q[-1]) * nodal.friction
-    found = np.where(at < low, left, right) * smooth
-    inside, sticks = (at > low) & (at < high), (x > low) & (x < high)
-    sticks[:rim] = sticks[-rim or len(x) :] = False
+    limit_left = np.sign(q[0]) * friction
+    limit_right = np.sign(q[-1]) * friction
+    shear = np.where(places < low, limit_left, limit_right) * smooth
+    sticking_places = (places > low) & (places < high)
+    sticking_nodes = (x > low) & (x < high)
+    sticking_nodes[:rim] = False
+    sticking_nodes[-rim or len(x) :] = False
 
-    def angle(places: Array) -> Array:
-        return np.arccos(np.clip((low + high - 2 * places) / (high - low), -1, 1))
+    def angle(x: Array) -> Array:
+        return np.arccos(np.clip((low + high - 2 * x) / (high - low), -1, 1))
 
-    ends = np.interp([low, high], at, smooth) * [left, right]
-    known = (
-        np.concatenate([[0.0], angle(x[sticks]), [math.pi]]),
-        np.concatenate([ends[:1], q[sticks], ends[1:]]),
+    shear_at_low, shear_at_high = np.interp([low, high], places, smooth) * [limit_left, limit_right]
+    shear[sticking_places] = np.interp(
+        angle(places[sticking_places]),
+        np.concatenate([[0.0], angle(x[sticking_nodes]), [math.pi]]),
+        np.concatenate([[shear_at_low], q[sticking_nodes], [shear_at_high]]),
     )
-    found[inside] = np.interp(angle(at[inside]), *known)
-    return np.asarray(found)
+    return np.asarray(shear)
 
 
-def _where_it_lacks(at: Array, smooth: Array, weights: Array, nodal: Nodal) -> Array:
+def _unit_missing_shear(places: Array, smooth: Array, lengths: Array, nodal: Nodal) -> Array:
     """Where a missing force belongs, of unit resultant: within three nodes of the stick edges; as p
     where there are none.
 
     As a smooth hump: a step of q would stretch the face without limit.
     """
-    (low, high), width = nodal.stick, 3 * float(np.median(np.diff(nodal.x)))
     if nodal.slips(1):
-        share = np.clip(np.minimum(np.abs(at - low), np.abs(high - at)) / width, 0.0, 1.0)
-        hump = np.sin(math.pi * share) ** 2 * ((at > low) & (at < high))
+        low, high = nodal.stick
+        width = 3 * float(np.median(np.diff(nodal.x)))
+        distance = np.minimum(np.abs(places - low), np.abs(high - places))
+        share = np.clip(distance / width, 0.0, 1.0)
+        hump = np.sin(math.pi * share) ** 2 * ((places > low) & (places < high))
         if hump.any():
-            return np.asarray(hump / (weights @ hump))
-    return np.asarray(smooth / (weights @ smooth))
+            return np.asarray(hump / (lengths @ hump))
+    return np.asarray(smooth / (lengths @ smooth))
 
 
 # ------------------------------------------------------------------- what the size of the body adds
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
-    """What a body of finite size adds to the half-plane's stress: coefficients (k, cases) of
-    `rest_basis`, and where it holds.
+class SizeEffect:
+    """What a body of finite size adds to the half-plane's stress.
 
     Attributes
     ----------
-    length : unit of z [length]
-    coefficients : (k, cases) [stress]
+    length : unit of z, and the distance up to which it holds [length]
+    coefficients : (k, cases) of `size_effect_basis` [stress]
     error : (cases,) standard error of s_xx at the edge of a contact [stress]
     """
 
@@ -432,31 +521,38 @@ class Rest:
 
     def stress(self, x: Array, y: Array) -> Array:
         """(n, 3, cases) s_xx, s_yy, s_xy [stress]."""
-        return np.asarray(rest_basis(x + 1j * y, self.length) @ self.coefficients)
+        return np.asarray(size_effect_basis(x + 1j * y, self.length) @ self.coefficients)
 
 
-def rest_basis(z: Complex, length: float) -> Array:
+def size_effect_basis(z: Complex, length: float) -> Array:
     """(n, 3, k): stress by the terms of a potential sum c_j (z/length)^j that leaves the face free,
     real and imaginary parts.
 
     s_xx + s_yy = 4 Re f, s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z); the imaginary c_0 is
     a rotation without stress.
     """
-    u, columns = z / length, []
+    """(n, 3, k): stress by the terms of a potential sum c_j (z/length)^j that leaves the face free,
+    real and imaginary parts.
+
+    s_xx + s_yy = 4 Re f, s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z); the imaginary c_0 is
+    a rotation without stress.
+    """
+    u = z / length
+    columns = []
     for power in range(_TERMS):
         for factor in (1.0, 1j) if power else (1.0,):
-            here, there = factor * u**power, factor * u.conj() ** power
+            f = factor * u**power
+            f_of_conjugate = factor * u.conj() ** power
             slope = factor * power * u ** max(power - 1, 0) / length
-            corner = here - there + 2j * z.imag * slope.conj()
-            columns.append(
-                np.stack([4 * here.real - corner.real, corner.real, -corner.imag], axis=-1)
-            )
+            combined = f - f_of_conjugate + 2j * z.imag * slope.conj()  # s_yy - i s_xy
+            stress = [4 * f.real - combined.real, combined.real, -combined.imag]
+            columns.append(np.stack(stress, axis=-1))
     return np.stack(columns, axis=-1)
 
 
-def fitted_rest(
+def fitted_size_effect(
     x: Array, y: Array, stress: Array, weights: Array, length: float, edge: float
-) -> Rest:
+) -> SizeEffect:
     """The rest from what elements have beyond the half-plane's stress at their nodes.
 
     Parameters
@@ -465,11 +561,22 @@ def fitted_rest(
     stress : (n, 3, cases)
     length : unit of z [length]; edge : half-width of the contact [length]
     """
+    """The size effect from what elements have beyond the half-plane's stress at their nodes.
+
+    Parameters
+    ----------
+    x, y, weights : (n,) nodes, y <= 0 from the face, and the area that each stands for
+    stress : (n, 3, cases)
+    length : unit of z [length]
+    edge : half-width of the contact [length]
+    """
     root = np.sqrt(weights / weights.mean())[:, None, None]
-    matrix = (rest_basis(x + 1j * y, length) * root).reshape(3 * len(x), -1)
-    wanted = (stress * root).reshape(3 * len(x), -1)
-    found, _, rank, _ = np.linalg.lstsq(matrix, wanted, rcond=1e-10)
-    left = np.sqrt(np.sum((wanted - matrix @ found) ** 2, axis=0) / max(len(matrix) - rank, 1))
-    at = rest_basis(np.array([edge + 0j, -edge + 0j]), length)[:, 0]
-    share = np.sqrt(np.max(np.einsum("ij,jk,ik->i", at, np.linalg.pinv(matrix.T @ matrix), at)))
-    return Rest(length, found, left * share)
+    matrix = (size_effect_basis(x + 1j * y, length) * root).reshape(3 * len(x), -1)
+    right = (stress * root).reshape(3 * len(x), -1)
+    coefficients, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-10)
+    residual = right - matrix @ coefficients
+    deviation = np.sqrt(np.sum(residual**2, axis=0) / max(len(matrix) - rank, 1))
+    at_edges = size_effect_basis(np.array([edge + 0j, -edge + 0j]), length)[:, 0]
+    covariance = np.linalg.pinv(matrix.T @ matrix)
+    variances = np.einsum("ij,jk,ik->i", at_edges, covariance, at_edges)
+    return SizeEffect(length, coefficients, deviation * np.sqrt(np.max(variances)))

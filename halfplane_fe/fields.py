@@ -29,16 +29,16 @@ from halfplane_fe.elasticity import (
 from halfplane_fe.face_stress import (
     FEWEST,
     Nodal,
-    Rest,
+    SizeEffect,
     Tractions,
-    fitted_rest,
+    fitted_size_effect,
     tractions,
-    with_uncertainty,
+    tractions_with_uncertainty,
 )
 from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import ContactSolution, HalfPlane, InputError, Scene
+from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene
 from scenes.bodies import Cylinder, Shape, face_of
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
@@ -46,19 +46,28 @@ _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2,
 
 _BODIES = ("lower", "upper")
 # Distance from the middle of the contact over its half-width up to which the stress at nodes is
-# that of the tractions, but no further than this share of the way to the nearest support or side;
+# that of the tractions,
+_OUTER = 3.0
+# but no further than this share of the way to the nearest support or side;
+_OF_BODY = 0.8
 # over the last share of it the elements' takes its place.
-_OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
+_STEP = 0.2
+# A body has room for the tractions' stress only if that distance over the half-width is larger.
+_LEAST_OUTER = 1.5
 # Depth and distance over the half-width from which on elements are good for what the size of the
 # body adds.
-_BELOW, _BESIDE = 0.15, 1.2
+_BELOW = 0.15
+_BESIDE = 1.2
 # Pressure of a node over the largest one up to which it is round-off.
 _TOUCHES = 1e-9
 # Step over the place of a kink of the profile by which its curvature on either side is found.
 _STEP_AT_KINK = 1e-3
-# Instants at which that is found for a whole cycle; instants of a cycle among which the largest
-# tension is looked for.
-_SAMPLED, _CANDIDATES = 12, 40
+# Instants at which what the size of a body adds is found for a whole cycle.
+_SAMPLED = 12
+# Instants of a cycle among which the largest tension is looked for.
+_CANDIDATES = 40
+# How far an instant may lie outside the solved time by rounding.
+_ROUNDING_OF_TIME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,14 +81,14 @@ class BodyFields:
     points : (n, 2) undeformed places [length]
     cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
     displacement : (n, 2) [length]; that of the upper body includes its tangential displacement and
-    approach stress : (n, 4) xx, yy, xy, zz [stress]: beside the contact that of the tractions,
-    further away carried to each node from its
-        elements and averaged there
+        approach
+    stress : (n, 4) xx, yy, xy, zz [stress]: beside the contact that of the tractions, further away
+        carried to each node from its elements and averaged there
     von_mises : (n,) [stress]
     edges : (2,) x of the left and right edge of contact, by the tractions; NaN out of contact
-    [length] edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie
-    between nodes [stress]; NaN in a body so
-        thin that what its size adds is not known
+        [length]
+    edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie between
+        nodes [stress]; NaN in a body so thin that what its size adds is not known
     """
 
     name: str
@@ -111,65 +120,110 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     InputError
         For an instant outside the solved time.
     """
+    """Fields at the stored steps nearest to the given instants.
+
+    Raises
+    ------
+    InputError
+        For an instant outside the solved time.
+    """
     steps = [_step(solution, float(instant)) for instant in instants]
     if not steps:
         return ()
-    tension, uncertain = edge_tension(solution, steps)
-    pairs = [with_uncertainty(_nodal(solution, step)) for step in steps]
+    lower, upper = _fields_of_bodies(solution, steps)
+    return tuple(
+        Snapshot(
+            time=float(solution.time[step]),
+            normal_load=float(solution.normal_load[step]),
+            tangential_load=float(solution.tangential_load[step]),
+            bodies=(fields_of_lower, fields_of_upper),
+        )
+        for step, fields_of_lower, fields_of_upper in zip(steps, lower, upper, strict=True)
+    )
+
+
+def _fields_of_bodies(
+    solution: FiniteElementSolution, steps: Sequence[int]
+) -> list[list[BodyFields]]:
+    """Fields of the lower and of the upper body, each (n_steps,)."""
+    tension, tension_uncertainty = edge_tension(solution, steps)
+    series = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
     bodies = []
     for number, name in enumerate(_BODIES):
-        side, material, bulk = (
-            1.0 - 2.0 * number,
-            solution.condensed[number].material,
-            _bulk_stress(solution, steps, number),
-        )
-        basis, displacements, stresses, _ = _stress(solution, number, steps, pairs, bulk)
-        places = basis.mesh.p
-        moved = displacements.reshape(places.shape[1], 2, -1).swapaxes(0, 1)  # (2, n_nodes, k)
-        if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
-            moved = moved + uniform_stretch(material, *places)[..., None] * bulk
-            stresses = stresses + np.array([1.0, 0.0, 0.0, material.poisson_ratio])[:, None] * bulk
-        points = places.T * [1.0, side]
-        cells = _counter_clockwise(points, cells_of(basis.mesh, solution.condensed[number].order))
-        found = []
-        for k, (step, (series, _)) in enumerate(zip(steps, pairs, strict=True)):
-            displacement, stress = (
-                moved[..., k].T * [1.0, side],
-                stresses[..., k]
-                * [
-                    1.0,
-                    1.0,
-                    side,
-                    1.0,
-                ],
+        displacement, stress = _displacement_and_stress(solution, steps, series, number)
+        condensed = solution.condensed[number]
+        points = condensed.body.mesh.p.T * [1.0, _sign_of_y(number)]
+        cells = _counter_clockwise(points, cells_of(condensed.body.mesh, condensed.order))
+        snapshots = []
+        for k, (step, tractions_of_step) in enumerate(zip(steps, series, strict=True)):
+            edges = (np.nan, np.nan) if tractions_of_step is None else tractions_of_step.edges
+            snapshots.append(
+                BodyFields(
+                    name=name,
+                    points=points,
+                    cells=cells,
+                    displacement=displacement[k] + _rigid_motion(solution, number, step, points),
+                    stress=stress[k],
+                    von_mises=_von_mises(stress[k]),
+                    edges=np.array(edges),
+                    edge_tension=tension[k, number],
+                    edge_tension_uncertainty=tension_uncertainty[k, number],
+                )
             )
-            if number:
-                tilt = 0.0 if solution.tilt is None else solution.tilt[step]
-                displacement = displacement + tilt * points[:, ::-1] * [-1.0, 1.0]
-                displacement += [
-                    solution.tangential_displacement[step],
-                    -solution.normal_approach[step],
-                ]
-            edges = np.array(series.edges if series is not None else (np.nan, np.nan))
-            of_edges = edges, tension[k, number], uncertain[k, number]
-            found.append(
-                BodyFields(name, points, cells, displacement, stress, _von_mises(stress), *of_edges)
-            )
-        bodies.append(found)
-    times, normal, tangential = (
-        values.tolist()
-        for values in (solution.time, solution.normal_load, solution.tangential_load)
+        bodies.append(snapshots)
+    return bodies
+
+
+def _sign_of_y(number: int) -> float:
+    """1 of the lower body (0), -1 of the upper one (1): y of a body's own frame in the common
+    one.
+    """
+    return 1.0 - 2.0 * number
+
+
+def _displacement_and_stress(
+    solution: FiniteElementSolution,
+    steps: Sequence[int],
+    series: Sequence[Tractions | None],
+    number: int,
+) -> tuple[Array, Array]:
+    """Displacement (n_steps, n, 2), without the rigid motion of the upper body, and stress
+    (n_steps, n, 4) of one body, in the common frame.
+    """
+    material = solution.condensed[number].material
+    sign = _sign_of_y(number)
+    bulk = _bulk_stress(solution, steps, number)
+    nodal = _nodal_fields(solution, number, steps, bulk)
+    near = _near_contact(solution, number, nodal, series)
+    stress = nodal.stress if near is None else _joined_stress(nodal, near, material)
+    places = nodal.basis.mesh.p
+    displacement = nodal.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
+    if isinstance(getattr(solution.scene.bodies, _BODIES[number]), HalfPlane):
+        displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk
+        by_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
+        stress = stress + by_bulk_stress[:, None] * bulk
+    return (
+        displacement.transpose(2, 1, 0) * [1.0, sign],
+        stress.transpose(2, 0, 1) * [1.0, 1.0, sign, 1.0],
     )
-    pairs_of_bodies = zip(steps, *bodies, strict=True)
-    return tuple(
-        Snapshot(times[step], normal[step], tangential[step], (lower, upper))
-        for step, lower, upper in pairs_of_bodies
-    )
+
+
+def _rigid_motion(solution: FiniteElementSolution, number: int, step: int, points: Array) -> Array:
+    """(n, 2) by tilt, tangential displacement and normal approach of the upper body; 0 of the lower
+    one.
+    """
+    if number == 0:
+        return np.zeros_like(points)
+    tilt = 0.0 if solution.tilt is None else solution.tilt[step]
+    translation = [solution.tangential_displacement[step], -solution.normal_approach[step]]
+    return np.asarray(tilt * points[:, ::-1] * [-1.0, 1.0] + translation)
 
 
 def _step(solution: FiniteElementSolution, instant: float) -> int:
-    start, end = float(solution.time[0]), float(solution.time[-1])
-    if not start - 1e-9 <= instant <= end + 1e-9:
+    """Index of the stored step nearest to an instant."""
+    start = float(solution.time[0])
+    end = float(solution.time[-1])
+    if not start - _ROUNDING_OF_TIME <= instant <= end + _ROUNDING_OF_TIME:
         raise InputError(
             f"fields: instant {instant:.6g} lies outside the solved time, {start:.6g} to {end:.6g}"
         )
@@ -194,55 +248,97 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         For bodies of finite size whose meshes are not there: answers that were read back from disk
         have none.
     """
+    """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty
+    [stress].
+
+    Its largest value in a cycle is the tension on which lives in fretting fatigue are built: at the
+    trailing edge.
+
+    Returns
+    -------
+    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of
+        contact; NaN in a body so thin that what its size adds is not known
+
+    Raises
+    ------
+    InputError
+        For bodies of finite size whose meshes are not there: answers that were read back from disk
+        have none.
+    """
     if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
         raise InputError(
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
             " known; solve it again"
         )
-    pairs = [with_uncertainty(_nodal(solution, step)) for step in steps]
-    values, uncertain = np.zeros((len(steps), 2, 2)), np.zeros((len(steps), 2, 2))
-    there = [(k, found) for k, (found, _) in enumerate(pairs) if found is not None]
-    for k, found in there:
-        values[k], uncertain[k] = np.outer([1.0, -1.0], found.edge_tension()), pairs[k][1]
-    rows = [k for k, _ in there]
-    for number, name in enumerate(_BODIES if there else ()):
-        bulk = _bulk_stress(solution, [steps[k] for k in rows], number)
+    values = np.zeros((len(steps), 2, 2))
+    uncertainties = np.zeros((len(steps), 2, 2))
+    in_contact: dict[int, Tractions] = {}
+    for k, step in enumerate(steps):
+        series, tension_uncertainty = tractions_with_uncertainty(_nodal(solution, step))
+        if series is not None:
+            in_contact[k] = series
+            values[k] = np.outer([1.0, -1.0], series.edge_tension())
+            uncertainties[k] = tension_uncertainty
+    if not in_contact:
+        return values, uncertainties
+    rows = list(in_contact)
+    steps_in_contact = [steps[k] for k in rows]
+    for number, name in enumerate(_BODIES):
+        bulk = _bulk_stress(solution, steps_in_contact, number)
         if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
             values[rows, number] += bulk[:, None]
-            continue
-        assert isinstance(solution, FiniteElementSolution)  # for the type checker
-        # What the body adds is linear in tractions and bulk stress, and hardly depends on more than
-        # moments of the former: found at a few instants.
-        at = sorted(set(np.linspace(0, len(rows) - 1, _SAMPLED).round().astype(int).tolist()))
-        chosen = [rows[k] for k in at]
-        rest = _stress(
-            solution,
-            number,
-            [steps[k] for k in chosen],
-            [pairs[k] for k in chosen],
-            bulk[at],
-            rest_alone=True,
-        )[3]
-        if rest is None:
-            values[rows, number] = uncertain[rows, number] = np.nan
-            continue
-        causes = np.array([found.moments() for _, found in there])
-        # Over P and powers of the half-width: moments that are zero by symmetry must not count as
-        # round-off over round-off.
-        scale = np.abs(causes[:, 0]).max() * max(
-            found.half_width for _, found in there
-        ) ** np.array([0, 1, 2, 0, 1, 2])
-        if bulk.any():
-            causes, scale = np.column_stack([causes, bulk]), np.append(scale, np.abs(bulk).max())
-        slopes = np.linalg.lstsq(causes[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
-        whole = replace(rest, coefficients=(causes / scale @ slopes).T)
-        for column, (k, found) in enumerate(there):
-            values[k, number] += whole.stress(np.array(found.edges), np.zeros(2))[:, 0, column]
-        missed = (
-            rest.stress(np.zeros(1), np.zeros(1)) - whole.stress(np.zeros(1), np.zeros(1))[..., at]
-        )
-        uncertain[rows, number] += float(rest.error.max() + np.abs(missed[:, 0]).max())
-    return values, uncertain
+        else:
+            assert isinstance(solution, FiniteElementSolution)  # for the type checker
+            by_size, uncertainty = _tension_by_size(
+                solution, number, steps_in_contact, list(in_contact.values()), bulk
+            )
+            values[rows, number] += by_size
+            uncertainties[rows, number] += uncertainty
+    return values, uncertainties
+
+
+def _tension_by_size(
+    solution: FiniteElementSolution,
+    number: int,
+    steps: Sequence[int],
+    series: Sequence[Tractions],
+    bulk: Array,
+) -> tuple[Array, float]:
+    """(n_steps, 2) what the size of a body adds to s_xx at both edges of contact, and the
+    uncertainty of that [stress]; NaN where it is not known.
+
+    It is linear in tractions and bulk stress, and hardly depends on more than moments of the
+    former: found at a few instants.
+    """
+    evenly = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
+    sampled = sorted(set(evenly.tolist()))
+    sampled_steps = [steps[k] for k in sampled]
+    nodal = _nodal_fields(solution, number, sampled_steps, bulk[sampled])
+    near = _near_contact(solution, number, nodal, [series[k] for k in sampled])
+    if near is None or near.size_effect is None:
+        return np.full((len(steps), 2), np.nan), float("nan")
+    causes = np.array([tractions_of_step.moments() for tractions_of_step in series])
+    # Over P and powers of the half-width: moments that are zero by symmetry must not count as
+    # round-off over round-off.
+    half_width = max(tractions_of_step.half_width for tractions_of_step in series)
+    scale = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
+    if bulk.any():
+        causes = np.column_stack([causes, bulk])
+        scale = np.append(scale, np.abs(bulk).max())
+    slopes = np.linalg.lstsq(causes[sampled] / scale, near.size_effect.coefficients.T, rcond=1e-8)[
+        0
+    ]
+    of_causes = replace(near.size_effect, coefficients=(causes / scale @ slopes).T)
+    on_face = np.zeros(2)
+    by_size = [
+        of_causes.stress(np.array(tractions_of_step.edges), on_face)[:, 0, k]
+        for k, tractions_of_step in enumerate(series)
+    ]
+    middle = np.zeros(1)
+    stress_of_fit = of_causes.stress(middle, middle)[..., sampled]
+    missed = near.size_effect.stress(middle, middle) - stress_of_fit
+    uncertainty = float(near.size_effect.error.max() + np.abs(missed[:, 0]).max())
+    return np.array(by_size), uncertainty
 
 
 def stress(
@@ -278,46 +374,53 @@ def stress(
         _step(solution, float(instant))
         for instant in np.atleast_1d(np.asarray(instants, dtype=float))
     ]
-    side = 1.0 if body == "lower" else -1.0
-    across, depth = np.broadcast_arrays(
-        np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(side * np.asarray(y, dtype=float))
+    number = _BODIES.index(body)
+    sign = _sign_of_y(number)
+    places, height = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(sign * np.asarray(y, dtype=float))
     )
-    if np.any(depth > 0):
+    if np.any(height > 0):
         raise InputError(
-            f"stress: y = {side * float(depth.max()):.6g} is outside the {body} body; y points out"
+            f"stress: y = {sign * float(height.max()):.6g} is outside the {body} body; y points out"
             " of the lower one"
         )
-    pairs, number = (
-        [with_uncertainty(_nodal(solution, step)) for step in steps],
-        int(body == "upper"),
-    )
-    found, bulk = np.zeros((len(steps), len(across), 4)), _bulk_stress(solution, steps, number)
-    for k, (series, _) in enumerate(pairs):
-        if series is not None:
-            found[k, :, :3] = replace(series, shear=side * series.shear).stress(across, depth)
+    bulk = _bulk_stress(solution, steps, number)
+    series = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
+    stress = np.zeros((len(steps), len(places), 4))
+    of_half_plane = _stress_of_tractions(_on_body(series, number), places, height)
+    stress[..., :3] = np.moveaxis(of_half_plane, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
-        found[..., 0] += bulk[:, None]
-    elif any(series is not None for series, _ in pairs):
-        rest = _stress(solution, number, steps, pairs, bulk, rest_alone=True)[3]
-        if rest is None or np.any(np.hypot(across, depth) > rest.length * (1 + 1e-9)):
+        stress[..., 0] += bulk[:, None]
+    elif any(one is not None for one in series):
+        nodal = _nodal_fields(solution, number, steps, bulk)
+        near = _near_contact(solution, number, nodal, series)
+        size_effect = None if near is None else near.size_effect
+        # the limit itself may be missed by rounding
+        if size_effect is None or np.any(
+            np.hypot(places, height) > size_effect.length * (1 + 1e-9)
+        ):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the"
                 " tractions alone give its stress"
             )
-        found[..., :3] += np.moveaxis(rest.stress(across, depth), -1, 0)
-    found[..., 2] *= side
-    found[..., 3] = solution.condensed[number].material.poisson_ratio * (
-        found[..., 0] + found[..., 1]
-    )
-    return found
+        stress[..., :3] += np.moveaxis(size_effect.stress(places, height), -1, 0)
+    stress[..., 2] *= sign
+    poisson_ratio = solution.condensed[number].material.poisson_ratio
+    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
+    return stress
 
 
 @dataclass(frozen=True)
 class LargestTension:
-    """The largest tension s_xx of a cycle at an edge of contact with its uncertainty [stress], its
-    time and body.
+    """The largest tension s_xx of a cycle at an edge of contact.
 
-    `edges` are the left and right edge of contact at that time, `x` the one that it is at [length].
+    Attributes
+    ----------
+    value, uncertainty : of the tension [stress]
+    time : at which it is met
+    body : "lower" or "upper"
+    x : the edge that it is at [length]
+    edges : left and right edge of contact at that time [length]
     """
 
     value: float
@@ -335,72 +438,79 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     see no more than that the new slip zone is narrow, and the tension that they still have says
     little.
     """
+    """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
+
+    That at which the value minus its uncertainty is largest: where a load has just turned, elements
+    see no more than that the new slip zone is narrow, and the tension that they still have says
+    little.
+    """
     if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
         return None
     cycle = np.asarray(solution.last_cycle)
-    rough = np.full(len(cycle), -np.inf)
+    tension_of_half_planes = np.full(len(cycle), -np.inf)
     for number, step in enumerate(cycle.tolist()):
         nodal = _nodal(solution, step)
         if len(nodal.x) >= FEWEST:
-            rough[number] = np.abs(tractions(nodal).edge_tension()).max()
-    steps = np.sort(
-        cycle[np.argsort(-rough, kind="stable")[: min(_CANDIDATES, int(np.isfinite(rough).sum()))]]
-    ).tolist()
+            tension_of_half_planes[number] = np.abs(tractions(nodal).edge_tension()).max()
+    n_candidates = min(_CANDIDATES, int(np.isfinite(tension_of_half_planes).sum()))
+    by_tension = np.argsort(-tension_of_half_planes, kind="stable")
+    steps = np.sort(cycle[by_tension[:n_candidates]]).tolist()
     if not steps:
         return None
-    values, uncertain = edge_tension(solution, steps)
+    values, uncertainties = edge_tension(solution, steps)
     if np.isnan(values).any():
         return None
-    k, body, edge = (
-        int(index) for index in np.unravel_index(np.argmax(values - uncertain), values.shape)
-    )
+    largest = np.unravel_index(np.argmax(values - uncertainties), values.shape)
+    k, body, edge = (int(index) for index in largest)
     edges = tractions(_nodal(solution, steps[k])).edges
-    size = float(values[k, body, edge]), float(uncertain[k, body, edge])
     return LargestTension(
-        *size, float(solution.time[steps[k]]), ("lower", "upper")[body], edges[edge], edges
+        value=float(values[k, body, edge]),
+        uncertainty=float(uncertainties[k, body, edge]),
+        time=float(solution.time[steps[k]]),
+        body=_BODIES[body],
+        x=edges[edge],
+        edges=edges,
     )
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:
     """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
-    found = (solution.bulk_stress_lower, solution.bulk_stress_upper)[number]
-    return np.zeros(len(steps)) if found is None else np.asarray(found[list(steps)])
+    """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
+    bulk_stress = (solution.bulk_stress_lower, solution.bulk_stress_upper)[number]
+    if bulk_stress is None:
+        return np.zeros(len(steps))
+    return np.asarray(bulk_stress[list(steps)])
 
 
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
     """Nodal tractions at a stored step."""
-    x, pressure, shear, friction = (
-        solution.x,
-        solution.pressure[step],
-        solution.shear[step],
-        solution.scene.friction.coefficient,
-    )
+    """Nodal tractions at a stored step."""
+    pressure = solution.pressure[step]
+    shear = solution.shear[step]
+    friction = solution.scene.friction.coefficient
     # A node that just meets or leaves the other face has no pressure but round-off: it counts as
     # open, whatever that is.
-    closed, before = pressure > _TOUCHES * np.max(pressure), max(step - 1, 0)
-    loads = (solution.normal_load, solution.tangential_load)
-    rise, drag = (float(load[step] - load[before]) for load in loads)
-    (left, right), (first, last) = (
-        solution.stick_edges[step].tolist(),
-        solution.contact_edges[step].tolist(),
-    )
-    carried = float(solution.tangential_load[step])
+    closed = pressure > _TOUCHES * np.max(pressure)
+    tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
-        carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
-    # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the
-    # uncertainty larger, not smaller.
-    growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
-    kinks = profile_kinks(solution.scene)
+        tangential_load = float(shear @ solution.weights)  # on curved faces p carries a part of Q
+    step_before = max(step - 1, 0)
+    rise_of_p = float(solution.normal_load[step] - solution.normal_load[step_before])
+    rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
+    stick_left, stick_right = solution.stick_edges[step].tolist()
+    contact_left, contact_right = solution.contact_edges[step].tolist()
     return Nodal(
-        x[closed],
-        pressure[closed],
-        shear[closed],
-        (left, right),
-        (first, last),
-        friction,
-        carried,
-        growing,
-        kinks,
+        x=solution.x[closed],
+        pressure=pressure[closed],
+        shear=shear[closed],
+        stick=(stick_left, stick_right),
+        contact=(contact_left, contact_right),
+        friction=friction,
+        tangential_load=tangential_load,
+        # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes
+        # the uncertainty larger, not smaller.
+        growing=rise_of_p > 0 and abs(rise_of_q) <= friction * rise_of_p and solution.tilt is None,
+        kinks=profile_kinks(solution.scene),
     )
 
 
@@ -408,109 +518,174 @@ def profile_kinks(scene: Scene) -> Array:
     """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right
     [length, stress/length].
     """
-    found = []
+    """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right
+    [length, stress/length].
+    """
+    kinks = []
     for place in scene.profile.kinks:
         step = _STEP_AT_KINK * place
-        height = scene.profile.height(place + step * np.arange(-2, 3))
-        # second differences of either side
-        jump = (height[4] - 2 * height[3] + 2 * height[1] - height[0]) / step**2
-        found += [(place, jump), (-place, -jump)]
-    return np.array(found).reshape(-1, 2) * [
-        1.0,
-        contact_modulus(scene.material.lower, scene.material.upper),
-    ]
+        far_left, left, middle, right, far_right = scene.profile.height(
+            place + step * np.arange(-2, 3)
+        )
+        difference_left = far_left - 2 * left + middle
+        difference_right = middle - 2 * right + far_right
+        jump = (difference_right - difference_left) / step**2
+        kinks += [(place, jump), (-place, -jump)]
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    return np.array(kinks).reshape(-1, 2) * [1.0, modulus]
 
 
-def _stress(
-    solution: FiniteElementSolution,
-    number: int,
-    steps: Sequence[int],
-    pairs: Sequence[tuple[Tractions | None, Array]],
-    bulk: Array,
-    rest_alone: bool = False,
-) -> tuple[skfem.Basis, Array, Array, Rest | None]:
-    """Basis and displacements of a body at stored steps; its stress (n, 4, k) at the nodes; what
-    its size adds, None if unknown.
+@dataclass(frozen=True, eq=False)
+class _NodalFields:
+    """What the elements of a body give at its n nodes at k stored steps, in its own frame.
 
-    The body, 0 the lower or 1 the upper one, is in its own frame; `pairs` are the tractions on the
-    lower one.
+    The bulk stress of a block is in both; that of a half-plane is not.
 
-    The bulk stress (k,) is in all of it, but for that of a half-plane. With `rest_alone` the stress
-    is that of the elements alone.
-
-    Beside the contact stress is that of the tractions on a half-plane and what the size of the body
-    adds; further away that of the elements; a smooth step leads from the one to the other. Faces
-    that are not flat are flattened for it.
+    Attributes
+    ----------
+    basis : of the displacement
+    displacement : (n_dofs, k) [length]
+    stress : (n, 4, k) xx, yy, xy, zz [stress]
+    areas : (n,) that each node stands for
     """
-    condensed, shape = solution.condensed[number], getattr(solution.scene.bodies, _BODIES[number])
+
+    basis: skfem.Basis
+    displacement: Array
+    stress: Array
+    areas: Array
+
+
+def _nodal_fields(
+    solution: FiniteElementSolution, number: int, steps: Sequence[int], bulk: Array
+) -> _NodalFields:
+    """Of the lower (0) or the upper (1) body, with its bulk stress (k,)."""
+    condensed = solution.condensed[number]
     states = [solution.states[step] for step in steps]
-    loads = (
-        np.stack([getattr(state, what) for state in states], axis=1) * solution.scales.load
-        for what in ("pressure", "shear")
-    )
-    forces = body_forces(*solution.condensed, *loads)[_BODIES[number]]
+    pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
+    shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
+    forces = body_forces(*solution.condensed, pressure, shear)[_BODIES[number]]
     basis, displacements, tensions = displacement_fields(
         condensed, forces, solution.scene.profile.datum_length, bulk
     )
-    nodal = [
-        _nodal_stress(basis, *case, condensed)
-        for case in zip(displacements.T, tensions.T, strict=True)
-    ]
-    stress, weights = np.stack([part for part, _ in nodal], axis=-1), nodal[0][1]
-    touching = [found.half_width for found, _ in pairs if found is not None]
-    if not touching:
-        return basis, displacements, stress, None
-    edge = max(touching)
-    far = min(_OUTER * edge, _OF_BODY * _room(shape))
-    if far < 1.5 * edge:  # so thin that all of it is next to the contact: the elements alone
-        return basis, displacements, stress, None
-    x, y = (
-        basis.mesh.p[0],
-        np.minimum(
-            basis.mesh.p[1] + face_of(shape, solution.scene.profile).depth(np.abs(basis.mesh.p[0])),
-            0.0,
-        ),
-    )
-    near = np.flatnonzero(np.hypot(x, y) < far)
-    x, y, side = x[near], y[near], 1.0 - 2.0 * number
-    series = [
-        None if found is None else replace(found, shear=side * found.shear) for found, _ in pairs
-    ]
+    stresses = []
+    for displacement, tension in zip(displacements.T, tensions.T, strict=True):
+        stress, areas = _nodal_stress(basis, displacement, tension, condensed)
+        stresses.append(stress)
+    return _NodalFields(basis, displacements, np.stack(stresses, axis=-1), areas)
 
-    def of_half_plane(x: Array, y: Array) -> Array:
-        return np.stack(
-            [np.zeros((len(x), 3)) if one is None else one.stress(x, y) for one in series], axis=-1
-        )
 
-    rest = None
+@dataclass(frozen=True, eq=False)
+class _NearContact:
+    """The part of a body next to the contact, where its stress is that of the tractions.
+
+    Attributes
+    ----------
+    limit : distance from the middle of the contact up to which it goes [length]
+    nodes : (m,) in it
+    x, y : (m,) their places, the face flattened [length]
+    series : (k,) tractions on this body, in its own frame; None out of contact
+    size_effect : what the size of the body adds; None of a half-plane
+    """
+
+    limit: float
+    nodes: Indices
+    x: Array
+    y: Array
+    series: Sequence[Tractions | None]
+    size_effect: SizeEffect | None
+
+
+def _near_contact(
+    solution: FiniteElementSolution,
+    number: int,
+    nodal: _NodalFields,
+    series: Sequence[Tractions | None],
+) -> _NearContact | None:
+    """The part of a body next to the contact; None where nothing touches, and where the body is so
+    thin that all of it is next to the contact.
+
+    Parameters
+    ----------
+    series : (k,) tractions on the lower body
+    """
+    shape = getattr(solution.scene.bodies, _BODIES[number])
+    half_widths = [one.half_width for one in series if one is not None]
+    if not half_widths:
+        return None
+    half_width = max(half_widths)
+    limit = min(_OUTER * half_width, _OF_BODY * _room(shape))
+    if limit < _LEAST_OUTER * half_width:
+        return None
+    x, y = nodal.basis.mesh.p
+    y = np.minimum(y + face_of(shape, solution.scene.profile).depth(np.abs(x)), 0.0)
+    nodes = np.flatnonzero(np.hypot(x, y) < limit)
+    x = x[nodes]
+    y = y[nodes]
+    on_body = _on_body(series, number)
+    size_effect = None
     if not isinstance(shape, HalfPlane):
-        good = (y < -_BELOW * edge) | ((np.abs(x) > _BESIDE * edge) & (y < 0))
-        beyond = stress[near][good, :3] - of_half_plane(x[good], y[good])
-        rest = fitted_rest(x[good], y[good], beyond, weights[near][good], far, edge)
-    if rest_alone:
-        return basis, displacements, stress, rest
-    local = of_half_plane(x, y) + (0.0 if rest is None else rest.stress(x, y))
-    share = np.clip((far - np.hypot(x, y)) / (_STEP * far), 0.0, 1.0)
+        beside = (np.abs(x) > _BESIDE * half_width) & (y < 0)
+        accurate = (y < -_BELOW * half_width) | beside
+        x_fitted, y_fitted = x[accurate], y[accurate]
+        beyond = nodal.stress[nodes][accurate, :3] - _stress_of_tractions(
+            on_body, x_fitted, y_fitted
+        )
+        areas = nodal.areas[nodes][accurate]
+        size_effect = fitted_size_effect(x_fitted, y_fitted, beyond, areas, limit, half_width)
+    return _NearContact(limit, nodes, x, y, on_body, size_effect)
+
+
+def _on_body(series: Sequence[Tractions | None], number: int) -> list[Tractions | None]:
+    """Tractions on the lower body as the body with this number has them in its own frame."""
+    sign = _sign_of_y(number)
+    return [None if one is None else replace(one, shear=sign * one.shear) for one in series]
+
+
+def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array) -> Array:
+    """(n, 3, k) s_xx, s_yy, s_xy of a half-plane y <= 0 at (n,) places; 0 out of contact."""
+    none = np.zeros((len(x), 3))
+    return np.stack([none if one is None else one.stress(x, y) for one in series], axis=-1)
+
+
+def _joined_stress(nodal: _NodalFields, near: _NearContact, material: Elastic) -> Array:
+    """(n, 4, k) beside the contact stress of the tractions and of the size of the body; further
+    away that of the elements; a smooth step leads from the one to the other.
+    """
+    stress = nodal.stress.copy()
+    local = _stress_of_tractions(near.series, near.x, near.y)
+    if near.size_effect is not None:
+        local = local + near.size_effect.stress(near.x, near.y)
+    distance_to_limit = (near.limit - np.hypot(near.x, near.y)) / (_STEP * near.limit)
+    share = np.clip(distance_to_limit, 0.0, 1.0)
     share = (share**2 * (3 - 2 * share))[:, None, None]
-    stress[near, :3] = (1 - share) * stress[near, :3] + share * local
-    stress[near, 3] = condensed.material.poisson_ratio * (stress[near, 0] + stress[near, 1])
-    return basis, displacements, stress, rest
+    nodes = near.nodes
+    stress[nodes, :3] = (1 - share) * stress[nodes, :3] + share * local
+    stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
+    return stress
 
 
 def _room(shape: Shape) -> float:
     """Distance from the middle of the face to the nearest support or side of a body [length]."""
+    """Distance from the middle of the face to the nearest support or side of a body [length]."""
     if isinstance(shape, HalfPlane):
         return math.inf
-    return shape.radius if isinstance(shape, Cylinder) else min(shape.width / 2, shape.height)
+    if isinstance(shape, Cylinder):
+        return shape.radius
+    return min(shape.width / 2, shape.height)
 
 
 def _counter_clockwise(points: Array, cells: Indices) -> Indices:
     """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
     areas.
     """
-    corners = points[cells[:, : 3 if cells.shape[1] in (3, 6) else 4]]
-    ahead = np.roll(corners, -1, axis=1)
-    twice_area = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1)
+    """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
+    areas.
+    """
+    n_corners = 3 if cells.shape[1] in (3, 6) else 4
+    corners = points[cells[:, :n_corners]]
+    following = np.roll(corners, -1, axis=1)
+    x, y = corners[..., 0], corners[..., 1]
+    twice_area = (x * following[..., 1] - following[..., 0] * y).sum(axis=1)
     return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
 
 
@@ -522,25 +697,30 @@ def _nodal_stress(
 
     And (n_nodes,) the sum of these areas.
     """
+    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with
+    the elements' areas as weights.
+
+    And (n_nodes,) the sum of these areas.
+    """
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
     corners = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
-    mean = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
-    parts = np.stack(
-        (mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean)
-    )
-    at_nodes = parts @ _to_nodes(basis, condensed.order).T
-    area, cells, n_nodes = (
-        basis.dx.sum(axis=1)[:, None],
-        cells_of(basis.mesh, condensed.order).ravel(),
-        basis.mesh.p.shape[1],
-    )
-    weights = np.bincount(cells, np.broadcast_to(area, at_nodes.shape[1:]).ravel(), n_nodes)
-    stress = np.column_stack(
-        [np.bincount(cells, (area * part).ravel(), n_nodes) / weights for part in at_nodes]
-    )
-    return stress, np.asarray(weights, dtype=float)
+    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
+    s_xx = s_zz + 2 * mu * strain[0, 0]
+    s_yy = s_zz + 2 * mu * strain[1, 1]
+    s_xy = 2 * mu * strain[0, 1]
+    in_elements = np.stack((s_xx, s_yy, s_xy, s_zz)) @ _to_nodes(basis, condensed.order).T
+    element_areas = basis.dx.sum(axis=1)[:, None]
+    cells = cells_of(basis.mesh, condensed.order).ravel()
+    n_nodes = basis.mesh.p.shape[1]
+    repeated = np.broadcast_to(element_areas, in_elements.shape[1:]).ravel()
+    areas = np.bincount(cells, repeated, n_nodes)
+    sums = [
+        np.bincount(cells, (element_areas * component).ravel(), n_nodes)
+        for component in in_elements
+    ]
+    return np.column_stack([total / areas for total in sums]), np.asarray(areas, dtype=float)
 
 
 def _to_nodes(basis: skfem.Basis, order: int) -> Array:
@@ -553,23 +733,32 @@ def _to_nodes(basis: skfem.Basis, order: int) -> Array:
     Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364, for the points of
     most accurate stress.
     """
-    refdom = basis.mesh.refdom
-    ends = np.asarray(refdom.p, dtype=float)
-    places = [
-        ends,
-        *([ends[:, np.array(refdom.facets).T].mean(axis=1)] if basis.facet_dofs.size else []),
-    ]
-    if basis.interior_dofs.size:
-        places.append(ends.mean(axis=1, keepdims=True))
+    """(n_nodes, n_quadrature) of an element: values at its nodes of the polynomial nearest to those
+    at its quadrature points.
 
-    def polynomial(at: Array) -> Array:
-        terms = [np.ones(at.shape[1]), *at, at[0] * at[1]]
-        return np.column_stack(terms[: 1 if order == 1 else refdom.nnodes])
+    Of an order less than the displacement has, where stresses are most accurate: constant, or
+    linear (bilinear on a quadrilateral).
+
+    Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364, for the points of
+    most accurate stress.
+    """
+    refdom = basis.mesh.refdom
+    corners = np.asarray(refdom.p, dtype=float)
+    places = [corners]
+    if basis.facet_dofs.size:
+        places.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
+    if basis.interior_dofs.size:
+        places.append(corners.mean(axis=1, keepdims=True))
+    n_terms = 1 if order == 1 else refdom.nnodes
+
+    def polynomial(points: Array) -> Array:
+        """(n_points, n_terms) of 1, x, y, x y."""
+        terms = [np.ones(points.shape[1]), *points, points[0] * points[1]]
+        return np.column_stack(terms[:n_terms])
 
     root = np.sqrt(basis.W)[:, None]
-    return np.asarray(
-        polynomial(np.hstack(places)) @ np.linalg.pinv(root * polynomial(basis.X)) * root.T
-    )
+    least_squares = np.linalg.pinv(root * polynomial(basis.X)) * root.T
+    return np.asarray(polynomial(np.hstack(places)) @ least_squares)
 
 
 def _von_mises(stress: Array) -> Array:

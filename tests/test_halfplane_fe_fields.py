@@ -22,7 +22,7 @@ from halfplane_fe.edges import (
     stick_uncertainty,
     visible_states,
 )
-from halfplane_fe.face_stress import Nodal, _form, fitted_rest, rest_basis, with_uncertainty
+from halfplane_fe.face_stress import Nodal, _form, fitted_size_effect, size_effect_basis, tractions_with_uncertainty
 from halfplane_fe.fields import profile_kinks
 from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
@@ -259,7 +259,7 @@ def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions
         tangential_load=float(exact.tangential_load[1]),
         growing=False,
     )
-    series, uncertain = with_uncertainty(nodal)
+    series, uncertain = tractions_with_uncertainty(nodal)
     true = semi_analytic.edge_tension(scene, 2.0)[0][0, 0]
     error = np.abs(series.edge_tension() - true)
     assert np.all(error <= uncertain)
@@ -427,9 +427,9 @@ def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
     """
     rng = np.random.default_rng(3)
     x, y = rng.uniform(-3, 3, 2000), -rng.uniform(0, 3, 2000)
-    field = rest_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
+    field = size_effect_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
     seen = (y < -0.15) | (np.abs(x) > 1.2)
-    rest = fitted_rest(x[seen], y[seen], field[seen], np.ones(seen.sum()), 3.0, 1.0)
+    rest = fitted_size_effect(x[seen], y[seen], field[seen], np.ones(seen.sum()), 3.0, 1.0)
     np.testing.assert_allclose(rest.stress(x, y), field, atol=1e-9)
     assert np.abs(rest.stress(x, 0 * y)[:, 1:]).max() < 1e-9
     assert rest.error.max() < 1e-9
