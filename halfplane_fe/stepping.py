@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -31,17 +31,20 @@ LoadsAt = Callable[[float], tuple[float, ...]]
 
 # Gap and nodal force within which a node counts as met by an event, scaled.
 _LANDED = 1e-9
-# The same within which it is met for good, and share of the increment by which its end may move for
-# that.
-_MET, _NEAR = 1e-14, 1e-3
+# The same within which it is met for good,
+_MET = 1e-14
+# and share of the increment by which its end may move for that.
+_LARGEST_MOVE = 1e-3
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and
 # counted), instead of halved.
 _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
 # Share of an increment's step error that its half has at least where the interface jumps (elsewhere
-# a quarter); jumps of a run that has an answer: nine at most in those of the first 200 random loops
-# that are between unlike bodies, but for loop 89.
-_JUMP, _MOST_JUMPS = 0.9, 12
+# a quarter).
+_JUMP = 0.9
+# Jumps of a run that has an answer: nine at most in those of the first 200 random loops that are
+# between unlike bodies, but for loop 89.
+_MOST_JUMPS = 12
 _JUMPY = (
     "contact: the interface jumped from one solution to another in {count} increments, the last at"
     " time {time:.6g}, however short they are; mesh the softer body as finely as the other one"
@@ -52,14 +55,15 @@ _JUMPY = (
 _MOST_PREDICTIONS = 5
 # Secants before an event is bracketed instead.
 _MOST_SECANTS = 8
-# Trials of a regular increment: all of its halves down to the shortest and as many refused; and of
-# each contact node, eight events.
-_MOST_TRIALS, _MOST_EVENTS = 2**14, 8
+# Trials of a regular increment: all of its halves down to the shortest and as many refused.
+_MOST_TRIALS = 2**14
+# Events of a contact node in a regular increment.
+_MOST_EVENTS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Increment:
-    """One accepted increment: the state that it leaves behind as history, and how it was found.
+    """One increment: the state that it leaves behind, and how it was found.
 
     Attributes
     ----------
@@ -78,21 +82,27 @@ class Increment:
     event: Event
 
 
+class NotConverged(NamedTuple):
+    """An increment that does not converge, tried to this instant."""
+
+    time: float
+
+
 def follow(
     problem: ContactProblem,
-    history: InterfaceState,
+    state: InterfaceState,
     stretch: Stretch,
     units: tuple[float, ...],
     allowed: Callable[[float], float],
 ) -> Iterator[Increment]:
-    """Increments along one stretch of the path, each load divided by its unit.
+    """Increments from a state along one stretch of the path, each load divided by its unit.
 
     Landing on each node's touch (from where its slip counts) and release (up to where its friction
     works) leaves no increment with a node that is closed for a part of it only. An increment that
-    does not converge, or whose step error is above `allowed` (of its duration), is halved; the
-    history it started from is a value, so that the rejected attempt leaves no trace. Where half an
-    increment has the error of the whole, the interface jumps from one solution to another: halving
-    ends there.
+    does not converge, or whose step error is above `allowed` (of its duration), is halved. The
+    state that it started from is a value, so that the rejected attempt leaves no trace. Where half
+    an increment has the error of the increment, the interface jumps from one solution to another:
+    halving ends there.
 
     Raises
     ------
@@ -106,34 +116,21 @@ def follow(
 
     regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
+        control = _ErrorControl(problem, allowed, _SHORTEST_FOR_ERROR * regular)
         # the first is to be reached, those after it are what halving has put before it
         targets = [end]
-        refused, jumps = (history.time, np.inf), False
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, history, loads_at, targets[-1], _SHORTEST * regular)
-            if isinstance(attempt, float):
-                targets.append((history.time + attempt) / 2)
+            attempt = _attempt(problem, state, loads_at, targets[-1], _SHORTEST * regular)
+            if isinstance(attempt, NotConverged):
+                targets.append((state.time + attempt.time) / 2)
                 continue
-            duration, error = attempt.state.time - history.time, attempt.step_error
-            if error > allowed(duration):
-                if refused[0] == history.time and error > _JUMP * refused[1]:
-                    jumps = True
-                    problem.jumps += 1
-                    problem.work["increments that jump"] += 1
-                    if problem.jumps > _MOST_JUMPS:
-                        raise ConvergenceError(
-                            _JUMPY.format(count=problem.jumps, time=history.time)
-                        )
-                if duration > _SHORTEST_FOR_ERROR * regular and not jumps:
-                    refused = history.time, error
-                    problem.work["increments halved, step error"] += 1
-                    targets.append(history.time + duration / 2)
-                    continue
-                problem.work["increments above the step tolerance"] += 1
-            history = attempt.state
+            if not control.accepts(attempt, state.time):
+                targets.append(state.time + (attempt.state.time - state.time) / 2)
+                continue
+            state = attempt.state
             problem.work[f"{attempt.event} increments"] += 1
             yield attempt
-            while targets and history.time >= targets[-1]:
+            while targets and state.time >= targets[-1]:
                 targets.pop()
             if not targets:
                 break
@@ -144,46 +141,138 @@ def follow(
             )
 
 
+@dataclass
+class _ErrorControl:
+    """Whether the step errors of the increments up to one regular instant are accepted.
+
+    Attributes
+    ----------
+    allowed : step error of an increment of some duration
+    shortest : increments up to that duration are not halved
+    refused_start, refused_error : of the increment that was refused last
+    jumps : whether the interface has jumped, so that halving does not help
+    """
+
+    problem: ContactProblem
+    allowed: Callable[[float], float]
+    shortest: float
+    refused_start: float = np.nan
+    refused_error: float = np.inf
+    jumps: bool = False
+
+    def accepts(self, increment: Increment, start: float) -> bool:
+        """Whether the increment from the instant `start` is accepted; if not, it is to be halved.
+
+        Raises
+        ------
+        ConvergenceError
+            Where the interface jumps too often.
+        """
+        duration = increment.state.time - start
+        error = increment.step_error
+        if not error > self.allowed(duration):
+            return True
+        if self.refused_start == start and error > _JUMP * self.refused_error:
+            self._count_jump(start)
+        work = self.problem.work
+        if duration > self.shortest and not self.jumps:
+            self.refused_start = start
+            self.refused_error = error
+            work["increments halved, step error"] += 1
+            return False
+        work["increments above the step tolerance"] += 1
+        return True
+
+    def _count_jump(self, time: float) -> None:
+        self.jumps = True
+        self.problem.jumps += 1
+        self.problem.work["increments that jump"] += 1
+        if self.problem.jumps > _MOST_JUMPS:
+            raise ConvergenceError(_JUMPY.format(count=self.problem.jumps, time=time))
+
+
 def _attempt(
-    problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float, shortest: float
-) -> Increment | float:
-    """The increment to the first event or to `end`; the instant to which it was tried where that
-    does not converge, unless it is `shortest`."""
-    event, time = next_event(problem, history, loads_at, end, history.state)
+    problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float, shortest: float
+) -> Increment | NotConverged:
+    """The increment from the state `start` to the first event, or to the instant `end`.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment that is less than `shortest` does not converge.
+    """
+    trial = _Trial(problem, start, loads_at, end)
     try:
-        solved, iterations = problem.equilibrium(history, time, loads_at(time))
-        for _ in range(_MOST_PREDICTIONS - 1):
-            if not _misses(problem, history, solved, event):
-                break
-            sliding = _on_its_side(history, solved, solved.closed != history.closed)
-            event, time = next_event(problem, history, loads_at, end, sliding)
-            if time == solved.time:
-                break
-            solved, more = problem.equilibrium(history, time, loads_at(time))
-            iterations += more
-            problem.work["events predicted again"] += 1
-        if (
-            event != "regular"
-            and (met := _met(problem, history, loads_at, solved, event, end)) != time
-        ):
-            solved, more = problem.equilibrium(history, met, loads_at(met))
-            iterations += more
+        event, solved = trial.solved()
     except ConvergenceError:
-        if time - history.time < shortest:
+        if trial.target - start.time < shortest:
             raise
         problem.work["increments halved, not converged"] += 1
-        return time
-    states = up_to_event(history, solved)
+        return NotConverged(trial.target)
+    states = up_to_event(start, solved)
     error = 0.0
-    if not np.array_equal(states, history.state):
-        slip, pressure, _, _ = nodal(solved.values - history.values)
-        error = float(step_errors(problem.friction, pressure, slip, history.state, states))
-    return Increment(landed(replace(solved, state=states), event), states, error, iterations, event)
+    if not np.array_equal(states, start.state):
+        slip, pressure, _, _ = nodal(solved.values - start.values)
+        error = float(step_errors(problem.friction, pressure, slip, start.state, states))
+    state = landed(replace(solved, state=states), event)
+    return Increment(state, states, error, trial.iterations, event)
+
+
+@dataclass
+class _Trial:
+    """The way to the end of one increment from the state `start`.
+
+    Attributes
+    ----------
+    end : latest instant that it may have
+    target : instant that was predicted last
+    iterations : of the active set, so far
+    """
+
+    problem: ContactProblem
+    start: InterfaceState
+    loads_at: LoadsAt
+    end: float
+    target: float = np.nan
+    iterations: int = 0
+
+    def solved(self) -> tuple[Event, InterfaceState]:
+        """The event that the increment ends with, and the state there as it is solved for.
+
+        Raises
+        ------
+        ConvergenceError
+            If the active set does not converge.
+        """
+        event, self.target = self._predicted(self.start.state)
+        solved = self._equilibrium(self.target)
+        for _ in range(_MOST_PREDICTIONS - 1):
+            if not _misses(self.problem, self.start, solved, event):
+                break
+            changed = solved.closed != self.start.closed
+            event, self.target = self._predicted(_on_its_side(self.start, solved, changed))
+            if self.target == solved.time:
+                break
+            solved = self._equilibrium(self.target)
+            self.problem.work["events predicted again"] += 1
+        if event != "regular":
+            time = _exact_time(self.problem, self.start, self.loads_at, solved, event, self.end)
+            if time != self.target:
+                solved = self._equilibrium(time)
+        return event, solved
+
+    def _predicted(self, states: States) -> tuple[Event, float]:
+        return next_event(self.problem, self.start, self.loads_at, self.end, states)
+
+    def _equilibrium(self, time: float) -> InterfaceState:
+        solved, iterations = self.problem.equilibrium(self.start, time, self.loads_at(time))
+        self.iterations += iterations
+        return solved
 
 
 def next_event(
     problem: ContactProblem,
-    history: InterfaceState,
+    start: InterfaceState,
     loads_at: LoadsAt,
     end: float,
     states: States,
@@ -193,55 +282,65 @@ def next_event(
 
     Parameters
     ----------
-    states : (n,) that the nodes have on the way. Those that touch are the ones of `history`
+    states : (n,) that the nodes have on the way. Those that touch are the ones of `start`
     """
-    start = history
+    before = start
     try:
         # nodes that start to slide come to the limit of friction at once
-        if states is not history.state:
-            start = problem.following(history, history.time, history.loads, states)
-        held = problem.following(history, end, loads_at(end), states)
+        if states is not start.state:
+            before = problem.following(start, start.time, start.loads, states)
+        after = problem.following(start, end, loads_at(end), states)
     except SingularSet:
         # one node is left: the upper body rolls over it, to where another touches, and nothing
         # foresees it
         return "regular", end
-    closed = history.closed
-    _, pressure, _, gap = nodal(start.values)
-    _, pressed, _, left_open = nodal(held.values)
-    touch, release = (
-        _first_crossing(gap, left_open, ~closed),
-        _first_crossing(pressure, pressed, closed),
-    )
-    event: Event = "touch" if touch <= release else "release"
-    share, node = min(touch, release)
+    event, share, node = _first_event(before, after, start.closed)
     if share >= 1.0:
         return "regular", end
-    if len(history.loads) == 2 and problem.interface.coupling is None:
-        wanted = history.loads[0] + share * (held.loads[0] - history.loads[0])
-        if not min(history.loads[0], held.loads[0]) < wanted < max(history.loads[0], held.loads[0]):
+    if len(start.loads) == 2 and problem.interface.coupling is None:
+        normal_load = start.loads[0]
+        load_at_event = normal_load + share * (after.loads[0] - normal_load)
+        if not min(normal_load, after.loads[0]) < load_at_event < max(normal_load, after.loads[0]):
             return "regular", end
-        before = history.loads[0] - wanted
+        at_start = normal_load - load_at_event
 
-        def left(time: float) -> float:
-            return loads_at(time)[0] - wanted
+        def missing(time: float) -> float:
+            """What P is beyond that of the event."""
+            return loads_at(time)[0] - load_at_event
 
     else:
         # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them,
         # as the loads go
-        moving = np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
-        part = 3 if event == "touch" else 1
-        by_load = nodal(problem.rates(states, len(history.loads))[moving])[part, :, node]
-        before = float(nodal(start.values)[part, node])
+        changing = np.flatnonzero(np.subtract(after.loads, start.loads)).tolist()
+        quantity = before.gap if event == "touch" else before.pressure
+        at_start = float(quantity[node])
+        _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads))[changing])
+        rates = (gap_rates if event == "touch" else pressure_rates)[:, node]
 
-        def left(time: float) -> float:
-            return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
+        def missing(time: float) -> float:
+            """The gap, or the force, of the node of the event."""
+            change_of_loads = np.subtract(loads_at(time), start.loads)[changing]
+            return at_start + float(change_of_loads @ rates)
 
-    time = _zero(left, history.time, end, share, before)
-    return (event, time) if history.time < time < end else ("regular", end)
+    time = _zero(missing, start.time, end, share, at_start)
+    return (event, time) if start.time < time < end else ("regular", end)
+
+
+def _first_event(
+    before: InterfaceState, after: InterfaceState, closed: Mask
+) -> tuple[Event, float, int]:
+    """The first event of a linear way between two states, its share of the way, and its node; a
+    share of 1 if there is none.
+    """
+    share_to_touch, touching = _first_crossing(before.gap, after.gap, ~closed)
+    share_to_release, leaving = _first_crossing(before.pressure, after.pressure, closed)
+    if share_to_touch <= share_to_release:
+        return "touch", share_to_touch, touching
+    return "release", share_to_release, leaving
 
 
 def _misses(
-    problem: ContactProblem, history: InterfaceState, solved: InterfaceState, event: Event
+    problem: ContactProblem, start: InterfaceState, solved: InterfaceState, event: Event
 ) -> bool:
     """Whether a node of unlike bodies meets its event before the increment ends, or the increment
     ends before its event.
@@ -249,16 +348,15 @@ def _misses(
     if problem.interface.coupling is None:
         return False
     at_event = _marginal(solved)
-    too_far = np.any((solved.closed != history.closed) & ~at_event)
-    too_short = event != "regular" and not np.any(
-        at_event & (history.closed == (event == "release"))
-    )
+    too_far = np.any((solved.closed != start.closed) & ~at_event)
+    meets_event = at_event & (start.closed == (event == "release"))
+    too_short = event != "regular" and not np.any(meets_event)
     return bool(too_far or too_short)
 
 
-def _met(
+def _exact_time(
     problem: ContactProblem,
-    history: InterfaceState,
+    start: InterfaceState,
     loads_at: LoadsAt,
     solved: InterfaceState,
     event: Event,
@@ -267,20 +365,21 @@ def _met(
     """When the event that `solved` meets to `_LANDED` is met to rounding: nodes that start or end
     to slide bend the way to it.
     """
-    meets = _marginal(solved) & (history.closed == (event == "release"))
-    left = np.where(meets, np.where(solved.closed, solved.pressure, solved.gap), 0.0)
-    node, start, time = int(np.argmax(np.abs(left))), history.time, solved.time
-    if abs(left[node]) <= _MET:
-        return time
-    by_load = nodal(problem.rates(solved.state, len(solved.loads)))[
-        1 if solved.closed[node] else 3, :, node
-    ]
+    meets_event = _marginal(solved) & (start.closed == (event == "release"))
+    missing = np.where(meets_event, np.where(solved.closed, solved.pressure, solved.gap), 0.0)
+    node = int(np.argmax(np.abs(missing)))
+    if abs(missing[node]) <= _MET:
+        return solved.time
+    _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.state, len(solved.loads)))
+    rates = (pressure_rates if solved.closed[node] else gap_rates)[:, node]
 
-    def missed(at: float) -> float:
-        return float(left[node] + np.subtract(loads_at(at), solved.loads) @ by_load)
+    def missing_at(time: float) -> float:
+        return float(missing[node] + np.subtract(loads_at(time), solved.loads) @ rates)
 
-    met = _zero(missed, start, end, (time - start) / (end - start), missed(start))
-    return met if abs(met - time) < _NEAR * (time - start) else time
+    duration = solved.time - start.time
+    share = duration / (end - start.time)
+    time = _zero(missing_at, start.time, end, share, missing_at(start.time))
+    return time if abs(time - solved.time) < _LARGEST_MOVE * duration else solved.time
 
 
 def _zero(
@@ -289,15 +388,22 @@ def _zero(
     """Where a function that is next to linear is zero, near that share of the way; by secants, and
     bracketed where they miss.
     """
-    before, time = low, low + share * (high - low)
-    value_before, value = at_low, function(time)
+    """Where a function that is next to linear is zero, near that share of the way; by secants, and
+    bracketed where they miss.
+    """
+    time_before = low
+    value_before = at_low
+    time = low + share * (high - low)
+    value = function(time)
     for _ in range(_MOST_SECANTS):
         if value in (0.0, value_before):
             return time
-        step = -value * (time - before) / (value - value_before)
-        if abs(step) <= 4e-16 * abs(time):
+        step = -value * (time - time_before) / (value - value_before)
+        if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
             return time
-        before, value_before, time = time, value, time + step
+        time_before = time
+        value_before = value
+        time += step
         if not low <= time <= high:
             break
         value = function(time)
@@ -318,30 +424,30 @@ def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, in
     return float(shares[first]), int(falling[first])
 
 
-def up_to_event(history: InterfaceState, solved: InterfaceState) -> States:
+def up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
     """(n,) solved states, nodes that are at their event on the side where they have been: within
     rounding the law takes either.
 
     A node that let go in its increment has slid for all of it, and one labelled open would lose the
     friction work.
     """
-    changed = _marginal(solved) & (solved.closed != history.closed)
-    return _on_its_side(history, solved, changed) if changed.any() else solved.state
+    changed = _marginal(solved) & (solved.closed != start.closed)
+    return _on_its_side(start, solved, changed) if changed.any() else solved.state
 
 
-def _on_its_side(history: InterfaceState, solved: InterfaceState, changed: Mask) -> States:
+def _on_its_side(start: InterfaceState, solved: InterfaceState, changed: Mask) -> States:
     """(n,) solved states; those that `changed` sides on the one where they have been: open, stuck
     or sliding as they have moved.
     """
-    slip = solved.slip - history.slip
+    slip = solved.slip - start.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
-    return freeze(
-        np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state), np.int8
-    )
+    until_now = np.where(start.closed, closed_until_now, OPEN)
+    return freeze(np.where(changed, until_now, solved.state), np.int8)
 
 
 def _marginal(state: InterfaceState) -> Mask:
+    """Nodes that are at an event: neither gap nor force but for rounding."""
     return (np.abs(state.gap) <= _LANDED) & (np.abs(state.pressure) <= _LANDED)
 
 

@@ -592,10 +592,10 @@ def test_halving_that_never_arrives_ends_with_a_sentence(monkeypatch: pytest.Mon
     """Every trial is to be halved: the same instant was tried for ever."""
     calls = []
 
-    def stuck(*arguments: object) -> float:
+    def stuck(*arguments: object) -> stepping.NotConverged:
         calls.append(arguments)
         assert len(calls) < 100_000, "a loop without end"
-        return 0.0
+        return stepping.NotConverged(0.0)
 
     monkeypatch.setattr(stepping, "_attempt", stuck)
     with pytest.raises(
