@@ -131,7 +131,7 @@ def _at_stick_edge(
         if not ends.any():
             return None
         turns[sign] = states[int(np.flatnonzero(ends)[-1])]
-        if not turns[sign].whole:
+        if not turns[sign].is_complete:
             return None
     lacks = sum(
         problem.friction * turn.pressure[last] - sign * turn.shear[last]
@@ -188,7 +188,7 @@ def _at_contact_edge(
         after = node + side
         if not moved.any():
             continue
-        if not one.whole or not _regular(problem, node) or not 0 <= after < len(moved):
+        if not one.is_complete or not _regular(problem, node) or not 0 <= after < len(moved):
             return None
         _, pressed, _, opened = by_load(one.state)
         way = _way(one.pressure[node], pressed[node]), _way(one.gap[after], opened[after])

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,7 +37,11 @@ _LAST_DIGIT = 1e-15
 # Bytes of rates that are kept: a cycle meets the same sets of nodes again.
 _RATE_BYTES = 200_000_000
 
-_RIGID, _NODAL = ("approach", "shift", "tilt"), ("slip", "pressure", "shear", "gap")
+_RIGID = ("approach", "shift", "tilt")
+_NODAL = ("slip", "pressure", "shear", "gap")
+# Places of the five loads: P, Q, the bulk stresses of both bodies, tilt or moment.
+_BULK_STRESSES = slice(2, 4)
+_TILT_OR_MOMENT = 4
 
 
 def nodal(values: Array) -> Array:
@@ -57,7 +62,7 @@ def _of_nodes(number: int) -> property:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceState:
-    """The interface at one instant, and all the history there is. Scaled; each array read-only.
+    """The interface at one instant, with all that friction remembers. Scaled; arrays read-only.
 
     Attributes
     ----------
@@ -89,8 +94,8 @@ class InterfaceState:
         return self.loads[1]
 
     @property
-    def whole(self) -> bool:
-        """Whether forces and gap are still there."""
+    def is_complete(self) -> bool:
+        """Whether forces and gap are still there, see `run.PathRun`."""
         return len(self.values) > 3 + len(self.state)
 
     @property
@@ -101,7 +106,9 @@ class InterfaceState:
     @property
     def imposed(self) -> Array:
         """(3,) the bulk stresses and the tilt: e of `interface`."""
-        return np.array([*self.loads[2:4], self.tilt]) if len(self.loads) > 2 else np.zeros(3)
+        if len(self.loads) == 2:
+            return np.zeros(3)
+        return np.array([*self.loads[_BULK_STRESSES], self.tilt])
 
     def changed(self, *, state: ArrayLike | None = None, **parts: ArrayLike) -> InterfaceState:
         """The same but for some of its values, by name, or its states."""
@@ -111,20 +118,47 @@ class InterfaceState:
                 values[_RIGID.index(name)] = part
             else:
                 nodal(values)[_NODAL.index(name)] = part
-        return replace(
-            self,
-            values=freeze(values),
-            state=self.state if state is None else freeze(state, np.int8),
-        )
+        states = self.state if state is None else freeze(state, np.int8)
+        return replace(self, values=freeze(values), state=states)
 
 
 class BesideTheFaces(InputError):
     """The line of action of the loads does not meet the side that may touch."""
 
 
+class _Changes(NamedTuple):
+    """What meeting the equalities of other states changes, see `ContactProblem._by_changes`.
+
+    Attributes
+    ----------
+    start : from which
+    states : of the nodes, as bytes
+    values : (3 + 4 n,), or 0 where nothing changes
+    """
+
+    start: InterfaceState
+    states: bytes
+    values: Array | float
+
+
+class _Solved(NamedTuple):
+    """How a solution of one increment ended.
+
+    Attributes
+    ----------
+    state : None where the states of the nodes did not converge
+    iterations : of the active set, or turns between pressure and shear
+    changing : nodes that still changed their state at the end
+    """
+
+    state: InterfaceState | None
+    iterations: int
+    changing: int
+
+
 @dataclass(eq=False)
 class ContactProblem:
-    """What does not change along a load path. Factorisations are kept; history is not.
+    """What does not change along a load path. Factorisations are cached; states are not.
 
     Attributes
     ----------
@@ -133,13 +167,14 @@ class ContactProblem:
     friction : coefficient f
     layer : of the penalty method
     tangential : False where there can be no shear (no friction, or like bodies with no tangential
-    load): that half is then skipped augmentation : weights r_n, r_t of gap and slip in the trial
-    tractions, one or (n,) each; they set the way to the answer,
-        not the answer. In two dimensions a nodal force moves its node by O(1/E*) against its
-        neighbours however fine the mesh, so 1 is natural
+        load): that half is then skipped
     max_iterations : of one increment
+    augmentation : weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they
+        set the way to the answer, not the answer. In two dimensions a nodal force moves its node by
+        O(1/E*) against its neighbours however fine the mesh, so 1 is natural
     moment_given : whether the fifth load is the moment, so that the tilt follows from it, or the
-    tilt itself work : counts of what was done
+        tilt itself
+    work : counts of what was done
     jumps : increments in which the interface went from one solution to another, see
         `stepping.follow`
     """
@@ -157,12 +192,11 @@ class ContactProblem:
 
     def __post_init__(self) -> None:
         self._rates: dict[bytes, Array] = {}
-        # The latest history and states, and what the one lacks of the others.
-        self._latest: tuple[tuple[InterfaceState, bytes] | None, Array | float] = None, 0.0
+        self._latest_changes: _Changes | None = None
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.tangential and self.interface.coupling is not None
-        self._share = 1.0 if coupled else min(1.0, self.friction)
-        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._share], len(self.height))
+        self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
+        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
 
     @cached_property
     def _systems(self) -> Systems:
@@ -180,229 +214,243 @@ class ContactProblem:
         Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
         first place of the resultant.
         """
-        tilt = (
-            0.0 if len(loads) == 2 else self._resting_tilt(line) if self.moment_given else loads[4]
-        )
-        gap, slip = self.offsets(np.array([*loads[2:4], tilt] if loads[2:] else np.zeros(3)))
-        gap, none = self.height + gap, np.zeros_like(self.height)
-        approach = float((gap / self.interface.normals[1]).min())
-        nearer, along = self.interface.moved(approach, 0.0)
-        values = np.concatenate([[approach, 0.0, tilt], slip + along, none, none, gap + nearer])
-        states = np.where(gap + nearer <= ROUNDING, STICK, OPEN)
-        return InterfaceState(time, (0.0, 0.0, *loads[2:]), freeze(values), freeze(states, np.int8))
+        """The bodies before they carry anything, touching where the gap is least, with the bulk
+        stresses that there are.
+
+        Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
+        first place of the resultant.
+        """
+        imposed = np.zeros(3)
+        if len(loads) > 2:
+            imposed[:2] = loads[_BULK_STRESSES]
+            imposed[2] = self._resting_tilt(line) if self.moment_given else loads[_TILT_OR_MOMENT]
+        gap_by_imposed, slip_by_imposed = self.offsets(imposed)
+        undeformed_gap = self.height + gap_by_imposed
+        approach = float((undeformed_gap / self.interface.normals[1]).min())
+        gap_by_approach, slip_by_approach = self.interface.moved(approach, 0.0)
+        gap = undeformed_gap + gap_by_approach
+        slip = slip_by_imposed + slip_by_approach
+        no_force = np.zeros_like(self.height)
+        rigid = [approach, 0.0, imposed[2]]
+        values = np.concatenate([rigid, slip, no_force, no_force, gap])
+        states = np.where(gap <= ROUNDING, STICK, OPEN)
+        loads = (0.0, 0.0, *loads[2:])
+        return InterfaceState(time, loads, freeze(values), freeze(states, np.int8))
 
     def equilibrium(
-        self, history: InterfaceState, time: float, loads: tuple[float, ...]
+        self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows `history` in one increment (active set), and its
-        iterations.
+        """The state at `loads` that follows the state `start` in one increment (active set), and
+        its iterations.
 
         Raises
         ------
         ConvergenceError
             With instant, loads and the number of nodes still changing.
 
-        >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
-        >>> flat = Interface(
-        ...     np.array([0.0, 1.0]),
-        ...     np.ones(2),
-        ...     np.array([[0.0, 0.0], [1.0, 1.0]]),
-        ...     none,
-        ...     springs,
-        ...     springs,
-        ...     None,
-        ... )
+        >>> springs = np.eye(2)  # two nodes, each on a spring of its own
+        >>> none = np.zeros(2)
+        >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
+        >>> flat = Interface(places, np.ones(2), normals, none, springs, springs, None)
         >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(none, none))
         >>> pressed, _ = problem.equilibrium(problem.at_rest(), 1.0, (3.0, 0.0))
+        >>> pressed.pressure.tolist()
+        [2.0, 1.0]
         >>> sheared, _ = problem.equilibrium(pressed, 2.0, (3.0, 1.2))
-        >>> (
-        ...     pressed.pressure.tolist(),
-        ...     sheared.shear.round(12).tolist(),
-        ...     sheared.state.tolist(),
-        ... )  # the second node slips at f p
-        ([2.0, 1.0], [0.7, 0.5], [1, 2])
+        >>> sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second one slips at f p
+        ([0.7, 0.5], [1, 2])
         """
-        answer, iterations, changing = self._active_set(history, time, loads)
-        if answer is None and (self.tangential or self.moment_given):
-            answer, more, changing = self._alternating(history, time, loads)
-            iterations += more
+        state, iterations, changing = self._active_set(start, time, loads)
+        if state is None and (self.tangential or self.moment_given):
+            state, turns, changing = self._alternating(start, time, loads)
+            iterations += turns
         self.work["contact iterations"] += iterations
-        if answer is None:
+        if state is None:
             raise ConvergenceError(
                 f"contact: {changing} nodes still change state after {iterations} iterations at"
                 f" time {time:.6g}, normal load {loads[0]:.6g}, tangential load {loads[1]:.6g}"
                 " (over the largest normal load)"
             )
-        return answer, iterations
+        return state, iterations
 
     def following(
-        self, history: InterfaceState, time: float, loads: tuple[float, ...], states: States
+        self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> InterfaceState:
-        """The state at `loads` that follows `history` if its nodes have these states (the linear
-        step of the active set).
+        """The state at `loads` that follows the state `start` if its nodes have these states (the
+        linear step of the active set).
 
         Raises
         ------
         SingularSet
             If the states leave the bodies free to move.
         """
-        lacking, rates = self._lacking(history, states), self.rates(states, len(loads))
-        values = history.values + lacking + np.subtract(loads, history.loads) @ rates
-        # what nodes lacked adds to the moment: turning the upper body takes it away
+        by_changes = self._by_changes(start, states)
+        rates = self.rates(states, len(loads))
+        values = start.values + by_changes + np.subtract(loads, start.loads) @ rates
+        # what nodes that change sides add to the moment: turning the upper body takes it away
         if self.moment_given and len(loads) > 2:
-            values += (loads[4] - self._moments(values)) * rates[4]
-        # To the last digit.
+            missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
+            values += missing_moment * rates[_TILT_OR_MOMENT]
+        # What the states set is met to the last digit.
         slip, pressure, shear, gap = nodal(values)
-        sticks, is_open = (states == STICK) & self.tangential, states == OPEN
-        slip[sticks], pressure[is_open], gap[~is_open] = history.slip[sticks], 0.0, 0.0
+        sticks = (states == STICK) & self.tangential
+        is_open = states == OPEN
+        slip[sticks] = start.slip[sticks]
+        pressure[is_open] = 0.0
+        gap[~is_open] = 0.0
         shear[:] = np.where(sticks, shear, slip_sign(states) * self.friction * pressure)
         values.flags.writeable = False
         return InterfaceState(time, loads, values, freeze(states, np.int8))
 
     def rates(self, states: States, n_loads: int) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values by the loads while the nodes keep their
-        states: kept, if there is room.
+        states: cached, if there is room.
         """
-        if (found := self._rates.get(states.tobytes())) is None:
-            found = self._kept_rates(states, self._systems.answers(states, n_loads))
-        return found
+        rates = self._rates.get(states.tobytes())
+        if rates is None:
+            rates = self._cached_rates(states, self._systems.answers(states, n_loads))
+        return rates
 
-    def _kept_rates(self, states: States, by_load: Array) -> Array:
+    def _cached_rates(self, states: States, by_load: Array) -> Array:
+        """The derivatives by the loads, from those by P, Q, bulk stresses and tilt."""
         self.work["rates"] += 1
         if self.moment_given and len(by_load) > 2:
-            moments = self._moments(by_load)
-            if not moments[4] < -_LEAST_STIFFNESS:
+            *moments, moment_by_tilt = self._moments(by_load)
+            if not moment_by_tilt < -_LEAST_STIFFNESS:
                 raise SingularSet("one node alone holds no moment")
-            by_load = by_load - np.outer([*moments[:4], moments[4] - 1], by_load[4]) / moments[4]
+            # by P, Q and bulk stresses at constant moment; by the moment
+            factors = [*moments, moment_by_tilt - 1]
+            by_load = by_load - np.outer(factors, by_load[_TILT_OR_MOMENT]) / moment_by_tilt
         if len(self._rates) * by_load.nbytes > _RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), by_load)
 
-    def _lacking(self, history: InterfaceState, states: States) -> Array | float:
-        """(3 + 4 n,) what `history` lacks of the equalities of states: of nodes that change sides,
-        or did so in an event.
+    def _by_changes(self, start: InterfaceState, states: States) -> Array | float:
+        """(3 + 4 n,) what meeting the equalities of these states changes at constant loads: of
+        nodes that change sides, or did so in an event.
         """
-        key = history, states.tobytes()
-        if self._latest[0] == key:
-            return self._latest[1]
-        _, pressure, shear, gap = nodal(history.values)
-        slide = shear - slip_sign(states) * self.friction * pressure
-        lacking = np.concatenate(
-            [np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, slide)]
+        latest = self._latest_changes
+        key = states.tobytes()
+        if latest is not None and latest.start is start and latest.states == key:
+            return latest.values
+        _, pressure, shear, gap = nodal(start.values)
+        beyond_cone = shear - slip_sign(states) * self.friction * pressure
+        residual = np.concatenate(
+            [np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, beyond_cone)]
         )
-        rows = np.flatnonzero(np.abs(lacking) > self._last_digit)
-        lacks: Array | float = 0.0
+        rows = np.flatnonzero(np.abs(residual) > self._last_digit)
+        values: Array | float = 0.0
         if len(rows):
-            found = self._systems.answers(states, len(history.loads), rows, -lacking[rows])
-            if key[1] not in self._rates:
-                self._kept_rates(states, found[:-1].copy())
-            lacks = found[-1]
-        self._latest = key, lacks
-        return lacks
+            answers = self._systems.answers(states, len(start.loads), rows, -residual[rows])
+            values = answers[-1]
+            if key not in self._rates:
+                self._cached_rates(states, answers[:-1].copy())
+        self._latest_changes = _Changes(start, key, values)
+        return values
 
-    def _active_set(
-        self, history: InterfaceState, time: float, loads: tuple[float, ...]
-    ) -> tuple[InterfaceState | None, int, int]:
-        """Semismooth Newton: states -> forces that meet them -> states that these want, until they
-        agree.
+    def _active_set(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
+        """Semismooth Newton: states -> forces that meet them -> states that these ask for, until
+        they agree.
 
-        The first step is by the rates of the states that the history has. From an answer under load
-        it is the answer where none of them changes.
+        The first step is by the rates of the states that the nodes have at the start. From an
+        answer under load it is the answer where none of them changes.
         """
-        seen: set[bytes] = set()
-        changing, before = 0, slip_sign(history.state)
+        met: set[bytes] = set()
+        changing = 0
+        sign_at_start = slip_sign(start.state)
+        states = start.state
         try:
-            states = history.state
             for iteration in range(self.max_iterations + 1):
-                answer = self.following(history, time, loads, states)
-                wanted = self._wanted(answer, history)
-                changing = int(np.count_nonzero(wanted != states))
+                state = self.following(start, time, loads, states)
+                next_states = self._states_by_law(state, start)
+                changing = int(np.count_nonzero(next_states != states))
                 self.work["slip iterations"] += iteration > 0 and not np.array_equal(
-                    slip_sign(wanted), before
+                    slip_sign(next_states), sign_at_start
                 )
                 if not changing:
-                    return answer, max(iteration, 1), 0
-                if wanted.tobytes() in seen:
-                    return None, iteration, changing
+                    return _Solved(state, max(iteration, 1), 0)
+                if next_states.tobytes() in met:
+                    return _Solved(None, iteration, changing)
                 if iteration:
-                    seen.add(wanted.tobytes())
-                states = wanted
+                    met.add(next_states.tobytes())
+                states = next_states
         except SingularSet:
-            return None, max(len(seen), 1), changing
-        return None, self.max_iterations, changing
+            return _Solved(None, max(len(met), 1), changing)
+        return _Solved(None, self.max_iterations, changing)
 
-    def _alternating(
-        self, history: InterfaceState, time: float, loads: tuple[float, ...]
-    ) -> tuple[InterfaceState | None, int, int]:
+    def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
         """Where Newton's sets chase each other: pressure at known shear, then shear at known
         pressure, by turns.
 
         Both halves are convex, and coupling times friction is small, so the turns converge; as soon
-        as their states agree with themselves in the whole system, that system's answer is taken.
+        as their states agree with themselves in the full system, that system's answer is taken.
         Like bodies need one turn.
         """
         self.work["alternating solves"] += 1
-        coupling = (
-            np.zeros_like(self.interface.normal)
-            if self.interface.coupling is None
-            else self.interface.coupling
-        )
+        systems = self._systems
         n_x = self.interface.normals[0]
-        shear, shift, closed, changing = history.shear, history.shift, history.closed, 0
-        imposed = replace(history, loads=loads).imposed
+        coupling = self.interface.coupling
+        if coupling is None:
+            coupling = np.zeros_like(self.interface.normal)
+        shear = start.shear
+        shift = start.shift
+        closed = start.closed
+        imposed = replace(start, loads=loads).imposed
         if len(loads) > 2 and not self.moment_given:
-            imposed[2] = loads[4]
+            imposed[2] = loads[_TILT_OR_MOMENT]
+        changing = 0
         for turn in range(1, self.max_iterations + 1):
-            systems, height = self._systems, self.height - coupling.T @ shear + n_x * shift
+            height = self.height - coupling.T @ shear + n_x * shift
             if self.moment_given:
                 imposed[2] = self._tilt_at_known_shear(height, shear, closed, imposed, loads)
-            height = height + self.offsets(imposed)[0]
+            gap_by_imposed, slip_by_imposed = self.offsets(imposed)
             pressure, approach, closed = pressure_at_known_shear(
-                systems, height, loads[0] - float(n_x @ shear), closed, ROUNDING
+                systems, height + gap_by_imposed, loads[0] - float(n_x @ shear), closed, ROUNDING
             )
-            known_slip = (
-                history.slip - self.offsets(imposed)[1] - coupling @ pressure - n_x * approach
-            )
-            load = loads[1] + float(n_x @ pressure)
-            carried = None if self.interface.guided else load
             states = np.where(closed, STICK, OPEN).astype(np.int8)
             if self.tangential:
-                pressed = np.maximum(pressure, 0.0)
+                known_slip = start.slip - slip_by_imposed - coupling @ pressure - n_x * approach
+                load = None if self.interface.guided else loads[1] + float(n_x @ pressure)
                 shear, shift, states = shear_at_known_pressure(
-                    systems, pressed, known_slip, carried, ROUNDING
+                    systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING
                 )
             if not np.any(states == STICK):
                 continue
-            answer = self.following(history, time, loads, states)
-            changing = int(np.count_nonzero(self._wanted(answer, history) != states))
+            state = self.following(start, time, loads, states)
+            changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not changing:
-                return answer, turn, 0
-        return None, self.max_iterations, changing
+                return _Solved(state, turn, 0)
+        return _Solved(None, self.max_iterations, changing)
 
-    def _wanted(self, answer: InterfaceState, history: InterfaceState) -> States:
+    def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
-        states, (slip, pressure, shear, gap) = answer.state, nodal(answer.values)
-        is_open, sticks = states == OPEN, states == STICK
+        states = answer.state
+        slip, pressure, shear, gap = nodal(answer.values)
+        is_open = states == OPEN
         # What the equations of these states set to zero counts as zero: weighted, its rounding
         # would look like a force.
-        gap, slip = np.where(is_open, gap, 0.0), np.where(sticks, 0.0, slip - history.slip)
+        gap = np.where(is_open, gap, 0.0)
+        slip_increment = np.where(states == STICK, 0.0, slip - start.slip)
         r_normal, r_tangential = self.augmentation
-        trial = pressure - r_normal * gap
+        trial_pressure = pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
         touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        closed = np.where(touching, ~is_open, trial > 0)
+        closed = np.where(touching, ~is_open, trial_pressure > 0)
         if not self.tangential:
             return np.where(closed, STICK, OPEN).astype(np.int8)
-        limit, _, wanted = project(
-            np.maximum(trial, ROUNDING), shear + r_tangential * slip, self.friction
+        pressure_by_law, _, if_closed = project(
+            np.maximum(trial_pressure, ROUNDING),
+            shear + r_tangential * slip_increment,
+            self.friction,
         )
-        at_cone = np.abs(np.abs(shear) - self.friction * limit) <= _LEAST_FORCE * self._share
-        at_cone &= (np.abs(slip) <= ROUNDING * self._share) & ~is_open
-        wanted = np.where(closed, np.where(at_cone, states, wanted), OPEN)
+        force_to_cone = np.abs(np.abs(shear) - self.friction * pressure_by_law)
+        at_cone = force_to_cone <= _LEAST_FORCE * self._shear_scale
+        at_cone &= (np.abs(slip_increment) <= ROUNDING * self._shear_scale) & ~is_open
+        next_states = np.where(closed, np.where(at_cone, states, if_closed), OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
-        turned = (wanted != states) & (wanted > STICK) & (states > STICK)
-        return np.where(turned, STICK, wanted).astype(np.int8)
+        turned = (next_states != states) & (next_states > STICK) & (states > STICK)
+        return np.where(turned, STICK, next_states).astype(np.int8)
 
     def _tilt_at_known_shear(
         self, height: Array, shear: Array, closed: Mask, imposed: Array, loads: tuple[float, ...]
@@ -411,23 +459,25 @@ class ContactProblem:
         larger it is, the less is M.
         """
         load = loads[0] - float(self.interface.normals[0] @ shear)
+        moment = loads[_TILT_OR_MOMENT]
 
-        def excess(tilt: float) -> float:
-            over = height + self.offsets(np.array([*imposed[:2], tilt]))[0]
-            pressure = pressure_at_known_shear(self._systems, over, load, closed, ROUNDING)[0]
-            return -float(self.interface.work_of_imposed(pressure, shear)[2]) - loads[4]
+        def excess_moment(tilt: float) -> float:
+            gap_by_imposed, _ = self.offsets(np.array([*imposed[:2], tilt]))
+            pressure, _, _ = pressure_at_known_shear(
+                self._systems, height + gap_by_imposed, load, closed, ROUNDING
+            )
+            return -float(self.interface.work_of_imposed(pressure, shear)[2]) - moment
 
-        middle, most = (
-            float(imposed[2]),
-            float(np.ptp(self.height)) / float(np.ptp(self.interface.x)),
-        )
-        for width in most * 2.0 ** np.arange(-10, 30):
-            if excess(middle - width) >= 0 >= excess(middle + width):
-                return float(
-                    brentq(excess, middle - width, middle + width, xtol=1e-15 * width, rtol=8.9e-16)
-                )
+        latest_tilt = float(imposed[2])
+        slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
+        # from a thousandth of the gap's slope on, doubled until the tilt is between both ends
+        for width in slope_of_gap * 2.0 ** np.arange(-10, 30):
+            low = latest_tilt - width
+            high = latest_tilt + width
+            if excess_moment(low) >= 0 >= excess_moment(high):
+                return float(brentq(excess_moment, low, high, xtol=1e-15 * width, rtol=8.9e-16))
         raise ConvergenceError(
-            f"contact: no tilt has the moment {loads[4]:.6g} (scaled): its line of action misses"
+            f"contact: no tilt has the moment {moment:.6g} (scaled): its line of action misses"
             " the faces"
         )
 
@@ -435,20 +485,25 @@ class ContactProblem:
         """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower
         convex hull there, turned.
         """
-        gap, n_y = self.offsets(np.array([0.0, 0.0, 1.0]))[0], self.interface.normals[1]
-        x, height = gap / n_y, self.height / n_y
+        """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower
+        convex hull there, turned.
+        """
+        n_y = self.interface.normals[1]
+        gap_by_unit_tilt, _ = self.offsets(np.array([0.0, 0.0, 1.0]))
+        x = gap_by_unit_tilt / n_y
+        height = self.height / n_y
         if not x[0] < line < x[-1]:
             raise BesideTheFaces(
                 "load: the upper body falls over: its line of action meets the faces beside where"
                 " they can touch; take a smaller moment, or wider bodies"
             )
-        left, right = np.flatnonzero(x <= line), np.flatnonzero(x > line)
-        slopes = np.subtract.outer(height[right], height[left]) / np.subtract.outer(
-            x[right], x[left]
-        )
+        left = np.flatnonzero(x <= line)
+        right = np.flatnonzero(x > line)
+        rises = np.subtract.outer(height[right], height[left])
+        slopes = rises / np.subtract.outer(x[right], x[left])
         # The height at `line` of the chord between each pair; the lowest chord is the hull's.
-        at = height[left] + slopes * (line - x[left])
-        return -float(slopes.flat[np.argmin(at)])
+        heights_at_line = height[left] + slopes * (line - x[left])
+        return -float(slopes.flat[np.argmin(heights_at_line)])
 
     def offsets(self, imposed: Array) -> tuple[Array, Array]:
         """What bulk stresses and tilt (..., 3) add to gap and slip, each (..., n)."""
@@ -459,4 +514,5 @@ class ContactProblem:
 
     def _moments(self, values: Array) -> Array:
         """(...) of the forces in values (..., 3 + 4 n)."""
-        return np.asarray(-self.interface.work_of_imposed(*nodal(values)[1:3])[..., 2])
+        _, pressure, shear, _ = nodal(values)
+        return np.asarray(-self.interface.work_of_imposed(pressure, shear)[..., 2])

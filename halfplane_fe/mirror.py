@@ -14,6 +14,7 @@ matrix.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,41 +32,44 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
     """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
     whether there is a tangential load.
     """
-    if (
-        len(faces.x) % 2 == 0
-        or (faces.coupling is None and not faces.flat)
-        or (faces.coupling is not None and sheared)
-    ):
+    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
+    whether there is a tangential load.
+    """
+    if len(faces.x) % 2 == 0:
         return False
-    pairs = [
+    if faces.coupling is None and not faces.flat:
+        return False
+    if faces.coupling is not None and sheared:
+        return False
+    values_and_images = [
         (faces.x, -faces.x[::-1]),
         (faces.weights, faces.weights[::-1]),
         (faces.gap, faces.gap[::-1]),
-    ]
-    pairs += [
         (faces.normals[0], -faces.normals[0, ::-1]),
         (faces.normals[1], faces.normals[1, ::-1]),
+        (faces.normal, faces.normal[::-1, ::-1]),
+        (faces.tangential, faces.tangential[::-1, ::-1]),
     ]
-    pairs += [(matrix, matrix[::-1, ::-1]) for matrix in (faces.normal, faces.tangential)]
     if faces.coupling is not None:
-        pairs.append((faces.coupling, -faces.coupling[::-1, ::-1]))
+        values_and_images.append((faces.coupling, -faces.coupling[::-1, ::-1]))
     return all(
-        bool(np.abs(one - image).max() <= _ALIKE * np.abs(one).max()) for one, image in pairs
+        bool(np.abs(values - image).max() <= _ALIKE * np.abs(values).max())
+        for values, image in values_and_images
     )
 
 
 def half(faces: Interface) -> Interface:
     """The faces on x >= 0, forces being those of a node and its image together."""
-    place, _, _ = _images(faces)
     right = slice(len(faces.x) // 2, None)
     coupled = faces.coupling is not None
-    tangential = _folded(faces.tangential, -1.0 if coupled else 1.0, -1.0 if coupled else 1.0)
+    parity_of_shear = -1.0 if coupled else 1.0
+    tangential = _folded(faces.tangential, parity_of_shear, parity_of_shear)
     if coupled:  # an odd q is zero in the middle
         tangential[0, 0] = faces.tangential.diagonal().max()
     return replace(
         faces,
         x=freeze(faces.x[right]),
-        weights=freeze(np.bincount(place, faces.weights)),
+        weights=freeze(np.bincount(_images(faces).place, faces.weights)),
         normals=freeze(faces.normals[:, right]),
         gap=freeze(faces.gap[right]),
         imposed=None,
@@ -76,13 +80,29 @@ def half(faces: Interface) -> Interface:
     )
 
 
-def _images(faces: Interface) -> tuple[Indices, Array, Array]:
-    """Of each node in ascending order its place in the right half, its share of that node's p, and
-    the sign of its q.
+class _Images(NamedTuple):
+    """How the n nodes of the faces follow from those of the right half.
+
+    Attributes
+    ----------
+    place : (n,) of each node in the right half
+    share : (n,) of that node's p
+    sign : (n,) of its q and slip
     """
+
+    place: Indices
+    share: Array
+    sign: Array
+
+
+def _images(faces: Interface) -> _Images:
     number = np.arange(len(faces.x)) - len(faces.x) // 2
-    odd = faces.coupling is not None
-    return np.abs(number), np.where(number == 0, 1.0, 0.5), np.where((number < 0) & odd, -1.0, 1.0)
+    odd_shear = faces.coupling is not None
+    return _Images(
+        place=np.abs(number),
+        share=np.where(number == 0, 1.0, 0.5),
+        sign=np.where((number < 0) & odd_shear, -1.0, 1.0),
+    )
 
 
 def _folded(matrix: Array, of_rows: float, of_columns: float) -> Array:
@@ -92,22 +112,30 @@ def _folded(matrix: Array, of_rows: float, of_columns: float) -> Array:
     return np.asarray((rows[:, middle:] + of_columns * rows[:, middle::-1]) / 2)
 
 
-def whole(run: PathRun, faces: Interface) -> PathRun:
-    """A run of the half on all nodes of the faces."""
-    place, share, sign = _images(faces)
-    half = len(faces.x) - len(faces.x) // 2
-    # Of each value of a state in the whole its place in the half, and what it is there times.
-    source = np.concatenate([np.arange(3), *(3 + place + number * half for number in range(4))])
-    factor = np.concatenate([np.ones(3), sign, share, share * sign, np.ones_like(share)])
-    turned = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
+def unfolded(run: PathRun, faces: Interface) -> PathRun:
+    """A run of the right half on all nodes of the faces."""
+    images = _images(faces)
+    n_half = len(faces.x) - len(faces.x) // 2
+    # Of each value of a state its place in that of the half, and what it is there times.
+    of_nodes = [3 + images.place + number * n_half for number in range(4)]
+    source = np.concatenate([np.arange(3), *of_nodes])
+    of_slip = images.sign
+    of_shear = images.share * images.sign
+    factor = np.concatenate(
+        [np.ones(3), of_slip, images.share, of_shear, np.ones_like(images.share)]
+    )
+    mirrored_state = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
-    def state(one: InterfaceState) -> InterfaceState:
-        size = len(source) if one.whole else 3 + len(place)
-        values, states = one.values[source[:size]] * factor[:size], one.state[place]
+    def unfolded_state(state: InterfaceState) -> InterfaceState:
+        size = len(source) if state.is_complete else 3 + len(images.place)
+        values = state.values[source[:size]] * factor[:size]
         values.flags.writeable = False
-        return replace(
-            one, values=values, state=freeze(np.where(sign < 0, turned[states], states), np.int8)
-        )
+        states = state.state[images.place]
+        states = np.where(images.sign < 0, mirrored_state[states], states)
+        return replace(state, values=values, state=freeze(states, np.int8))
 
-    densities = [density[place] * share for density in run.cycle_density]
-    return replace(run, states=[state(one) for one in run.states], cycle_density=densities)
+    return replace(
+        run,
+        states=[unfolded_state(state) for state in run.states],
+        cycle_density=[density[images.place] * images.share for density in run.cycle_density],
+    )

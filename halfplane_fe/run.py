@@ -188,7 +188,7 @@ class PathRun:
     @property
     def kept(self) -> Indices:
         """Indices of the states that are whole, the first and the last among them."""
-        return np.flatnonzero([state.whole for state in self.states])
+        return np.flatnonzero([state.is_complete for state in self.states])
 
     def take(
         self,

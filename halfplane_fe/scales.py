@@ -26,7 +26,7 @@ from halfplane_fe.interface import (
     shapes_alike,
     without_local_difference,
 )
-from halfplane_fe.mirror import half, mirrored, whole
+from halfplane_fe.mirror import half, mirrored, unfolded
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
@@ -234,7 +234,7 @@ def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun
     )
     if run.failure is not None:
         raise run.failure
-    return problem, whole(run, faces) if halved else run
+    return problem, unfolded(run, faces) if halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:

@@ -34,7 +34,7 @@ from halfplane_fe.interface import (
     shapes_alike,
     without_local_difference,
 )
-from halfplane_fe.mirror import half, whole
+from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.path import check_admissible
 from halfplane_fe.resolution import (
     Peak,
@@ -221,7 +221,7 @@ def _solve(
     elif cured is not None:
         work[_KEPT] += 1
     if solved is not problem:
-        run, solved = whole(run, faces), problem  # what the half has kept goes
+        run, solved = unfolded(run, faces), problem  # what the half has kept goes
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
