@@ -74,7 +74,7 @@ def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
-    kept = run.kept
+    kept = run.stored
     states = [run.states[index] for index in kept]
     slip, pressure, shear = (
         np.stack([getattr(state, name) for state in states])
@@ -222,9 +222,9 @@ def _permanent_stick(
         return nothing
     x = problem.interface.x
     anywhere = scene.unsymmetric
-    dropped = np.setdiff1d(np.flatnonzero(inside), run.kept)
+    dropped = np.setdiff1d(np.flatnonzero(inside), run.stored)
     zones_of_dropped = _zones_by_nodes(x, seen[dropped] == STICK, seen[dropped] != OPEN, anywhere)
-    left, right = np.concatenate([edges[inside[run.kept]], zones_of_dropped]).T
+    left, right = np.concatenate([edges[inside[run.stored]], zones_of_dropped]).T
     common = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
     permanent = common if common[0] < common[1] else nothing
     if not (scene.unsymmetric or problem.interface.coupling is not None):
@@ -369,7 +369,7 @@ def record_of(
     worst of them.
     """
     note = audit.note()
-    firsts = run.kept[:-1]  # of the increments from each kept instant to the next
+    firsts = run.stored[:-1]  # of the increments from each kept instant to the next
 
     def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
         steps = np.asarray(values)

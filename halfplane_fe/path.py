@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -62,44 +63,52 @@ def has_bulk_stress(path: LoadPath) -> bool:
     return path.initial_loading[0].bulk is not None
 
 
-def turned(path: LoadPath) -> bool:
-    """Whether the upper body is tilted, by an angle or a moment."""
-    return path.initial_loading[0].turning is not None
+class _Load(NamedTuple):
+    """One load of a leg: a combination of the pair of loads of a segment, or 0 without one."""
+
+    segment: LoadSegment | None
+    combination: Combination
+
+    def at(self, time: float) -> float:
+        """The load at an instant."""
+        if self.segment is None:
+            return 0.0
+        pair = self.segment.loads(time)
+        return sum(
+            factor * float(load) for factor, load in zip(self.combination, pair, strict=True)
+        )
 
 
-def _parts(leg: LoadSegment) -> tuple[tuple[LoadSegment | None, Combination], ...]:
-    """The loads of a leg: each a combination of a segment's pair, or 0."""
-    pair = (leg, NORMAL_LOAD), (leg, TANGENTIAL_LOAD)
+def _loads(leg: LoadSegment) -> tuple[_Load, ...]:
+    """The two or five loads of a leg."""
+    normal = _Load(leg, NORMAL_LOAD)
+    tangential = _Load(leg, TANGENTIAL_LOAD)
     if leg.bulk is None and leg.turning is None:
-        return pair
+        return normal, tangential
+    return (normal, tangential, *_imposed(leg))
+
+
+def _imposed(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
+    """Bulk stress of the lower and of the upper body, and tilt or moment."""
+    bulk_lower = _Load(leg.bulk, NORMAL_LOAD)
+    bulk_upper = _Load(leg.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
-    return (
-        *pair,
-        (leg.bulk, NORMAL_LOAD),
-        (leg.bulk, TANGENTIAL_LOAD),
-        (leg.turning, Combination(1.0, 1.0)),
-    )
+    tilt_or_moment = _Load(leg.turning, Combination(1.0, 1.0))
+    return bulk_lower, bulk_upper, tilt_or_moment
 
 
 def straight(leg: LoadSegment) -> bool:
     """Whether all loads of a leg are linear in time."""
-    return all(segment is None or segment.is_straight for segment, _ in _parts(leg))
+    return all(load.segment is None or load.segment.is_straight for load in _loads(leg))
 
 
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     """The two or five loads of a leg at an instant."""
+    """The two or five loads of a leg at an instant."""
     p, q = leg.loads(time)
     if leg.bulk is None and leg.turning is None:
         return float(p), float(q)
-
-    def load(segment: LoadSegment | None, what: Combination) -> float:
-        return (
-            0.0
-            if segment is None
-            else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
-        )
-
-    return float(p), float(q), *(load(*part) for part in _parts(leg)[2:])
+    return (float(p), float(q), *(load.at(time) for load in _imposed(leg)))
 
 
 def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
@@ -109,6 +118,7 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
 
 def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
     """Instants inside a leg at which normal P + tangential Q turns round."""
+    """Instants inside a leg at which normal P + tangential Q turns round."""
     times = sampled(leg, _SAMPLES)
 
     def rate(t: Array | float) -> Array:
@@ -116,46 +126,57 @@ def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
         return np.asarray(normal * p + tangential * q)
 
     rates = rate(times)
-    rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
-    inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    found = {
-        float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner
+    rounding = 1e-12 * np.abs(rates).max(initial=0.0)
+    rates[np.abs(rates) < rounding] = 0.0
+    changes_sign = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+    instants = {
+        float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14))
+        for k in changes_sign
     }
-    touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
-    return found | {float(times[k]) for k in touches}
+    starts_or_ends_to_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
+    return instants | {float(times[k]) for k in 1 + np.flatnonzero(starts_or_ends_to_rest)}
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
     ascending.
     """
-    found = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
-    for segment, what in _parts(leg)[2:]:
-        found |= set() if segment is None else turns(segment, *what)
-    span = leg.end - leg.start
-    ordered: list[float] = []
-    for time in sorted(found):
-        apart = time - (ordered[-1] if ordered else leg.start)
-        if min(apart, leg.end - time) > 1e-9 * span:
-            ordered.append(time)
-    return ordered
+    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
+    ascending.
+    """
+    instants = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
+    if leg.bulk is not None or leg.turning is not None:
+        for segment, combination in _imposed(leg):
+            if segment is not None:
+                instants |= turns(segment, *combination)
+    rounding = 1e-9 * (leg.end - leg.start)
+    separate: list[float] = []
+    for time in sorted(instants):
+        time_before = separate[-1] if separate else leg.start
+        if min(time - time_before, leg.end - time) > rounding:
+            separate.append(time)
+    return separate
 
 
 def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
     """A leg cut at its turning points, each piece into equal increments, `increments` of them in
     all (rounded up).
     """
-    corners = [leg.start, *turning_points(leg, friction), leg.end]
+    """A leg cut at its turning points, each piece into equal increments, `increments` of them in
+    all (rounded up).
+    """
     pieces = []
-    for start, end in itertools.pairwise(corners):
-        n = max(2, int(np.ceil(increments * (end - start) / (leg.end - leg.start))))
+    cuts = [leg.start, *turning_points(leg, friction), leg.end]
+    for start, end in itertools.pairwise(cuts):
+        share = increments * (end - start) / (leg.end - leg.start)
+        n = max(2, int(np.ceil(share)))
         pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n + 1)[1:])))
     return pieces
 
 
-# Gauss points on an increment: the rest of an ellipse's area is below round-off from 24 increments
-# a revolution on.
-_GAUSS = np.polynomial.legendre.leggauss(8)
+# Gauss points and weights on an increment: the rest of an ellipse's area is below round-off from 24
+# increments a revolution on.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, times: Array) -> Array | None:
@@ -164,19 +185,33 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
 
     It is skew: the integral of d(i j) is the same along both.
     """
+    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the
+    chords; None of a straight leg.
+
+    It is skew: the integral of d(i j) is the same along both.
+    """
     if straight(leg):
         return None
-    parts, start, end = _parts(leg), times[:-1, None], times[1:, None]
-    inside, share = (start + end) / 2 + (end - start) / 2 * _GAUSS[0], _GAUSS[1] * (end - start) / 2
-    found = np.zeros((len(parts), len(parts), len(start)))
-    for i, (segment, what) in enumerate(parts):
-        if segment is not None:
-            above = segment.change_of(what, inside, start) - segment.change_of(what, end, start) / 2
-            for j, (other, along) in enumerate(parts[:i]):
-                if other is not None:
-                    found[i, j] = (share * above * other.rate_of(along, inside)).sum(axis=1)
-                    found[j, i] = -found[i, j]
-    return found
+    loads = _loads(leg)
+    start = times[:-1, None]
+    end = times[1:, None]
+    half = (end - start) / 2
+    instants = (start + end) / 2 + half * _POINTS
+    durations = _WEIGHTS * (end - start) / 2
+    areas = np.zeros((len(loads), len(loads), len(start)))
+    for i, load in enumerate(loads):
+        if load.segment is None:
+            continue
+        since_start = load.segment.change_of(load.combination, instants, start)
+        in_all = load.segment.change_of(load.combination, end, start)
+        from_middle = since_start - in_all / 2
+        for j, other in enumerate(loads[:i]):
+            if other.segment is None:
+                continue
+            rate = other.segment.rate_of(other.combination, instants)
+            areas[i, j] = (durations * from_middle * rate).sum(axis=1)
+            areas[j, i] = -areas[i, j]
+    return areas
 
 
 def check_admissible(path: LoadPath, friction: float) -> None:

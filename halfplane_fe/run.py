@@ -25,7 +25,7 @@ from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.between_nodes import Excess, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
-from halfplane_fe.path import enclosed, scaled_loads, straight, stretches
+from halfplane_fe.path import Stretch, enclosed, scaled_loads, straight, stretches
 from halfplane_fe.stepping import Increment, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
@@ -49,12 +49,15 @@ _SAME = 1e-12
 # A ratio of a geometric series stays; that of m = 1 rises by a factor of 1 + 2/[k (k-2)] from one
 # revolution to the next. Half-way between the two a series counts as algebraic.
 _RISES = 1.0
-# Steep ends of series look steeper than they are: k^-3 is the steepest seen. Slower than k^-1/2 is
-# no trend.
-_STEEPEST, _SLOWEST = 3.0, 0.5
-# Drifts that vanish leave as much as themselves, to the trend's own error; those of ratcheting next
-# to nothing.
-_DRIFT, _FAR = 1e-3, 3.0
+# Steep ends of series look steeper than they are: k^-3 is the steepest that was met.
+_STEEPEST = 3.0
+# Slower than k^-1/2 is no trend.
+_SLOWEST = 0.5
+# Drift of a revolution over the travel of U up to which it is none.
+_LEAST_DRIFT = 1e-3
+# Last drift over what its trend leaves, above which it does not vanish: drifts that vanish leave as
+# much as themselves, to the trend's own error; those of ratcheting next to nothing.
+_RATCHETING = 3.0
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ class Trend:
     kind : "steady" (the last two values are the same to round-off), "geometric", "algebraic", or
         "unclear": fewer than four values, or differences that do not fall
     left : limit minus the last value; of an unclear one k |d_k|, which is a size without a sign, or
-    NaN of a single value limit : of the series, NaN of an unclear one
+        NaN of a single value
+    limit : of the series, NaN of an unclear one
     """
 
     kind: str
@@ -80,22 +84,30 @@ def trend(values: Sequence[float]) -> Trend:
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
     """
-    k, apart = len(values), np.diff(values).tolist()
+    """The trend of a series by its last four values, one a revolution from the first one on.
+
+    >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
+    ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
+    """
+    k = len(values)
     if k < 2:
         return Trend("unclear", float("nan"), float("nan"))
-    last = apart[-1]
+    differences = np.diff(values).tolist()
+    last = differences[-1]
     if k * abs(last) <= _SAME * max(map(abs, values)):
         return Trend("steady", 0.0, values[-1])
     unclear = Trend("unclear", k * abs(last), float("nan"))
-    if k < 4 or not all(apart[-3:]):
+    if k < 4 or not all(differences[-3:]):
         return unclear
-    before, ratio = apart[-2] / apart[-3], apart[-1] / apart[-2]
-    if not (0 < before < 1 and 0 < ratio < 1):
+    ratio_before = differences[-2] / differences[-3]
+    ratio = differences[-1] / differences[-2]
+    if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear
-    if ratio <= before * (1 + _RISES / (k * (k - 2))):
+    if ratio <= ratio_before * (1 + _RISES / (k * (k - 2))):
         left = last * ratio / (1 - ratio)
         return Trend("geometric", left, values[-1] + left)
-    power = min(float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1, _STEEPEST)
+    power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
+    power = min(power, _STEEPEST)
     if power < _SLOWEST:
         return unclear
     left = last / ((k / (k - 1)) ** power - 1)
@@ -115,7 +127,45 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
     (True, False)
     """
     last = abs(drifts[-1])
-    return last > _DRIFT * travel and last > _FAR * abs(trend(drifts).left)
+    return last > _LEAST_DRIFT * travel and last > _RATCHETING * abs(trend(drifts).left)
+
+
+@dataclass(eq=False)
+class _Thinning:
+    """Which states of a long path keep pressure, shear and gap.
+
+    Attributes
+    ----------
+    ends : of each state at the end of a stretch, by its index, how many such states were before it:
+        a turning point, a vertex of a polygon, a row of a record
+    largest : index of the state with the largest P
+    n_stored : states that keep them
+    stride : of the states between ends, every so many-th keeps them
+    stride_of_ends : the same of the ends
+    """
+
+    ends: dict[int, int] = field(default_factory=dict)
+    largest: int = 0
+    n_stored: int = 1
+    stride: int = 1
+    stride_of_ends: int = 1
+
+    def keeps(self, index: int) -> bool:
+        """Whether this state is stored, but for the largest P."""
+        if index in self.ends:
+            return self.ends[index] % self.stride_of_ends == 0
+        return index % self.stride == 0
+
+    def can_widen(self, n_states: int) -> bool:
+        """Whether there are states between those that are stored."""
+        return max(self.stride, self.stride_of_ends) < n_states
+
+    def widen(self) -> None:
+        """Store half as many; three quarters of the room are for the ends."""
+        if 4 * len(self.ends) > 3 * MOST_INSTANTS * self.stride_of_ends:
+            self.stride_of_ends *= 2
+        else:
+            self.stride *= 2
 
 
 @dataclass(eq=False)
@@ -131,15 +181,18 @@ class PathRun:
     states : (n_steps + 1)
     bounded : whether states may be dropped
     blocks : energies (but for those of each node) and checks by name, (k,) of the k increments of
-    each stretch iterations : (n_steps), of each increment
+        each stretch
+    iterations : (n_steps), of each increment
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it
-    is not periodic excess : per revolution, what edges between nodes would add to it
+        is not periodic
+    excess : per revolution, what edges between nodes would add to it
     steady_from : index of the first revolution that ended as it started, with what is left of the
         dissipation's way within its uncertainty
     cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its
-    end, over the largest p failure : what stopped the run, or None
+        end, over the largest p
+    failure : what stopped the run, or None
     """
 
     states: list[InterfaceState]
@@ -153,13 +206,7 @@ class PathRun:
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | Interrupted | None = None
-    # States at the ends of stretches by number, that of the largest P, how many are whole, and of
-    # which every so many-th stays.
-    _corners: dict[int, int] = field(default_factory=dict)
-    _largest: int = 0
-    _whole: int = 1
-    _stride: int = 1
-    _corner_stride: int = 1
+    _thinning: _Thinning = field(default_factory=_Thinning)
 
     def column(self, name: str) -> Array:
         """(n_steps,) one energy or check of all increments."""
@@ -177,17 +224,21 @@ class PathRun:
     @property
     def ratchets(self) -> bool:
         """Whether each revolution leaves the upper body further along by the same distance."""
-        ends = [self.states[index].shift for index in (*self.cycle_starts, len(self.states) - 1)]
-        # the last one failed, or the path does not repeat
-        if len(self.cycle_change) < len(self.cycle_starts) or len(ends) < 2:
+        path_repeats = bool(self.cycle_starts)
+        last_revolution_failed = len(self.cycle_change) < len(self.cycle_starts)
+        if not path_repeats or last_revolution_failed:
             return False
-        drifts = np.diff(ends).tolist()
-        travel = float(np.ptp([state.shift for state in self.states[self.cycle_starts[-1] :]]))
-        return ratchets([drifts[-1]] * 2 if self.cycle_change[-1] <= _EQUAL else drifts, travel)
+        ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
+        drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
+        if self.cycle_change[-1] <= _EQUAL:
+            drifts = [drifts[-1], drifts[-1]]
+        last_cycle = self.states[self.cycle_starts[-1] :]
+        travel = float(np.ptp([state.shift for state in last_cycle]))
+        return ratchets(drifts, travel)
 
     @property
-    def kept(self) -> Indices:
-        """Indices of the states that are whole, the first and the last among them."""
+    def stored(self) -> Indices:
+        """Indices of the states with pressure, shear and gap, the first and the last among them."""
         return np.flatnonzero([state.is_complete for state in self.states])
 
     def take(
@@ -202,76 +253,73 @@ class PathRun:
         """
         if not increments:
             return
-        states = [self.states[-1], *(one.state for one in increments)]
+        states = [self.states[-1], *(increment.state for increment in increments)]
         area = enclosed(leg, np.array([state.time for state in states]))
         if area is not None:
-            area = area / np.multiply.outer(units[: len(area)], units[: len(area)])[:, :, None]
-        energies = vars(
-            increment_energies(problem, states, [one.solved for one in increments], area)
-        ).copy()
-        nodes = energies.pop("dissipation")
-        block = certificates(problem, states) | energies | {"dissipation": nodes.sum(axis=1)}
+            load_units = units[: len(area)]
+            area = area / np.multiply.outer(load_units, load_units)[:, :, None]
+        solved = [increment.solved for increment in increments]
+        energies = vars(increment_energies(problem, states, solved, area)).copy()
+        dissipation = energies.pop("dissipation")  # of each increment and node
+        block = certificates(problem, states) | energies | {"dissipation": dissipation.sum(axis=1)}
+        # at once: Ctrl-C comes before or after it
         vars(self).update(
             states=self.states + states[1:],
             blocks=[*self.blocks, block],
-            iterations=self.iterations + [one.iterations for one in increments],
-            density=self.density + nodes.sum(axis=0),
+            iterations=self.iterations + [increment.iterations for increment in increments],
+            density=self.density + dissipation.sum(axis=0),
         )
         if self.bounded:
             self._thin(len(self.states) - len(states))
 
-    def close_cycle(self, found: Excess) -> None:
+    def close_cycle(self, edge_excess: Excess) -> None:
         """End a revolution and take off what edges between nodes add to its dissipation, of
         increments and nodes in proportion.
         """
         work = float(self.density.sum())
-        share = 1 - found.value / work if work > 0 else 1.0
-        first, end = self.cycle_starts[-1], len(self.iterations)
+        factor = 1 - edge_excess.value / work if work > 0 else 1.0
+        first_of_cycle = self.cycle_starts[-1]
+        end = len(self.iterations)
         for number in reversed(range(len(self.blocks))):
-            block, end = self.blocks[number], end - len(self.blocks[number]["loop"])
-            if end < first:
+            block = self.blocks[number]
+            end -= len(block["loop"])  # now the first increment of the block
+            if end < first_of_cycle:
                 break
-            self.blocks[number] = block | {
-                name: block[name] * share for name in ("dissipation", "loop")
-            }
-        self.cycle_density.append(self.density * share)
-        self.excess.append(found)
+            corrected = {name: block[name] * factor for name in ("dissipation", "loop")}
+            self.blocks[number] = block | corrected
+        self.cycle_density.append(self.density * factor)
+        self.excess.append(edge_excess)
 
     def _thin(self, before: int) -> None:
-        """Drop states since that one, or others, where too many are whole; the last is the history
-        of the next increment.
+        """Drop states from that index on, or earlier ones, where too many are stored; the last one
+        stays: the next increment starts from it.
         """
-        # a turning point, a vertex of a polygon, a row of a record
-        self._corners[len(self.states) - 1] = len(self._corners)
-        for index in range(before, len(self.states) - 1):
-            if self.states[index].normal_load > self.states[self._largest].normal_load:
-                self._largest = index
+        thinning = self._thinning
+        last = len(self.states) - 1
+        thinning.ends[last] = len(thinning.ends)
+        for index in range(before, last):
+            if self.states[index].normal_load > self.states[thinning.largest].normal_load:
+                thinning.largest = index
             if self._drop(index):
                 continue
-            self._whole += 1
-            while self._whole > MOST_INSTANTS and max(self._stride, self._corner_stride) < len(
-                self.states
-            ):
-                # Three quarters of the room are for the ends of the stretches.
-                if 4 * len(self._corners) > 3 * MOST_INSTANTS * self._corner_stride:
-                    self._corner_stride *= 2
-                else:
-                    self._stride *= 2
-                self._whole -= sum(
-                    self._drop(int(earlier)) for earlier in self.kept[:-1] if earlier <= index
-                )
+            thinning.n_stored += 1
+            while thinning.n_stored > MOST_INSTANTS and thinning.can_widen(len(self.states)):
+                thinning.widen()
+                earlier = [int(stored) for stored in self.stored[:-1] if stored <= index]
+                thinning.n_stored -= sum(self._drop(stored) for stored in earlier)
 
     def _drop(self, index: int) -> bool:
-        """Whether this state is not to be kept; if so, it is whole no more. The largest P and the
-        ends of the last cycle stay.
+        """Take pressure, shear and gap off a state, if it is not to keep them; whether it was so.
+
+        The largest P and the ends of the last cycle stay.
         """
-        if index in (0, self._largest, *self.cycle_starts[-2:]):
+        if index in (0, self._thinning.largest, *self.cycle_starts[-2:]):
             return False
-        number = self._corners.get(index)
-        if (index % self._stride if number is None else number % self._corner_stride) == 0:
+        if self._thinning.keeps(index):
             return False
         state = self.states[index]
-        self.states[index] = replace(state, values=freeze(state.values[: 3 + len(state.state)]))
+        up_to_slip = state.values[: 3 + len(state.state)]
+        self.states[index] = replace(state, values=freeze(up_to_slip))
         return True
 
 
@@ -284,8 +332,10 @@ class Pace:
     load : what loads are divided by
     steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
     step_tolerance : step error of a revolution over its dissipation that calls for shorter
-    increments half_width, modulus : units of length and of stress, with `load` those of bulk
-    stress, tilt and moment dissipation : expected of a revolution, scaled; 0 if unknown
+        increments
+    half_width, modulus : units of length and of stress; with `load` those of bulk stress, tilt and
+        moment follow
+    dissipation : expected of a revolution, scaled; 0 if unknown
     """
 
     load: float
@@ -297,14 +347,12 @@ class Pace:
 
     def units(self, moment_given: bool) -> tuple[float, ...]:
         """What each of the five loads of `path` is divided by."""
-        stress = self.load / self.half_width
-        return (
-            self.load,
-            self.load,
-            stress,
-            stress,
-            self.load * self.half_width if moment_given else stress / self.modulus,
-        )
+        """What each of the five loads of `path` is divided by."""
+        bulk_stress = self.load / self.half_width
+        tilt = bulk_stress / self.modulus
+        moment = self.load * self.half_width
+        tilt_or_moment = moment if moment_given else tilt
+        return (self.load, self.load, bulk_stress, bulk_stress, tilt_or_moment)
 
 
 def run_path(
@@ -317,15 +365,17 @@ def run_path(
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
     keep_all: bool = False,
 ) -> PathRun:
-    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats; `keep_all`
-    states of a long path.
+    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats.
 
     A revolution repeats where its nodal forces do, and what is left of the dissipation's way is
-    less than the `uncertainty` that its mesh and steps give it (scaled; where that is unknown, NaN:
-    `REPEATS` of itself).
+    less than its uncertainty. A ConvergenceError or Ctrl-C ends the run and becomes its `failure`;
+    everything solved before it stays.
 
-    Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with
-    everything solved before it.
+    Parameters
+    ----------
+    uncertainty : that mesh and steps give the dissipation, scaled; where it is unknown, NaN:
+        `REPEATS` of the dissipation
+    keep_all : whether all states of a long path are stored
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path
     # itself, whichever of them are kept.
@@ -345,7 +395,7 @@ def run_path(
             run.cycle_density.append(run.density)
             return run
         for number in range(cycles):
-            before = run.states[-1]
+            start_of_cycle = run.states[-1]
             run.cycle_starts.append(len(run.iterations))
             _follow_legs(
                 problem,
@@ -357,10 +407,12 @@ def run_path(
                 f"revolution {number + 1}",
             )
             run.close_cycle(excess(problem, run.states[run.cycle_starts[-1] :]))
-            run.cycle_change.append(_change(before, run.states[-1], problem.friction))
+            run.cycle_change.append(_change(start_of_cycle, run.states[-1], problem.friction))
             if run.cycle_change[-1] <= REPEATS:
-                least = REPEATS * float(run.density.sum())
-                if abs(run.trend.left) <= np.nan_to_num(uncertainty(run), nan=least, posinf=np.inf):
+                allowed = uncertainty(run)
+                if np.isnan(allowed):
+                    allowed = REPEATS * float(run.density.sum())
+                if abs(run.trend.left) <= allowed:
                     run.steady_from = number
                     break
     except ConvergenceError as failure:
@@ -374,8 +426,11 @@ def run_path(
 
 def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
     """The unloaded state; a line of action is where the resultant is soon after."""
-    leg, units = path.initial_loading[0], pace.units(problem.moment_given)
-    normal_load, *_, moment = scaled_loads(leg, leg.start + _SOON * (leg.end - leg.start), units)
+    """The unloaded state; a line of action is where the resultant is soon after."""
+    leg = path.initial_loading[0]
+    units = pace.units(problem.moment_given)
+    soon = leg.start + _SOON * (leg.end - leg.start)
+    normal_load, *_, moment = scaled_loads(leg, soon, units)
     line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
     return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
 
@@ -389,51 +444,59 @@ def _follow_legs(
     progress: Progress,
     text: str,
 ) -> None:
+    """Add the increments of some legs to a run, `steps` regular ones in the longest of them."""
     longest = max(leg.end - leg.start for leg in legs)
-    pieces = [
-        piece
-        for leg in legs
-        for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)
-    ]
-    duration, units = legs[-1].end - legs[0].start, pace.units(problem.moment_given)
+    pieces: list[Stretch] = []
+    for leg in legs:
+        pieces += stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)
+    duration = legs[-1].end - legs[0].start
+    units = pace.units(problem.moment_given)
     run.density = np.zeros_like(problem.height)
-    # What the tolerance refers to: the dissipation of the revolution before, or the one expected,
-    # or a share of f^2 P^2/E*.
-    unit = max(problem.friction**2, 1e-300)
-    expected = (
-        float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
-    ) / unit
-    # Rounded down to a power of two: what the initial loading left in the revolution before shall
-    # not choose other increments. In units of f^2: Q in proportion to f has the same increments,
-    # whatever f is.
-    reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION) * unit
+    reference = _reference_dissipation(run, pace, problem.friction)
 
     def allowed(time: float) -> float:
         return pace.step_tolerance * reference * time / duration
 
-    def said() -> str:
-        return (
-            f"{text}, {len(run.iterations)} steps, {problem.work['contact iterations']} contact"
-            " iterations"
-        )
+    def report(n_pieces: int) -> None:
+        steps_done = len(run.iterations)
+        iterations = problem.work["contact iterations"]
+        words = f"{text}, {steps_done} steps, {iterations} contact iterations"
+        progress(n_pieces, len(pieces), words)
 
-    for done, piece in enumerate(pieces):
-        progress(done, len(pieces), said())
-        found: list[Increment] = []
+    for number, piece in enumerate(pieces):
+        report(number)
+        increments: list[Increment] = []
         try:
-            found += follow(problem, run.states[-1], piece, units, allowed)
+            increments += follow(problem, run.states[-1], piece, units, allowed)
         finally:
-            run.take(problem, found, piece.leg, units)
-    progress(len(pieces), len(pieces), said())
+            run.take(problem, increments, piece.leg, units)
+    report(len(pieces))
+
+
+def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
+    """What the step tolerance refers to: the dissipation of the revolution before, or the one
+    expected, or a share of f^2 P^2/E*.
+
+    Rounded down to a power of two: what the initial loading left in the revolution before shall not
+    choose other increments. In units of f^2: Q in proportion to f has the same increments, whatever
+    f is.
+    """
+    unit = max(friction**2, 1e-300)  # without friction there is no step error
+    expected = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
+    power_of_two = 2.0 ** np.floor(np.log2(max(expected / unit, 1e-300)))
+    return float(max(power_of_two, _LEAST_DISSIPATION) * unit)
 
 
 def _change(before: InterfaceState, after: InterfaceState, friction: float) -> float:
     """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
     all of q is little.
     """
-    pressure, shear = (
-        np.abs(getattr(after, name) - getattr(before, name)).max() for name in ("pressure", "shear")
-    )
-    return float(
-        max(pressure, shear / min(friction, 1.0) if shear > 0 else 0.0) / np.max(after.pressure)
-    )
+    """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
+    all of q is little.
+    """
+    change_of_pressure = np.abs(after.pressure - before.pressure).max()
+    change_of_shear = np.abs(after.shear - before.shear).max()
+    largest = change_of_pressure
+    if change_of_shear > 0:
+        largest = max(largest, change_of_shear / min(friction, 1.0))
+    return float(largest / np.max(after.pressure))

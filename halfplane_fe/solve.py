@@ -366,7 +366,7 @@ def _solution(
     uncertain = (
         (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
     )
-    states = tuple(run.states[index] for index in run.kept)
+    states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     own: dict[str, Any] = {
         "bodies": (condensed[0].body, condensed[1].body),
@@ -469,7 +469,7 @@ def _notes(
     """What the mesh does not resolve in the last revolution, and what of the path is left."""
     if run.failure is not None:
         return ()
-    first = int(np.searchsorted(run.kept, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
+    first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
     load, contact, stick = (
         arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width")
     )
@@ -488,7 +488,7 @@ def _notes(
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
     """That not every increment is in the answer, and what is of all of them nevertheless."""
-    if dropped := len(run.states) - len(run.kept):
+    if dropped := len(run.states) - len(run.stored):
         yield (
             f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
             f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
@@ -591,10 +591,10 @@ def _work(
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
-    if dropped := len(run.states) - len(run.kept):
+    if dropped := len(run.states) - len(run.stored):
         skipped["instants"] = (
             dropped,
-            f"stored at {len(run.kept)} instants: more would take gigabytes",
+            f"stored at {len(run.stored)} instants: more would take gigabytes",
         )
     return Work(counts, skipped, dict(seconds))
 
