@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,14 +59,15 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     return replace(run, states=moved)
 
 
-# Instants whose edges are found together: a few, so that what is in the making stays small.
+# Instants whose edges are found together: a few, so that the arrays of a long run stay small.
 _AT_ONCE = 256
-# Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick
-# zone that a path with bulk stress or tilt approaches. Slip grows as the distance to the power 3/2
-# there, so that it costs half a hundredth of the slip zone.
+# Range of slip of a node in the last cycle, over the largest, up to which it belongs to the
+# permanent stick zone that a path with bulk stress or tilt approaches. Slip grows as the distance d
+# from the stick edge to the power 3/2, so this costs d = 3e-4^(2/3), half a hundredth of the slip
+# zone.
 _CREEP = 3e-4
-# The same of coupled bodies: a thousandth of the slip zone. Single increments label nodes slip
-# there that move less: 2e-5 was met on the flat pad of the library.
+# The same of coupled bodies, 1e-3^(3/2): it costs a thousandth of the slip zone, and is above the
+# 2e-5 that nodes which single increments label as slip were seen to move (flat pad of the library).
 _CREEP_OF_COUPLED = 3e-5
 
 
@@ -74,117 +75,133 @@ def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
-    kept = run.stored
-    states = [run.states[index] for index in kept]
-    slip, pressure, shear = (
-        np.stack([getattr(state, name) for state in states])
-        for name in ("slip", "pressure", "shear")
-    )
-    # Moments of pressure and shear about x = 0.
-    moments = (
-        -problem.interface.work_of_imposed(pressure, shear)[..., 2],
-        shear @ problem.interface.x,
-    )
+    """Fields of FiniteElementSolution that are numbers, by name."""
+    states = [run.states[index] for index in run.stored]
+    slip = np.stack([state.slip for state in states])
+    pressure = np.stack([state.pressure for state in states])
+    shear = np.stack([state.shear for state in states])
+    # Moments about x = 0.
+    moment = -problem.interface.work_of_imposed(pressure, shear)[..., 2]
+    shear_moment = shear @ problem.interface.x
     if problem.layer.tangential.any():
         slip += problem.layer.tangential * shear
-    displacement = scales.load / scales.modulus
-    work = scales.load * displacement
+    displacement_unit = scales.load / scales.modulus
+    work_unit = scales.load * displacement_unit
     weights = problem.interface.weights * scales.half_width
-    densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    anywhere = scene.unsymmetric
-    every = reported_states(problem, run.states, run.cycle_starts)
-    seen = every[kept]
-    blocks = [slice(first, first + _AT_ONCE) for first in range(0, len(states), _AT_ONCE)]
-    found = [_edges(problem, states[block], seen[block], anywhere) for block in blocks]
-    edges = {
-        name: np.concatenate([one[name] for one in found]) * scales.half_width for name in found[0]
-    }
-    permanent = _permanent_stick(
-        scene, problem, run, every, edges["stick_edges"] / scales.half_width
-    )
+    densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
+    all_states = reported_states(problem, run.states, run.cycle_starts)
+    surface_states = all_states[run.stored]
+    edges = _edges_of_all(problem, states, surface_states, scene.unsymmetric)
+    permanent = _permanent_stick(scene, problem, run, all_states, edges["stick_edges"])
+    edges = {name: both * scales.half_width for name, both in edges.items()}
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
-    for one, unit in (
-        (pressure, scales.load / weights),
-        (shear, scales.load / weights),
-        (slip, displacement),
-    ):
-        np.multiply(one, unit, out=one)
-        one.flags.writeable = False
+    np.multiply(pressure, scales.load / weights, out=pressure)
+    np.multiply(shear, scales.load / weights, out=shear)
+    np.multiply(slip, displacement_unit, out=slip)
+    for values in (pressure, shear, slip):
+        values.flags.writeable = False
     loads = np.array([state.loads[:2] for state in states]) * scales.load
-    closed = scene.load.path().period is not None and run.steady_from is not None
+    shift = np.array([state.shift for state in states])
+    approach = np.array([state.approach for state in states])
+    dissipation = float("nan")
+    dissipation_density = np.zeros_like(weights)
+    if len(densities):
+        dissipation = float(densities[-1].sum())
+        dissipation_density = densities[-1] / weights
+    # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
+    loop_work = float("nan")
+    if scene.load.path().period is not None and run.steady_from is not None:
+        loop_work = float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work_unit
     arrays = {
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
-        "tangential_displacement": freeze(
-            np.array([state.shift for state in states]) * displacement
-        ),
-        "normal_approach": freeze(np.array([state.approach for state in states]) * displacement),
+        "tangential_displacement": freeze(shift * displacement_unit),
+        "normal_approach": freeze(approach * displacement_unit),
         "x": freeze(problem.interface.x * scales.half_width),
         "pressure": pressure,
         "shear": shear,
         "slip": slip,
-        "state": freeze(seen, np.int8),
+        "state": freeze(surface_states, np.int8),
         **{name: freeze(both) for name, both in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": freeze(
-            densities[-1] / weights if len(densities) else np.zeros_like(weights)
-        ),
-        "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
+        "dissipation_density": freeze(dissipation_density),
+        "dissipation": dissipation,
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
         "steady_from": run.steady_from,
-        # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
-        "loop_work": (
-            float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work
-            if closed
-            else float("nan")
-        ),
+        "loop_work": loop_work,
     }
-    if not anywhere:
+    if not scene.unsymmetric:
         return arrays
-    stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
-    imposed = np.array([state.imposed for state in states])
+    stress_unit = scales.load / scales.half_width
+    moment_unit = scales.load * scales.half_width
+    bulk_lower, bulk_upper, tilt = np.array([state.imposed for state in states]).T
     return arrays | {
         "permanent_stick_edges": freeze(permanent * scales.half_width),
-        "bulk_stress_lower": freeze(imposed[:, 0] * stress),
-        "bulk_stress_upper": freeze(imposed[:, 1] * stress),
-        "tilt": freeze(imposed[:, 2] * stress / scales.modulus),
-        "moment": freeze(moments[0] * moment),
-        "shear_moment": freeze(moments[1] * moment),
+        "bulk_stress_lower": freeze(bulk_lower * stress_unit),
+        "bulk_stress_upper": freeze(bulk_upper * stress_unit),
+        "tilt": freeze(tilt * stress_unit / scales.modulus),
+        "moment": freeze(moment * moment_unit),
+        "shear_moment": freeze(shear_moment * moment_unit),
     }
+
+
+def _edges_of_all(
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    surface_states: States,
+    anywhere: bool,
+) -> dict[str, Array]:
+    """`_edges` of all instants, `_AT_ONCE` of them at a time."""
+    blocks = []
+    for first in range(0, len(states), _AT_ONCE):
+        block = slice(first, first + _AT_ONCE)
+        blocks.append(_edges(problem, states[block], surface_states[block], anywhere))
+    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
 
 def _edges(
-    problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    surface_states: States,
+    anywhere: bool,
 ) -> dict[str, Array]:
-    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load
-    the nodes that touch, or 0.
+    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2), scaled; without
+    load the nodes that touch, or 0.
+
+    Parameters
+    ----------
+    surface_states : (n_steps, n) as they are reported
+    anywhere : whether the stick zone may be anywhere in the contact
     """
-    x, weights = problem.interface.x, problem.interface.weights
-    _, pressure, shear, gap = nodal(np.stack([state.values for state in states]))
-    law = np.stack([state.state for state in states])
-    pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
+    x = problem.interface.x
+    weights = problem.interface.weights
+    _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
+    pressure = normal_force / weights
+    shear = tangential_force / weights
+    states_by_law = np.stack([state.state for state in states])
+    closed = states_by_law != OPEN
+    stick = surface_states == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
     form = contact_edges(x, pressure, gap, closed, 1.0)
+    contact = form.copy()
     # Where unlike bodies slip, the pressure grows by another power than the root.
-    contact = (
-        form.copy()
-        if problem.interface.coupling is not None
-        else fitted_contact_edges(x, pressure, closed, form)
-    )
+    if problem.interface.coupling is None:
+        contact = fitted_contact_edges(x, pressure, closed, form)
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
     of_contact = contact_uncertainty(x, pressure, closed, contact, form)
     of_stick = stick_uncertainty(
-        x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere
+        x, (stick, states_by_law == STICK), closed, contact, edges, of_contact, anywhere
     )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]
-        contact[row] = edges[row] = (
-            (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
-        )
-        of_contact[row] = of_stick[row] = 0.0
+        outermost = (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
+        contact[row] = outermost
+        edges[row] = outermost
+        of_contact[row] = 0.0
+        of_stick[row] = 0.0
     return {
         "contact_edges": contact,
         "stick_edges": edges,
@@ -194,22 +211,23 @@ def _edges(
 
 
 def _permanent_stick(
-    scene: Scene, problem: ContactProblem, run: PathRun, seen: States, edges: Array
+    scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
 ) -> Array:
     """(2,) ends of what sticks through the whole last cycle: the intersection of its stick zones;
     NaN if there is none.
 
     A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all
-    of it. Of instants that a long run has dropped the stick zone is known by the states of the
+    of it. Of instants that a long run has dropped the stick zone follows from the states of the
     nodes alone.
+
     With bulk stress or tilt the steady state is only approached: what still creeps, less and less
     from cycle to cycle, counts. Between coupled bodies too: there single increments label nodes
     slip that move next to nothing.
 
     Parameters
     ----------
-    seen : (n_steps, n) states of all increments, as they are reported
-    edges : (k, 2) stick edges of the instants that are kept, scaled
+    surface_states : (n_steps, n) of all increments, as they are reported
+    edges : (k, 2) stick edges of the stored instants, scaled
     """
     nothing = np.full(2, np.nan)
     period = scene.load.path().period
@@ -217,20 +235,23 @@ def _permanent_stick(
         return nothing
     times = np.array([state.time for state in run.states])
     loaded = np.array([state.normal_load > 0 for state in run.states])
-    inside = (times > run.states[-1].time - period * (1 - 1e-9)) & loaded
-    if not inside.any():  # the very first increment failed
+    in_cycle = (times > run.states[-1].time - period * (1 - 1e-9)) & loaded
+    if not in_cycle.any():  # the very first increment failed
         return nothing
     x = problem.interface.x
     anywhere = scene.unsymmetric
-    dropped = np.setdiff1d(np.flatnonzero(inside), run.stored)
-    zones_of_dropped = _zones_by_nodes(x, seen[dropped] == STICK, seen[dropped] != OPEN, anywhere)
-    left, right = np.concatenate([edges[inside[run.stored]], zones_of_dropped]).T
+    dropped = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
+    states_of_dropped = surface_states[dropped]
+    zones_of_dropped = _zones_by_nodes(
+        x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere
+    )
+    left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
     common = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
     permanent = common if common[0] < common[1] else nothing
     if not (scene.unsymmetric or problem.interface.coupling is not None):
         return permanent
-    closed = seen[inside] != OPEN
-    slip = np.array([run.states[k].slip for k in np.flatnonzero(inside)])
+    closed = surface_states[in_cycle] != OPEN
+    slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
     creeps = _creeping(slip, closed, _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
     if not creeps.any():
         return permanent
@@ -253,8 +274,8 @@ def _creeping(slip: Array, closed: Mask, share: float) -> Mask:
     """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
     of slip; arrays (m, n).
     """
-    moved = np.ptp(slip, axis=0)
-    return np.all(closed, axis=0) & (moved <= share * moved.max())
+    slip_range = np.ptp(slip, axis=0)
+    return np.all(closed, axis=0) & (slip_range <= share * slip_range.max())
 
 
 @dataclass(frozen=True)
@@ -265,13 +286,15 @@ class PenaltyAudit:
     Attributes
     ----------
     normal_stiffness, tangential_stiffness : pressure per overlap, shear per elastic slip
-    [stress/length] penetration : largest overlap of the two faces on the whole path [length]
+        [stress/length]
+    penetration : largest overlap of the two faces on the path [length]
     penetration_share : the same over the rise h(a) - h(0) of the profile at the largest contact
-    (a^2/2R for Hertz) elastic_slip : largest elastic slip of the layer [length]
+        (a^2/2R for Hertz)
+    elastic_slip : largest elastic slip of the layer [length]
     elastic_slip_share : the same over the largest slip of the last cycle; NaN where nothing slips
     creep : largest range, over the last cycle, of the relative displacement of a node that sticks
-    all through it [length] creep_share : the same over the largest slip of the last cycle; NaN
-    where nothing slips
+        all through it [length]
+    creep_share : the same over the largest slip of the last cycle; NaN where nothing slips
     """
 
     normal_stiffness: float
@@ -303,6 +326,26 @@ class PenaltyAudit:
         )
 
 
+class _LayerCost(NamedTuple):
+    """Stiffness of a layer [stress/length], infinite without one, and its largest deflection
+    [length].
+    """
+
+    stiffness: float
+    deflection: float
+
+    @classmethod
+    def of(cls, compliance: Array, tractions: Array) -> _LayerCost:
+        """By the layer's compliance at the n nodes, one and the same everywhere [length/stress],
+        and its tractions (n_steps, n) [stress].
+        """
+        largest = float(compliance.max())
+        if not largest:
+            return cls(np.inf, 0.0)
+        deflection = float(np.max(compliance * np.abs(tractions), initial=0.0))
+        return cls(1 / largest, deflection)
+
+
 def penalty_audit(
     scene: Scene,
     problem: ContactProblem,
@@ -311,49 +354,37 @@ def penalty_audit(
     scales: Scales,
 ) -> PenaltyAudit:
     """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
-    weights, costs = problem.interface.weights * scales.half_width, {}
-    for name, compliance in (
-        ("pressure", problem.layer.normal),
-        ("shear", problem.layer.tangential),
-    ):
-        # length per stress, one and the same everywhere
-        by_stress = compliance / scales.modulus * weights
-        largest = float(by_stress.max())
-        costs[name] = (
-            (1 / largest, float(np.max(by_stress * np.abs(arrays[name]), initial=0.0)))
-            if largest
-            else (np.inf, 0.0)
-        )
-    (normal_stiffness, penetration), (tangential_stiffness, elastic_slip) = costs.values()
-    rise = float(
-        np.ptp(
-            scene.profile.height(np.array([0.0, float(np.nanmax(arrays["contact_half_width"]))]))
-        )
-    )
+    """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
+    length_per_force = problem.interface.weights * scales.half_width / scales.modulus
+    normal = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
+    tangential = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])
+    largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
+    rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
-    # nodes that slip, by the law's own states: those that a reader sees count a node that has
-    # hardly moved as sticking.
-    period, time = scene.load.path().period, arrays["time"]
-    cycle = (
-        np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
-    )
-    law, moved = (
-        np.stack([state.state for state in states])[cycle],
-        np.ptp(arrays["slip"][cycle], axis=0),
-    )
-    creep = float(np.max(moved[np.all(law[1:] == STICK, axis=0)], initial=0.0))
-    slip = float(np.max(moved[np.any(slip_sign(law) != 0, axis=0)], initial=0.0))
+    # nodes that slip, by the law's own states: those that are reported count a node that has hardly
+    # moved as sticking.
+    period = scene.load.path().period
+    time = arrays["time"]
+    in_cycle = np.ones(len(time), dtype=bool)
+    if period is not None:
+        in_cycle = time > time[-1] - period * (1 + 1e-9)
+    states_by_law = np.stack([state.state for state in states])[in_cycle]
+    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
+    always_sticks = np.all(states_by_law[1:] == STICK, axis=0)
+    ever_slips = np.any(slip_sign(states_by_law) != 0, axis=0)
+    creep = float(np.max(slip_range[always_sticks], initial=0.0))
+    slip = float(np.max(slip_range[ever_slips], initial=0.0))
 
-    def share(part: float, whole: float) -> float:
-        return part / whole if whole else float("nan")
+    def share(part: float, reference: float) -> float:
+        return part / reference if reference else float("nan")
 
     return PenaltyAudit(
-        normal_stiffness=normal_stiffness,
-        tangential_stiffness=tangential_stiffness,
-        penetration=penetration,
-        penetration_share=share(penetration, rise),
-        elastic_slip=elastic_slip,
-        elastic_slip_share=share(elastic_slip, slip),
+        normal_stiffness=normal.stiffness,
+        tangential_stiffness=tangential.stiffness,
+        penetration=normal.deflection,
+        penetration_share=share(normal.deflection, rise),
+        elastic_slip=tangential.deflection,
+        elastic_slip_share=share(tangential.deflection, slip),
         creep=creep,
         creep_share=share(creep, slip),
     )
@@ -362,42 +393,39 @@ def penalty_audit(
 def record_of(
     run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()
 ) -> Record:
-    """How the run went, from one kept instant to the next; the first is the unloaded state.
+    """How the run went, from one stored instant to the next; the first is the unloaded state.
     `notes`: what a reader must know too.
 
-    Energies and iterations are those of all increments since the kept instant before, checks the
+    Energies and iterations are those of all increments since the stored instant before, checks the
     worst of them.
     """
-    note = audit.note()
-    firsts = run.stored[:-1]  # of the increments from each kept instant to the next
+    note_of_layer = audit.note()
+    firsts = run.stored[:-1]  # of the increments from each stored instant to the next
 
     def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
-        steps = np.asarray(values)
-        return freeze(
-            np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps]), dtype
-        )
+        """(n_stored,) values of increments joined by a rule; 0 of the unloaded state."""
+        of_increments = np.asarray(values)
+        if len(of_increments):
+            of_increments = rule.reduceat(of_increments, firsts)
+        return freeze(np.concatenate([[0.0], of_increments]), dtype)
 
-    energies = {name: run.column(name) for name in _ENERGIES if note is not None or name != "layer"}
-    checks = {
-        name: run.column(name)
-        for name in (run.blocks[0] if run.blocks else ())
-        if name not in (*_ENERGIES, "layer", "loop", "bent")
-    }
+    energy_names = [name for name in _ENERGIES if note_of_layer is not None or name != "layer"]
+    energies = {name: run.column(name) for name in energy_names}
+    all_names = list(run.blocks[0]) if run.blocks else []
+    not_checks = (*_ENERGIES, "layer", "loop", "bent")
+    checks = {name: run.column(name) for name in all_names if name not in not_checks}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
-    checks["energy_balance"] = balance / np.max(
-        np.abs(np.cumsum(energies["external"])), initial=1e-300
-    )
+    largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
+    checks["energy_balance"] = balance / largest_work
+    work_unit = scales.load**2 / scales.modulus
     return Record(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
         iterations=between(np.add, run.iterations, np.int64),
         certificates={name: between(np.maximum, values) for name, values in checks.items()},
-        energy={
-            name: between(np.add, values * scales.load**2 / scales.modulus)
-            for name, values in energies.items()
-        },
-        notes=(*(() if note is None else (note,)), *notes),
+        energy={name: between(np.add, values * work_unit) for name, values in energies.items()},
+        notes=tuple(notes) if note_of_layer is None else (note_of_layer, *notes),
     )
 
 
@@ -415,6 +443,7 @@ _ENERGIES = [
 
 
 def _termination(run: PathRun) -> str:
+    """How the run ended, in a word or two."""
     if run.failure is not None:
         return "interrupted" if isinstance(run.failure, Interrupted) else "not converged"
     if run.ratchets:
@@ -423,14 +452,13 @@ def _termination(run: PathRun) -> str:
 
 
 def _message(run: PathRun) -> str:
+    """How the run ended, as a sentence."""
     if run.failure is not None:
         return str(run.failure)
     steps = len(run.iterations)
-    drift = (
-        "; the upper body goes further by the same distance in each: ratcheting"
-        if run.ratchets
-        else ""
-    )
+    drift = ""
+    if run.ratchets:
+        drift = "; the upper body goes further by the same distance in each: ratcheting"
     if run.steady_from is None:
         return f"the path ended after {steps} increments without a revolution that repeats{drift}"
     return (
