@@ -1,12 +1,14 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - n_y delta + n_x U + N p - K^T q + G e    gap, delta the normal approach, n the normal
-                                                     (out of the lower body)
-    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower, U the
-                                                     tangential displacement
+    g = h - n_y delta + n_x U + N p - K^T q + G e    gap
+    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower
     P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
-    e = (sigma_lower, sigma_upper, alpha)            bulk stress of the bodies, tilt of the upper one about x = y = 0
-    M = G_alpha p - S_alpha q                        moment about that point; of flat faces sum x p: G_alpha = x, S_alpha = 0
+    e = (sigma_lower, sigma_upper, alpha)            bulk stresses, tilt of the upper body
+    M = G_alpha p - S_alpha q                        moment
+
+delta is the normal approach, U the tangential displacement, n the normal out of the lower body. The
+upper body tilts about x = y = 0, and M is the moment about that point. On flat faces it is sum x p:
+G_alpha = x, S_alpha = 0.
 
 p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y,
 -n_x) on the lower body. N and T are symmetric, K couples: it is exactly zero for like bodies on
@@ -78,6 +80,15 @@ class Interface:
         """The same interface in other units: lengths over `length`, compliances over
         `compliance`.
         """
+        """The same interface in other units: lengths over `length`, compliances over
+        `compliance`.
+        """
+        coupling = self.coupling
+        if coupling is not None:
+            coupling = freeze(coupling / compliance)
+        imposed = self.imposed
+        if imposed is not None:
+            imposed = freeze(imposed / [length * compliance, length * compliance, length])
         return replace(
             self,
             x=freeze(self.x / length),
@@ -85,13 +96,9 @@ class Interface:
             gap=freeze(self.gap / length),
             normal=freeze(self.normal / compliance),
             tangential=freeze(self.tangential / compliance),
-            coupling=None if self.coupling is None else freeze(self.coupling / compliance),
+            coupling=coupling,
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
-            imposed=(
-                None
-                if self.imposed is None
-                else freeze(self.imposed / [length * compliance, length * compliance, length])
-            ),
+            imposed=imposed,
         )
 
     def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
@@ -103,8 +110,10 @@ class Interface:
 
     def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
         """P and Q (...) that nodal forces p and q (n, ...) carry."""
+        """P and Q (...) that nodal forces p and q (n, ...) carry."""
         n_x, n_y = self.normals
-        normal, tangential = n_y @ pressure + n_x @ shear, n_y @ shear - n_x @ pressure
+        normal = n_y @ pressure + n_x @ shear
+        tangential = n_y @ shear - n_x @ pressure
         return normal, 0 * tangential if self.guided else tangential
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
@@ -123,56 +132,91 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0
     here.
     """
-    rotated = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
-    below, above = (np.broadcast_to(body.by_stress, (2, len(body.x))) for body in (lower, upper))
-    moved = below, above * _REFLECTED[:, None], rotated
     if _opposite(lower, upper):
-        # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body
-        # feels -q along x and -p outward.
-        below, above = lower.compliance, upper.compliance
-        flat = np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])
-        normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
-        coupling = below[0, :, 1, :] - above[0, :, 1, :]
-        weights, normals, gap, nearest = lower.weights, flat, np.zeros_like(lower.x), (0.0, 0.0)
-        imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
-    else:
-        sides = _mortar(lower, upper)
-        # next to nothing but zeros
-        by_lower, by_upper = (csr_array(_flattened(part)) for part in (sides.lower, sides.upper))
-        total = (
-            by_lower @ _square(lower.compliance) @ by_lower.T
-            + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
-        )
-        n = len(lower.x)
-        normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
-        weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
-        parts = (-sides.lower, moved[0]), (sides.upper, moved[1]), (sides.upper, moved[2])
-        imposed = np.stack(
-            [np.einsum("dnim,im->dn", of_side, displacement) for of_side, displacement in parts],
-            axis=-1,
-        )
+        return _coupled_node_by_node(lower, upper)
+    return _coupled_by_mortar(lower, upper)
+
+
+def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
+    # -q along x and -p outward.
+    below = lower.compliance
+    above = upper.compliance
+    of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
+    # gap by the displacement outward, slip by that along x: the order of `Interface.imposed`
+    imposed = np.stack([-of_lower, of_upper, of_tilt], axis=-1)[::-1]
+    coupling = below[0, :, 1, :] - above[0, :, 1, :]
     return Interface(
-        freeze(lower.x),
-        freeze(weights),
-        freeze(normals),
-        freeze(gap),
-        freeze(normal),
-        freeze(tangential),
-        freeze(coupling) if coupling.any() else None,
-        nearest,
+        x=freeze(lower.x),
+        weights=freeze(lower.weights),
+        normals=freeze(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
+        gap=freeze(np.zeros_like(lower.x)),
+        normal=freeze(below[1, :, 1, :] + above[1, :, 1, :]),
+        tangential=freeze(below[0, :, 0, :] + above[0, :, 0, :]),
+        coupling=freeze(coupling) if coupling.any() else None,
         imposed=freeze(imposed),
     )
 
 
+def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    sides = _mortar(lower, upper)
+    # next to nothing but zeros
+    by_lower = csr_array(_flattened(sides.lower))
+    by_upper = csr_array(_flattened(sides.upper))
+    total = (
+        by_lower @ _square(lower.compliance) @ by_lower.T
+        + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
+    )
+    of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
+    imposed = [
+        np.einsum("dnim,im->dn", operator, displacement)
+        for operator, displacement in (
+            (-sides.lower, of_lower),
+            (sides.upper, of_upper),
+            (sides.upper, of_tilt),
+        )
+    ]
+    n = len(lower.x)
+    coupling = total[n:, :n]
+    return Interface(
+        x=freeze(lower.x),
+        weights=freeze(sides.weights),
+        normals=freeze(sides.normals),
+        gap=freeze(sides.gap),
+        normal=freeze(total[:n, :n]),
+        tangential=freeze(total[n:, n:]),
+        coupling=freeze(coupling) if coupling.any() else None,
+        nearest=sides.nearest,
+        imposed=freeze(np.stack(imposed, axis=-1)),
+    )
+
+
+def _imposed_displacements(
+    lower: CondensedBody, upper: CondensedBody
+) -> tuple[Array, Array, Array]:
+    """(2, n) of the contact nodes in the common frame: of each body by a unit of its bulk stress,
+    and of the upper one by a unit of tilt.
+    """
+    of_lower = np.broadcast_to(lower.by_stress, (2, len(lower.x)))
+    of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTED[:, None]
+    of_tilt = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
+    return of_lower, of_upper, of_tilt
+
+
 # Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out,
-# and up to which it is looked at what is left behind that.
-_LOCAL, _PLATEAU = 8.5, 10.5
+_LOCAL = 8.5
+# and up to which what is left behind that is read.
+_PLATEAU = 10.5
 # Digits behind the point of a distance over the element size: far more than matter, and less than
 # what round-off changes.
 _DIGITS_OF_SIZES = 9
 # Largest degree of the polynomial that stands for what is smooth of bodies, in both places
-# together, nodes that one more degree needs, and samples that it goes through.
-_DEGREE, _NODES_A_DEGREE, _SAMPLES = 8, 25, 48
+# together,
+_DEGREE = 8
+# nodes that one more degree needs,
+_NODES_A_DEGREE = 25
+# and samples that it goes through.
+_SAMPLES = 48
 # Nodes of the contact side below which there is no such plateau.
 _LEAST_NODES = 21
 
@@ -201,27 +245,35 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a
     face, or a base, N - T has parts that are not the mesh's.
     """
-    n, apart, nodes = len(faces.x), np.diff(faces.x), int(_PLATEAU)
-    depth = least_depth(scene)
-    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
-    if n < _LEAST_NODES or not at_ends or depth < 2 * nodes * float(apart.max()):
+    spacing = np.diff(faces.x)
+    n_nodes = int(_PLATEAU)
+    room_beside = face_room(scene) - float(np.abs(faces.x).max())
+    if (
+        len(faces.x) < _LEAST_NODES
+        or room_beside < n_nodes * max(spacing[0], spacing[-1])
+        or least_depth(scene) < 2 * n_nodes * float(spacing.max())
+    ):
         return None
     ahead = _sizes_ahead(faces.x)
-    band = np.abs(ahead) <= _LOCAL
+    in_band = np.abs(ahead) <= _LOCAL
     difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead))
-    tangential = np.where(band, faces.normal - (difference + difference.T) / 2, faces.tangential)
+    symmetric = (difference + difference.T) / 2
+    tangential = np.where(in_band, faces.normal - symmetric, faces.tangential)
     # What a uniform traction does stays: the correction, with its rows' sums spread over twice the
     # band, has none.
-    near, weights = np.abs(ahead) <= 2 * _LOCAL, faces.weights
-    share = solve(
-        np.diag(near @ weights) + near * weights, (tangential - faces.tangential) @ weights
-    )
-    tangential -= np.where(near, np.add.outer(share, share), 0.0)
+    in_double_band = np.abs(ahead) <= 2 * _LOCAL
+    weights = faces.weights
+    sums_of_rows = (tangential - faces.tangential) @ weights
+    spread = solve(np.diag(in_double_band @ weights) + in_double_band * weights, sums_of_rows)
+    tangential -= np.where(in_double_band, np.add.outer(spread, spread), 0.0)
     coupling = faces.coupling
     if coupling is not None:
-        left, right = _smooth(coupling, faces.x, ahead), _smooth(coupling, faces.x, -ahead)
-        smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
-        coupling = freeze(np.where(band, smooth, coupling))
+        smooth_on_left = _smooth(coupling, faces.x, ahead)
+        smooth_on_right = _smooth(coupling, faces.x, -ahead)
+        smooth = np.where(ahead > 0, smooth_on_left, smooth_on_right)
+        mean = (smooth_on_left + smooth_on_right) / 2
+        smooth = np.where(ahead == 0, mean, smooth)
+        coupling = freeze(np.where(in_band, smooth, coupling))
     return replace(faces, tangential=freeze(tangential), coupling=coupling)
 
 
@@ -241,47 +293,57 @@ def _sizes_ahead(x: Array) -> Array:
     they count as larger there. Between equal elements many nodes are 17 sizes apart, which is a
     limit of `without_local_difference`: the last digits of x must not choose the side.
     """
-    apart = np.diff(x)
-    size = np.maximum(np.append(apart, apart[-1]), np.insert(apart, 0, apart[0]))
-    size = np.max(size - np.abs(np.subtract.outer(x, x)) / _LOCAL, axis=1)
-    return np.round(np.subtract.outer(x, x) / np.maximum.outer(size, size), _DIGITS_OF_SIZES)
+    spacing = np.diff(x)
+    on_right = np.append(spacing, spacing[-1])
+    on_left = np.insert(spacing, 0, spacing[0])
+    distance = np.subtract.outer(x, x)
+    size = np.max(np.maximum(on_right, on_left) - np.abs(distance) / _LOCAL, axis=1)
+    return np.round(distance / np.maximum.outer(size, size), _DIGITS_OF_SIZES)
 
 
 def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
     """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
     rows and columns behind that.
     """
+    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
+    rows and columns behind that.
+    """
     u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    some = np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(
-        0, len(x) - 1
-    )
+    chebyshev = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    samples = np.searchsorted(u, chebyshev).clip(0, len(x) - 1)
     # with their images: faces that are their own mirror image stay so
-    some = np.union1d(some, len(x) - 1 - some)
-    i, j = np.nonzero(ahead[np.ix_(some, some)] > _LOCAL)
-    i, j = some[i], some[j]
+    samples = np.union1d(samples, len(x) - 1 - samples)
+    rows, columns = np.nonzero(ahead[np.ix_(samples, samples)] > _LOCAL)
+    i = samples[rows]
+    j = samples[columns]
     degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
-    series = np.polynomial.legendre.legvander(u, degree)
-    pairs = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
-    values = np.linalg.lstsq(
-        np.stack([series[i, k] * series[j, m] for k, m in pairs], axis=1), matrix[i, j], rcond=1e-10
-    )[0]
-    terms = np.zeros((degree + 1, degree + 1))
-    terms[tuple(np.transpose(pairs))] = values
-    whole = series @ terms @ series.T
-    return whole + _plateau(matrix - whole, ahead)
+    legendre = np.polynomial.legendre.legvander(u, degree)
+    exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
+    terms = np.stack([legendre[i, k] * legendre[j, m] for k, m in exponents], axis=1)
+    coefficients = np.zeros((degree + 1, degree + 1))
+    fitted = np.linalg.lstsq(terms, matrix[i, j], rcond=1e-10)[0]
+    coefficients[tuple(np.transpose(exponents))] = fitted
+    polynomial = legendre @ coefficients @ legendre.T
+    return polynomial + _plateau(matrix - polynomial, ahead)
 
 
 def _plateau(matrix: Array, ahead: Array) -> Array:
     """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
     or the one there is.
     """
-    behind = (ahead > _LOCAL) & (ahead <= _PLATEAU)
-    rows, columns = (
-        (matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0)
+    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
+    or the one there is.
+    """
+    on_plateau = (ahead > _LOCAL) & (ahead <= _PLATEAU)
+    of_rows, of_columns = (
+        (matrix * on_plateau).sum(axis=axis) / np.maximum(on_plateau.sum(axis=axis), 1)
+        for axis in (1, 0)
     )
-    # the sums are 0 where none is
-    there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))
-    return np.asarray(np.add.outer(rows, columns) / np.maximum(there, 1.0))
+    # the sums are 0 where there is none
+    n_means = np.add.outer(
+        np.any(on_plateau, axis=1).astype(float), np.any(on_plateau, axis=0).astype(float)
+    )
+    return np.asarray(np.add.outer(of_rows, of_columns) / np.maximum(n_means, 1.0))
 
 
 def body_forces(
@@ -304,11 +366,9 @@ def body_forces(
     sides = _mortar(lower, upper)
     traction = np.concatenate([-pressure, shear])
     cases = pressure.shape[1:]
-    below, above = (
-        (_flattened(part).T @ traction).reshape(2, -1, *cases)
-        for part in (sides.lower, sides.upper)
-    )
-    return {"lower": below, "upper": np.stack([-above[0], above[1]])}
+    on_lower = (_flattened(sides.lower).T @ traction).reshape(2, -1, *cases)
+    along_x, along_y = (_flattened(sides.upper).T @ traction).reshape(2, -1, *cases)
+    return {"lower": on_lower, "upper": np.stack([-along_x, along_y])}
 
 
 def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
@@ -322,6 +382,7 @@ def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
 
 
 def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
+    """The two faces coupled in the common frame."""
     return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
 
 
@@ -331,6 +392,7 @@ def _flattened(operator: Array) -> Array:
 
 
 def _square(compliance: Array) -> Array:
+    """(2, n, 2, n) as a matrix (2 n, 2 n)."""
     return compliance.reshape(2 * compliance.shape[1], -1)
 
 
@@ -356,16 +418,12 @@ def meshed_pair(
     grading : of a body whose elements are to be so many times as large
     """
     shapes = scene.bodies
-    lower = _with_ends(
-        build("lower", shapes.lower, scene.profile, grading(1.0), mesh), shapes.lower, scene
-    )
+    lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
+    lower = _with_ends(lower, shapes.lower, scene)
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
         return lower, lower
-    return lower, _with_ends(
-        build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh),
-        shapes.upper,
-        scene,
-    )
+    upper = build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
+    return lower, _with_ends(upper, shapes.upper, scene)
 
 
 def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
@@ -401,9 +459,9 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
     x, distance = interface.nearest
-    if -distance > max(
-        _OVERLAP * float(interface.gap.max()), _ROUNDING * float(np.ptp(interface.x))
-    ):
+    by_meshing = _OVERLAP * float(interface.gap.max())
+    rounding = _ROUNDING * float(np.ptp(interface.x))
+    if -distance > max(by_meshing, rounding):
         raise InputError(
             f"bodies: initial penetration: the faces overlap by {-distance:.6g} at x = {x:.6g}"
         )
@@ -424,19 +482,18 @@ def check_bulk_stress(scene: Scene) -> None:
     """
     legs = [leg.bulk for leg in scene.load.path().legs(1) if leg.bulk is not None]
     for number, name in enumerate(("lower", "upper")):
-        body, pulled = (
-            getattr(scene.bodies, name),
-            any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs),
-        )
+        body = getattr(scene.bodies, name)
+        pulled = any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
         if pulled and not (body.kind == "half_plane" or _has_ends(body)):
-            which = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
+            kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
             raise InputError(
-                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {which};"
+                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"
                 " half-planes take bulk stress, and blocks with sides = 'free'"
             )
 
 
 def _has_ends(body: Shape) -> bool:
+    """Whether it is a block with free sides, which a bulk stress can pull."""
     return isinstance(body, Block) and body.sides == "free"
 
 
@@ -448,7 +505,7 @@ def bulk_stress_notes(
     """
     if not has_bulk_stress(scene.load.path()):
         return
-    for name, one in zip(("lower", "upper"), condensed, strict=True):
+    for name, compliant in zip(("lower", "upper"), condensed, strict=True):
         body = getattr(scene.bodies, name)
         if not (isinstance(body, Block) and _has_ends(body)):
             continue
@@ -459,9 +516,12 @@ def bulk_stress_notes(
                 " at the largest Q"
             )
         elif body.base == "fixed":
-            middle = np.abs(one.x) <= np.abs(one.x).max() / 2
-            strain = np.polyfit(one.x[middle], one.by_stress[0, middle], 1)[0]
-            share = strain * one.material.young_modulus / (1 - one.material.poisson_ratio**2)
+            middle = np.abs(compliant.x) <= np.abs(compliant.x).max() / 2
+            displacement = compliant.by_stress[0, middle]
+            strain_by_stress = np.polyfit(compliant.x[middle], displacement, 1)[0]
+            material = compliant.material
+            modulus = material.young_modulus / (1 - material.poisson_ratio**2)
+            share = strain_by_stress * modulus
             yield (
                 f"the bulk stress of the {name} body is that at its ends: its fixed base holds back"
                 f" a part, and {share:.0%} of the stress is at the middle of the face; base ="
@@ -479,14 +539,10 @@ def check_supports(scene: Scene, sheared: bool) -> None:
         ends a bulk stress pulls: they hold the load too.
     """
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
-        if _has_ends(body) and has_bulk_stress(scene.load.path()):
+        if not sheared or not isinstance(body, Block | Pad):
             continue
-        if (
-            sheared
-            and isinstance(body, Block | Pad)
-            and body.base == "rollers"
-            and body.sides == "free"
-        ):
+        held_by_ends = _has_ends(body) and has_bulk_stress(scene.load.path())
+        if body.base == "rollers" and body.sides == "free" and not held_by_ends:
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
                 " slides off: its base is on rollers and its sides are free; take base = 'fixed'"

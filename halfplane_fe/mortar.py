@@ -4,7 +4,8 @@ or not.
 Points of the two sides that lie above each other are compared along the normal n and the tangent t
 of the line half-way between the sides, in the mean over the multipliers of the lower side:
 
-    g_j = int psi_j n (X_u + u_u - X_l - u_l) / D_j,    s_j = int psi_j t (u_u - u_l) / D_j,    D_j = int psi_j = int phi_j
+    g_j = int psi_j n (X_u + u_u - X_l - u_l) / D_j,    s_j = int psi_j t (u_u - u_l) / D_j,
+    D_j = int psi_j = int phi_j
 
 all of it along that line. phi and chi are the shape functions of the two sides, psi the dual basis
 of phi: int psi_j phi_k = D_j on j = k, else 0. Dual multipliers make the lower side's part diagonal
@@ -17,6 +18,7 @@ uniform pressure passes exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,7 +36,8 @@ class Side:
     Attributes
     ----------
     x, y : (n,) nodes in ascending order of x, mid-side nodes included, at the mean x of their
-    element's ends [length] order : of the elements
+        element's ends [length]
+    order : of the elements
     """
 
     x: Array
@@ -53,9 +56,10 @@ class Mortar:
     normals : (2, n) weighted mean of n; the tangent is (n_y, -n_x)
     gap : (n,) weighted initial distance along n [length]
     nearest : x and distance where the sides are nearest to each other, of all points of integration
-    [length] lower, upper : (2, n, 2, m) along the normal (0) or the tangent (1), multiplier,
-    component (x, y), node of that side: the
-        weighted mean of the displacement; transposed, the nodal forces of a multiplier's unit force
+        [length]
+    lower, upper : (2, n, 2, m) along the normal (0) or the tangent (1), multiplier, component (x,
+        y), node of that side: the weighted mean of the displacement; transposed, the nodal forces
+        of a multiplier's unit force
     """
 
     weights: Array
@@ -81,73 +85,114 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     ... ).tolist()  # linear functions pass
     [0.0, 0.5, 1.0]
     """
+    """Couple two sides that end above each other.
+
+    Raises
+    ------
+    ValueError
+        If they do not begin and end together.
+
+    >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
+    >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
+    >>> linear = np.array([0.0, 0.3, 1.0])  # linear functions pass
+    >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
+    [0.0, 0.5, 1.0]
+    """
     # notation: k nodes of an element, s segments of the common refinement, m points of each
     span = lower.x[-1] - lower.x[0]
     if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * span:
         raise ValueError("the two contact sides do not begin and end together")
-    corners = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
-    corners = corners[np.concatenate([[True], np.diff(corners) > 1e-12 * span])]
-    middle, half = (corners[1:] + corners[:-1])[:, None] / 2, np.diff(corners)[:, None] / 2
-    x = middle + half * _POINTS
-    below, phi, y_below, slope_below = _on_side(lower, x)
-    above, chi, y_above, slope_above = _on_side(upper, x)
-    slope = (slope_below + slope_above) / 2
+    ends = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
+    ends = ends[np.concatenate([[True], np.diff(ends) > 1e-12 * span])]
+    middle = (ends[1:] + ends[:-1])[:, None] / 2
+    half_length = np.diff(ends)[:, None] / 2
+    x = middle + half_length * _POINTS
+    below = _at_points(lower, x)
+    above = _at_points(upper, x)
+    # along the line half-way between the sides
+    slope = (below.slope + above.slope) / 2
     stretch = np.sqrt(1 + slope**2)
-    share, normal = half * _WEIGHTS * stretch, np.stack([-slope, np.ones_like(x)]) / stretch
-    distance = (y_above - y_below) * normal[1]
-    element, n = below[:, 0] // lower.order, len(lower.x)
-    mass = np.zeros(((n - 1) // lower.order, lower.order + 1, lower.order + 1))
-    np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, share, phi))
-    # psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side.
-    dual = np.einsum(
-        "skl,slm,sm->skm", (mass.sum(axis=2)[:, :, None] * np.linalg.inv(mass))[element], phi, share
-    )
+    lengths = half_length * _WEIGHTS * stretch
+    normal = np.stack([-slope, np.ones_like(x)]) / stretch
+    tangent = np.stack([normal[1], -normal[0]])
+    distance = (above.y - below.y) * normal[1]
+    n = len(lower.x)
+    dual_lengths = _dual_lengths(lower, below, lengths)
 
-    def at_nodes(values: Array) -> Array:
-        return np.asarray(
-            np.bincount(below.ravel(), np.einsum("skm,sm->sk", dual, values).ravel(), n),
-            dtype=np.float64,
-        )
+    def at_multipliers(values: Array) -> Array:
+        """(n,) integral of psi_j times values (s, m)."""
+        integrals = np.einsum("skm,sm->sk", dual_lengths, values)
+        sums = np.bincount(below.nodes.ravel(), integrals.ravel(), n)
+        return np.asarray(sums, dtype=np.float64)
 
-    weights = at_nodes(np.ones_like(x))
-    by_lower, by_upper = np.zeros((2, n, 2, n)), np.zeros((2, n, 2, len(upper.x)))
-    for direction, along in enumerate((normal, np.stack([normal[1], -normal[0]]))):
-        for component, factor in enumerate(along):
-            for operator, nodes, shape in ((by_lower, below, phi), (by_upper, above, chi)):
-                block = (
-                    np.einsum("skm,sm,slm->skl", dual, factor, shape) / weights[below][:, :, None]
-                )
+    weights = at_multipliers(np.ones_like(x))
+
+    def mean_displacement(side: Side, on_side: _SideAtPoints) -> Array:
+        operator = np.zeros((2, n, 2, len(side.x)))
+        for direction, vector in enumerate((normal, tangent)):
+            for component, factor in enumerate(vector):
+                integrals = np.einsum("skm,sm,slm->skl", dual_lengths, factor, on_side.shapes)
                 np.add.at(
-                    operator[direction, :, component], (below[:, :, None], nodes[:, None, :]), block
+                    operator[direction, :, component],
+                    (below.nodes[:, :, None], on_side.nodes[:, None, :]),
+                    integrals / weights[below.nodes][:, :, None],
                 )
+        return operator
+
     least = np.unravel_index(np.argmin(distance), distance.shape)
-    normals = np.stack([at_nodes(one) for one in normal]) / weights
     return Mortar(
-        weights,
-        normals,
-        at_nodes(distance) / weights,
-        (float(x[least]), float(distance[least])),
-        by_lower,
-        by_upper,
+        weights=weights,
+        normals=np.stack([at_multipliers(component) for component in normal]) / weights,
+        gap=at_multipliers(distance) / weights,
+        nearest=(float(x[least]), float(distance[least])),
+        lower=mean_displacement(lower, below),
+        upper=mean_displacement(upper, above),
     )
 
 
-def _on_side(side: Side, x: Array) -> tuple[Indices, Array, Array, Array]:
-    """Nodes (s, k) of the elements that hold the segments with points `x` (s, m), shape functions
-    (s, k, m), y and slope (s, m).
+def _dual_lengths(side: Side, on_side: _SideAtPoints, lengths: Array) -> Array:
+    """(s, k, m) psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side,
+    times the lengths (s, m) of the points.
     """
-    element = np.clip(
-        np.searchsorted(side.x[:: side.order], x.mean(axis=1)) - 1,
-        0,
-        (len(side.x) - 1) // side.order - 1,
-    )
-    members = element[:, None] * side.order + np.arange(side.order + 1)
-    nodes = side.x[members][:, :, None]
-    values, slopes = np.ones((*members.shape, x.shape[1])), np.zeros((*members.shape, x.shape[1]))
+    phi = on_side.shapes
+    element = on_side.nodes[:, 0] // side.order
+    n_elements = (len(side.x) - 1) // side.order
+    mass = np.zeros((n_elements, side.order + 1, side.order + 1))
+    np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
+    to_dual = mass.sum(axis=2)[:, :, None] * np.linalg.inv(mass)
+    return np.asarray(np.einsum("skl,slm,sm->skm", to_dual[element], phi, lengths))
+
+
+class _SideAtPoints(NamedTuple):
+    """A side at the points of the segments, s of them with m points each.
+
+    Attributes
+    ----------
+    nodes : (s, k) of the element that holds the segment
+    shapes : (s, k, m) shape functions
+    y, slope : (s, m)
+    """
+
+    nodes: Indices
+    shapes: Array
+    y: Array
+    slope: Array
+
+
+def _at_points(side: Side, x: Array) -> _SideAtPoints:
+    """The side at the points `x` (s, m)."""
+    ends = side.x[:: side.order]
+    element = np.clip(np.searchsorted(ends, x.mean(axis=1)) - 1, 0, len(ends) - 2)
+    nodes = element[:, None] * side.order + np.arange(side.order + 1)
+    x_of_nodes = side.x[nodes][:, :, None]
+    shapes = np.ones((*nodes.shape, x.shape[1]))
+    slopes = np.zeros((*nodes.shape, x.shape[1]))
     for j in range(side.order + 1):  # Lagrange polynomials and their derivatives
-        for other in (k for k in range(side.order + 1) if k != j):
-            apart = nodes[:, j] - nodes[:, other]
-            slopes[:, j] = (slopes[:, j] * (x - nodes[:, other]) + values[:, j]) / apart
-            values[:, j] *= (x - nodes[:, other]) / apart
-    y, slope = (np.einsum("sk,skm->sm", side.y[members], shape) for shape in (values, slopes))
-    return members, values, y, slope
+        for k in range(side.order + 1):
+            if k == j:
+                continue
+            distance = x_of_nodes[:, j] - x_of_nodes[:, k]
+            slopes[:, j] = (slopes[:, j] * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
+            shapes[:, j] *= (x - x_of_nodes[:, k]) / distance
+    y, slope = (np.einsum("sk,skm->sm", side.y[nodes], functions) for functions in (shapes, slopes))
+    return _SideAtPoints(nodes, shapes, y, slope)
