@@ -22,7 +22,13 @@ from halfplane_fe.edges import (
     stick_uncertainty,
     visible_states,
 )
-from halfplane_fe.face_stress import Nodal, _form, fitted_size_effect, size_effect_basis, tractions_with_uncertainty
+from halfplane_fe.face_stress import (
+    Nodal,
+    _form,
+    fitted_size_effect,
+    size_effect_basis,
+    tractions_with_uncertainty,
+)
 from halfplane_fe.fields import profile_kinks
 from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
