@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints pins clean distclean
+.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress cases publish maps peers examples docs pages constraints pins clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -113,9 +113,14 @@ numbers: $(STAMP) ## measure every promised number, into docs/numbers.md (SECTIO
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py $(SECTIONS)
 
-regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
-	@echo "==> regress"
-	@$(ONE_THREAD) $(PY) benchmarks/regress.py $(if $(ACCEPT),--accept $(ACCEPT)) $(if $(REFERENCES),--references)
+regress: RUNS := regress
+regress: cases ## the quick part of make cases: half-plane theory at a few instants and places, in seconds
+
+cases: $(STAMP) ## baselines beside references, both engines (RUNS="regress contract coarse", SCENES=, ACCEPT="scene:quantity", REFERENCES=scene)
+	@echo "==> cases"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/cases.py $(RUNS) $(if $(SCENES),--scenes $(SCENES)) $(if $(ACCEPT),--accept $(ACCEPT)) \
+	    $(if $(REFERENCES),--references $(REFERENCES))
 
 publish: $(STAMP) ## both engines on the whole library, into reports/published: pages, figures, frozen values (PAGES=1: pages alone)
 	@echo "==> publish"

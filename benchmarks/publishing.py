@@ -1,14 +1,13 @@
-"""The published reports, reports/published/: one page for each scene of the library, their figures,
-and the numbers of both.
+"""The published reports, reports/published/: one page and one picture for each scene of the library.
 
     make publish            (python benchmarks/publishing.py, some minutes)
     make publish PAGES=1    (... --pages: the pages alone, from the numbers that are there)
     python benchmarks/publishing.py NAME ...   (the named scenes; all others stay as they are)
 
-Two columns, kept apart. *External*: a closed form, a value with 30 digits or a published one, with
-its tolerance; nothing that we compute goes into it. *Frozen*: our own figures of last time, of both
-engines with their default settings; they say that nothing moved, not that anything is right.
-values.json holds both, and every number on the pages is one of it.
+Every number on the pages is one of the table of cases (`case_table`), in two columns, kept apart.
+*External*: the references of the scene, with their tolerances; nothing that we compute goes into
+it. *Frozen*: the baselines of both engines with their default settings. A baseline that is met
+stays as it is; one that moved is printed as old, new and reference, and replaced.
 """
 
 from __future__ import annotations
@@ -18,9 +17,12 @@ import math
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import case_table
+from case_table import Case, Sheet
 
 from reports.charts.templating import markdown_table, template
 from reports.comparison import words
@@ -37,38 +39,19 @@ from reports.comparison.metrics import (
 from reports.console import say
 from reports.folder import replace_text
 from reports.units import minus
-from scenes import Expected, InputError, Scene, load_scene, scene_names
+from scenes import ContactSolution, Expected, InputError, Scene, load_scene, scene_names
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
 
 FOLDER = Path(__file__).parents[1] / "reports" / "published"
-_TRUTHS = Path(__file__).with_name("regress.json")
-ROLLER = _TRUTHS.with_name("roller.json")
-# Largest difference from the frozen values before they count as stale, before the defaults of
-# `difference`.
-_STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
-_EXACT = 1e-12  # tolerance of half-plane theory
-
-
-@dataclass(frozen=True)
-class External:
-    """A figure that somebody else's mathematics gives."""
-
-    key: str  # the figure of ours that it judges
-    value: str  # as text, with every digit there is
-    tolerance: float  # of the difference over the value; over A f^2 P^2 where the value is 0
-    source: str  # where it comes from
-
-
-# Rigid parabola on a bonded layer (no half-plane): tests/layer_truth.py, Fourier integrals; a is 1
-# mm by the choice of the load. Tolerances: two elements of the contact edge (a/160), and what the
-# library's Hertz scenes state for a peak.
-_BY_FOURIER = "Fourier integrals for a bonded layer (Johnson 1985, section 5.8)"
-_LAYER = (
-    External("halfplane_fe.largest_half_width", "1.0", 0.0125, _BY_FOURIER),
-    External("halfplane_fe.largest_pressure", "15.14298214", 2e-4, _BY_FOURIER),
-)
+ROLLER = Path(__file__).with_name("roller.json")
+# Run of the table of cases -> what its figures are called in findings.
+_PARTS = {"comparison": "metric", "elements": "halfplane_fe", "theory": "semi_analytic"}
+_RUNS = {part: run for run, part in _PARTS.items()}
+# Tolerances of new baselines: theory at its own points repeats itself; steps are halved by
+# round-off, and the next ones follow.
+_THEORY_AGREES, _COUNTS_AGREE = 1e-10, 0.05
 
 
 def compute(name: str) -> Comparison:
@@ -90,12 +73,25 @@ def half_plane_findings(name: str) -> Findings:
     """
     import semi_analytic
 
-    return of_solution(
-        semi_analytic.solve(
-            load_scene(name), fields=("dissipation", "pressure", "tangential_displacement")
-        ),
-        name,
+    scene = load_scene(name)
+    solution = semi_analytic.solve(
+        scene, fields=("dissipation", "pressure", "tangential_displacement")
     )
+    found = of_solution(solution, name)
+    return replace(found, figures=_with_expected(found.figures, solution))
+
+
+def _with_expected(
+    figures: Mapping[str, float | None], solution: ContactSolution
+) -> dict[str, float | None]:
+    """The figures of an engine, and what the scene expects of it beside them."""
+    engine, known = name_of(solution.engine), dict(figures)
+    for one in solution.scene.expected:
+        if one.engine == engine:
+            known.setdefault(
+                f"{solution.engine}.{one.quantity}", QUANTITIES[one.quantity].of(solution)
+            )
+    return known
 
 
 def findings(comparison: Comparison) -> Findings:
@@ -115,11 +111,7 @@ def findings(comparison: Comparison) -> Findings:
     kept = {
         key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")
     }
-    for one in comparison.scene.expected:
-        if one.engine == "finite elements":
-            kept.setdefault(
-                f"halfplane_fe.{one.quantity}", QUANTITIES[one.quantity].of(comparison.result)
-            )
+    kept = _with_expected(kept, comparison.result)
     return Findings(name, both.scene, kept | dict(alone.figures), {**both.engines, **alone.engines})
 
 
@@ -129,77 +121,30 @@ def published_by_others(scene: Scene) -> Iterator[Expected]:
         yield from (one for one in scene.expected if one.engine == "finite elements")
 
 
-def externals(scene: Scene, largest_load: float) -> Iterator[External]:
-    """Everything that is known of a scene from elsewhere.
-
-    Parameters
-    ----------
-    largest_load : P at the instant at which it is largest [force / thickness]
-    """
-    from reports.comparison.metrics import compliance
-    from scenes import Hertz
-
-    truths = json.loads(_TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
-    # quantity, value, metric whose tolerance finite elements have, source
-    known: list[tuple[str, str, str, str]] = []
-    if "reference" in truths:
-        source = (
-            "half-plane theory in 30-digit arithmetic, an independent evaluation"
-            " (benchmarks/regress.py)"
-        )
-        known.append(("dissipation", truths["reference"], "dissipation", source))
-    if isinstance(scene.profile, Hertz):
-        # notation: P = pi E* a^2/(4 R), A = 2/E*
-        half_width = math.sqrt(
-            2 * compliance(scene.material) * largest_load * scene.profile.radius / math.pi
-        )
-        known.append(
-            ("largest_half_width", repr(half_width), "contact_edge", "Hertz: P = π E* a²/(4 R)")
-        )
-        known.append(
-            (
-                "largest_pressure",
-                repr(2 * largest_load / (math.pi * half_width)),
-                "peak_pressure",
-                "Hertz: 2 P/(π a)",
-            )
-        )
-    for quantity, value, metric, source in known:
-        # of theory it is that of its points, which may miss the peak
-        if quantity != "largest_pressure":
-            yield External(f"semi_analytic.{quantity}", value, _EXACT, source)
-        if scene.bodies.half_planes:
-            yield External(
-                f"halfplane_fe.{quantity}",
-                value,
-                float(scene.tolerances.limit(metric) or 0.0),
-                source,
-            )
-    if scene.name == "layer":
-        yield from _LAYER
-    if scene.load.has_bulk_or_tilt:
-        works = (one for one in scene.expected if one.quantity == "dissipation")
-        yield from (
-            External(_key(one), repr(one.value), one.tolerance, one.source) for one in works
-        )
-    for one in published_by_others(scene):
-        yield External(_key(one), repr(one.value), one.tolerance, one.source)
+def references(scene: str) -> list[Case]:
+    """Everything that is known of a scene's whole cycle from elsewhere, theory first."""
+    known = case_table.sheet(scene)
+    return [
+        case
+        for run in (case_table.THEORY, case_table.ELEMENTS)
+        for case in known.references(run)
+        if not case.at
+    ]
 
 
-def _key(one: Expected) -> str:
-    """The figure that an expected number is of."""
-    return (
-        f"{'semi_analytic' if one.engine == 'half-plane theory' else 'halfplane_fe'}.{one.quantity}"
-    )
+def key_of(case: Case) -> str:
+    """The figure of findings that a case is of."""
+    return f"{_PARTS[case.run]}.{case.quantity}"
 
 
 def error_of(
-    external: External, figures: Mapping[str, float | None], scene: Scene, largest_load: float
+    reference: Case, figures: Mapping[str, float | None], scene: Scene, largest_load: float
 ) -> float:
-    """Difference of our figure from an external one, in the measure of its tolerance."""
+    """Difference of our figure from a reference, in the measure of its tolerance."""
     from reports.comparison.metrics import compliance
 
-    ours, theirs = figures[external.key], float(external.value)
+    ours = figures[key_of(reference)]
+    theirs = float(reference.value)
     if ours is None:
         return math.inf
     size = (
@@ -209,35 +154,80 @@ def error_of(
     return (ours - theirs) / size
 
 
-def stored_content(comparison: Comparison) -> dict[str, Any]:
-    """What values.json keeps of a scene."""
-    found, scene = findings(comparison), comparison.scene
+# ---------------------------------------------------------------------------------- table of cases
+
+
+def baselines(comparison: Comparison) -> dict[str, Case]:
+    """Key of findings -> the baseline that the code gives now."""
+    scene = comparison.scene.name
+    commit = case_table.commit()
     largest_load = float(comparison.result.normal_load.max())
+    rows = [
+        {"run": "elements", "quantity": LARGEST_LOAD, "value": largest_load},
+        {"run": "comparison", "quantity": ADMISSIBLE, "value": comparison.admissible},
+    ]
+    verdicts = {metric.key: metric for metric in comparison.metrics}
+    for key, value in findings(comparison).figures.items():
+        part, _, quantity = key.partition(".")
+        row: dict[str, Any] = {"run": _RUNS[part], "quantity": quantity, "value": value}
+        if part == "metric" and quantity in verdicts:
+            metric = verdicts[quantity]
+            row |= {} if metric.accurate is None else {"accurate": metric.accurate}
+            row |= {"absolute": True} if metric.absolute else {}
+        if part == "semi_analytic":
+            row["tolerance"] = _THEORY_AGREES
+        if quantity.startswith("counts."):
+            row["tolerance"] = _COUNTS_AGREE
+        rows.append(row)
+    cases = [case_table.case_of_row(scene, row | {"commit": commit}) for row in rows]
+    return {key_of(case): case for case in cases}
+
+
+LARGEST_LOAD, ADMISSIBLE = "largest_normal_load", "admissible"
+
+
+def is_published(case: Case) -> bool:
+    """Whether a baseline of the table is one that this program makes."""
+    if case.is_reference or case.at or case.run not in _PARTS:
+        return False
+    return case.run != case_table.THEORY or case.quantity in QUANTITIES
+
+
+def content_of(cases: Mapping[str, Case]) -> dict[str, Any]:
+    """What a page is made of: the published baselines of a scene."""
+    by_key = dict(cases)
+    largest_load = by_key.pop(f"halfplane_fe.{LARGEST_LOAD}").value
+    admissible = by_key.pop(f"metric.{ADMISSIBLE}").value
+    metrics = [case for case in by_key.values() if case.run == "comparison"]
     return {
         "largest_normal_load": largest_load,
-        "admissible": comparison.admissible,
-        "absolute": [metric.key for metric in comparison.metrics if metric.absolute],
+        "admissible": admissible,
+        "absolute": [case.quantity for case in metrics if case.more.get("absolute")],
         "accurate": {
-            metric.key: metric.accurate
-            for metric in comparison.metrics
-            if metric.accurate is not None
+            case.quantity: case.more["accurate"] for case in metrics if "accurate" in case.more
         },
-        "external": [asdict(external) for external in externals(scene, largest_load)],
-        "frozen": dict(found.figures),
+        "frozen": {key: case.value for key, case in by_key.items()},
+        "tolerances": {key: case.tolerance or case.least for key, case in by_key.items()},
+    }
+
+
+def cases_of(known: Sheet) -> dict[str, Case]:
+    """Key of findings -> the published baseline in the table."""
+    return {key_of(case): case for case in known.cases if is_published(case)}
+
+
+def published() -> dict[str, dict[str, Any]]:
+    """Scene of the library -> what its page is made of, as the table has it."""
+    stored = {name: cases_of(case_table.sheet(name)) for name in scene_names()}
+    return {
+        name: content_of(cases) for name, cases in stored.items() if f"metric.{ADMISSIBLE}" in cases
     }
 
 
 def frozen(name: str, stored: Mapping[str, Any]) -> Findings:
     """The frozen figures of a scene, for a comparison with those of now."""
-    return Findings(
-        f"values.json: {name}", load_scene(name), stored["frozen"], {}, tolerances=_STALE
-    )
-
-
-def values() -> dict[str, Any]:
-    """values.json as it is; empty scenes where there is none yet."""
-    path = FOLDER / "values.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": {}}
+    source = case_table.file_of(name).name
+    return Findings(source, load_scene(name), stored["frozen"], {}, tolerances=stored["tolerances"])
 
 
 # ---------------------------------------------------------------------------------------- the pages
@@ -336,17 +326,17 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
 
 
 def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
-    for external in (External(**entry) for entry in stored["external"]):
-        engine, _, quantity = external.key.partition(".")
-        off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
+    for reference in references(scene.name):
+        off = error_of(reference, stored["frozen"], scene, stored["largest_normal_load"])
+        theirs = str(reference.value)
         yield (
-            f"{QUANTITIES[quantity].words}, {name_of(engine)}",
-            _number(stored["frozen"][external.key]),
-            external.value if len(external.value) < 20 else f"{external.value[:20]}…",
+            f"{QUANTITIES[reference.quantity].words}, {name_of(_PARTS[reference.run])}",
+            _number(stored["frozen"][key_of(reference)]),
+            theirs if len(theirs) < 20 else f"{theirs[:20]}…",
             minus(f"{off:+.1e}"),
-            f"{external.tolerance:.3g}",
-            verdict_on(off, external.tolerance),
-            external.source,
+            f"{reference.tolerance:.3g}",
+            verdict_on(off, reference.tolerance),
+            reference.source,
         )
 
 
@@ -435,57 +425,79 @@ def _number(value: float | None) -> str:
 
 def _publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
-    from reports.page.writing import published
+    from reports.page.writing import published as picture
 
-    before, moved = values()["scenes"], 0
-    kept = {name: stored for name, stored in before.items() if name in scene_names()}
+    moved = 0
     for name in names:
         comparison = compute(name)
-        kept[name] = json.loads(json.dumps(stored_content(comparison), allow_nan=False))
-        replace_text(FOLDER / f"{name}.svg", published(comparison))
-        moved += _say_what_moved(name, before.get(name), kept[name])
-    kept = dict(sorted(kept.items()))
-    content = {"written by": "make publish", "settings": "both engines' defaults", "scenes": kept}
-    replace_text(
-        FOLDER / "values.json",
-        json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n",
-    )
-    _write_pages(kept)
+        replace_text(FOLDER / f"{name}.svg", picture(comparison))
+        known = case_table.sheet(name)
+        renewed = renew(known, baselines(comparison))
+        moved += renewed != known
+        case_table.write(renewed)
+    _write_pages(published())
     for path in FOLDER.iterdir():
-        if path.suffix in (".md", ".svg") and path.stem not in (*kept, "README"):
+        if path.suffix in (".md", ".svg") and path.stem not in (*scene_names(), "README"):
             path.unlink()
     return moved
 
 
+def renew(known: Sheet, now: Mapping[str, Case]) -> Sheet:
+    """The sheet with every published baseline that is met as it is, and the others as they are now;
+    each of these is printed as old, new and reference.
+    """
+    before = cases_of(known)
+    changed = changes(before, now)
+    exact = {key_of(case): case.value for case in references(known.scene)}
+    for key, why in changed.items():
+        old = before[key].value if key in before else "none"
+        new = now[key].value if key in now else "none"
+        say(
+            f"  {known.scene}: {key}: old {old!r}, new {new!r}, reference {exact.get(key, 'none')}: {why}"
+        )
+    say(
+        f"{known.scene}: {len(changed)} baselines moved" if changed else f"{known.scene}: as it was"
+    )
+    kept = [case for case in known.cases if not is_published(case) or key_of(case) not in changed]
+    renewed = []
+    for key in changed:
+        if key in now and key in before:
+            renewed.append(replace(now[key], tolerance=before[key].tolerance))
+        elif key in now:
+            renewed.append(now[key])
+    return replace(known, cases=(*kept, *renewed))
+
+
+def changes(before: Mapping[str, Case], now: Mapping[str, Case]) -> dict[str, str]:
+    """Key of each published baseline that is not met -> why."""
+    if not before:
+        return dict.fromkeys(now, "new")
+    name = next(iter(now.values())).scene
+    old, new = content_of(before), content_of(now)
+    rows = difference(frozen(name, old), frozen(name, new)).rows
+    changed = {row.key: row.verdict for row in rows if row.verdict != SAME}
+    for key in before.keys() & now.keys() - changed.keys():
+        if before[key].more != now[key].more:
+            changed[key] = "another verdict"
+    for key in (f"halfplane_fe.{LARGEST_LOAD}", f"metric.{ADMISSIBLE}"):
+        if not case_table.agrees(before[key], now[key].value):
+            changed[key] = "differs"
+    return changed
+
+
 def _write_pages(scenes: Mapping[str, Mapping[str, Any]]) -> None:
     """The pages and their index, from the stored numbers: enough where only words have changed."""
-
     for name, stored in scenes.items():
         replace_text(FOLDER / f"{name}.md", page(name, stored))
     replace_text(FOLDER / "README.md", index(scenes))
 
 
-def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[str, Any]) -> bool:
-    if before is None:
-        say(f"{name}: new")
-        return True
-    rows = [
-        row
-        for row in difference(frozen(name, before), frozen(name, now)).rows
-        if row.verdict != SAME
-    ]
-    say(f"{name}: {len(rows)} figures moved" if rows else f"{name}: as it was")
-    for row in rows:
-        say(f"  {row.key}: {row.a!r} -> {row.b!r} ({row.verdict})")
-    return bool(rows)
-
-
 def main(arguments: Sequence[str]) -> int:
-    """Publish the whole library or the scenes named; with --pages write the pages again from
-    values.json.
+    """Publish the whole library or the scenes named; with --pages write the pages again from the
+    table of cases.
     """
     if list(arguments) == ["--pages"]:
-        _write_pages(values()["scenes"])
+        _write_pages(published())
         return 0
     if unknown := set(arguments) - set(scene_names()):
         say(f"no such scene in the library: {', '.join(sorted(unknown))}")

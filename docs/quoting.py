@@ -1,8 +1,8 @@
 """Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What
 each key stands for.
 
-- `peak pressure, SCENE` and the like: reports/published/values.json; `theory: ...`: theory/finite
-  elements - 1 in %, unsigned
+- `peak pressure, SCENE` and the like: the published baselines of tests/cases; `theory: ...`:
+  theory/finite elements - 1 in %, unsigned
 - `theory ± u: dissipation, SCENE` and the like: the same with its uncertainty,
   docs/uncertainty.json
 - the paper's: its statements and misprints, computed again

@@ -12,20 +12,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import case_table
 import publishing
 import pytest
 from hatchling.builders.wheel import WheelBuilder
 from publishing import (
-    External,
     error_of,
-    externals,
-    findings,
     frozen,
     half_plane_findings,
     index,
+    key_of,
     page,
     published_by_others,
-    stored_content,
+    references,
 )
 
 from command_line import halfplane, sentence
@@ -336,9 +335,7 @@ def test_what_is_neither_is_refused_in_a_sentence(
 
 # -------------------------------------------------------------------------------- reports/published
 ROOT = Path(__file__).parents[1]
-STORED: dict[str, Any] = json.loads(
-    (publishing.FOLDER / "values.json").read_text(encoding="utf-8")
-)["scenes"]
+STORED: dict[str, Any] = publishing.published()
 RENEW = "run `make publish`, look at what moved, and say why in CHANGELOG.md"
 # Half-planes without slip and with a little; make nightly has all scenes, and test_contract.py
 # freezes twelve coarser ones.
@@ -357,7 +354,6 @@ def changed(then: Findings, now: Findings) -> list[str]:
 def test_the_whole_library_is_published_and_nothing_else() -> None:
     assert list(STORED) == list(scene_names())
     files = {
-        "values.json",
         "README.md",
         "maps",
         *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg")),
@@ -393,10 +389,8 @@ def test_a_stale_figure_is_found() -> None:
 def test_figures_of_both_engines_are_what_the_code_gives(name: str) -> None:
     """Pictures are drawn alike twice, without fonts and dates."""
     comparison = publishing.compute(name)
-    assert changed(frozen(name, STORED[name]), findings(comparison)) == [], RENEW
-    now = stored_content(comparison)
-    for key in ("admissible", "absolute", "accurate", "external"):
-        assert json.loads(json.dumps(now[key])) == STORED[name][key], f"{key}: {RENEW}"
+    before = publishing.cases_of(case_table.sheet(name))
+    assert publishing.changes(before, publishing.baselines(comparison)) == {}, RENEW
     assert published(comparison) == published(comparison)
 
 
@@ -410,13 +404,11 @@ def test_pages_say_what_the_numbers_say_and_these_agree_with_closed_forms_and_pu
     ), RENEW
     scene, stored = load_scene(name), STORED[name]
     load = stored["largest_normal_load"]
-    known = [External(**entry) for entry in stored["external"]]
-    assert known == list(externals(scene, load))
-    assert "semi_analytic.dissipation" in {external.key for external in known}
-    for external in known:
-        assert abs(error_of(external, stored["frozen"], scene, load)) <= external.tolerance, (
-            external
-        )
+    known = references(name)
+    assert {key_of(reference) for reference in known} >= {"semi_analytic.dissipation"}
+    for reference in known:
+        error = error_of(reference, stored["frozen"], scene, load)
+        assert abs(error) <= reference.tolerance, reference
     text = (publishing.FOLDER / f"{name}.svg").read_text(encoding="utf-8")
     assert len(text) < 60_000
     assert ET.fromstring(text).tag.endswith("svg")

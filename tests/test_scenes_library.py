@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import case_table
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -132,14 +133,11 @@ def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: str) -> None:
     """Those of the default settings, which test_reports_published holds to the code."""
-    scene = scene_of(name)
-    content = (ROOT / "reports" / "published" / "values.json").read_text(encoding="utf-8")
-    figures = json.loads(content)["scenes"][name]["frozen"]
-    for one in scene.expected:
-        if one.engine == FINITE:
-            value = figures[f"halfplane_fe.{one.quantity}"]
-            assert one.value
-            assert abs(value / one.value - 1) <= one.tolerance, one
+    known = case_table.sheet(name)
+    for case in case_table.expected(name):
+        if case.run == case_table.ELEMENTS:
+            published = known.baseline(case_table.ELEMENTS, case.quantity)
+            assert case_table.agrees(case, published.value), case
 
 
 @pytest.mark.parametrize(

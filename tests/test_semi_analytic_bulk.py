@@ -8,8 +8,8 @@ import json
 import math
 import re
 from itertools import pairwise
-from pathlib import Path
 
+import case_table
 import numpy as np
 import pytest
 from scipy import integrate, optimize, special
@@ -854,9 +854,16 @@ HALF, PI = 1.9544100476116797, math.pi
 
 # Ten loads of a parabola with values of an exact engine that had them to 1e-8; points are clear of
 # edges and of steps of q.
-FROZEN = json.loads(
-    (Path(__file__).parent / "contract" / "bulk_and_tilt.json").read_text(encoding="utf-8")
-)
+FRONTS = {
+    sheet.scene: sheet
+    for sheet in map(case_table.sheet, case_table.scenes())
+    if any("front following" in case.source for case in sheet.cases)
+}
+
+
+def scene_of_fronts(name: str) -> Scene:
+    return Scene.model_validate_json(json.dumps({"name": name, **FRONTS[name].keys}))
+
 
 # P, Q, eps, alpha at first and at last, where all of a growing contact sticks.
 ALL_STICKS = {
@@ -933,7 +940,7 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
     assert np.mean(found.contact_edges, axis=1) == pytest.approx(-found.tilt, rel=1e-12)
 
 
-IN_PHASE = [name for name, scene in FROZEN["scenes"].items() if scene["load"]["kind"] == "ellipse"]
+IN_PHASE = [name for name, sheet in FRONTS.items() if sheet.keys["load"]["kind"] == "ellipse"]
 
 
 @pytest.mark.parametrize("name", IN_PHASE)
@@ -941,8 +948,8 @@ def test_loops_in_phase_have_the_frozen_values_without_grids(name):
     """W to the 1e-8 of the table, by two routes to 1e-12; edges of stick at instants of the steady
     cycle.
     """
-    scene = Scene.model_validate_json(json.dumps({"name": name} | FROZEN["scenes"][name]))
-    rows = {row["quantity"]: row for row in FROZEN["cases"] if row["scene"] == name}
+    scene, instant = scene_of_fronts(name), FRONTS[name].points["instant"]
+    cases = {case.quantity: case for case in FRONTS[name].references("theory")}
     found = solve(
         scene,
         x=np.linspace(-2.6, 2.6, 2001),
@@ -950,18 +957,20 @@ def test_loops_in_phase_have_the_frozen_values_without_grids(name):
         fields=("state", "dissipation", "dissipation_density"),
     )
     assert "grids" not in found.work.counts
-    assert found.dissipation == pytest.approx(rows["dissipation"]["value"], rel=1e-8)
+    assert found.dissipation == pytest.approx(
+        cases["dissipation"].value, rel=cases["dissipation"].tolerance
+    )
     assert found.loop_work == pytest.approx(found.dissipation, rel=1e-12)
     assert found.permanent_stick_edges == pytest.approx(
-        rows["permanent_stick_edges"]["value"], abs=1e-8
+        cases["permanent_stick_edges"].value, abs=cases["permanent_stick_edges"].tolerance
     )
     assert np.trapezoid(found.dissipation_density, found.x) == pytest.approx(
         found.dissipation, rel=1e-5
     )
     period = scene.load.path().period
-    late = (rows["stick_edges"]["time"] - found.time[0]) % period + found.time[0]
+    late = (instant["time"][0] - found.time[0]) % period + found.time[0]
     edges = [np.interp(late, found.time, edge) for edge in found.stick_edges.T]
-    assert edges == pytest.approx(rows["stick_edges"]["value"], abs=1e-4)  # between two instants
+    assert edges == pytest.approx(cases["stick_edges"].value[0], abs=1e-4)  # between two instants
     low, high = found.stick_edges[:, :1], found.stick_edges[:, 1:]
     assert np.array_equal(found.state == 1, (found.x >= low) & (found.x <= high))
     assert {SLIP_FORWARD, SLIP_REVERSE} < set(np.unique(found.state))
@@ -1230,36 +1239,31 @@ QUICK = ("Q, then bulk", "P, Q, bulk and tilt in phase")
 
 @pytest.mark.parametrize(
     "name",
-    [
-        name if name in QUICK else pytest.param(name, marks=pytest.mark.slow)
-        for name in FROZEN["scenes"]
-    ],
+    [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in FRONTS],
 )
 def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
     """W, shear and slip within the stated errors (root mean squares), edges of stick within a
     cell.
     """
-    scene = Scene.model_validate_json(json.dumps({"name": name} | FROZEN["scenes"][name]))
-    rows = {row["quantity"]: row for row in FROZEN["cases"] if row["scene"] == name}
-    x, time = np.array(rows["shear"]["x"]), np.array([rows["shear"]["time"]])
+    scene, instant = scene_of_fronts(name), FRONTS[name].points["instant"]
+    cases = {case.quantity: case for case in FRONTS[name].references("theory")}
+    x, time = np.array(instant["x"]), np.array(instant["time"])
     found = follow_on_grid(
         *leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time
     )
     assert found.works[-1] == pytest.approx(
-        rows["dissipation"]["value"], rel=found.errors["dissipation"]
+        cases["dissipation"].value, rel=found.errors["dissipation"]
     )
     assert found.errors["dissipation"] < 5e-4
     for field in ("shear", "slip"):
-        value = np.array(rows[field]["value"])
+        (value,) = np.array(cases[field].value)
         error = math.sqrt(np.mean((getattr(found, field)[0] - value) ** 2))
-        assert error < (found.errors[field] + rows[field]["tolerance"]) * np.max(np.abs(value)), (
-            field
-        )
+        assert error < (found.errors[field] + cases[field].tolerance) * np.max(np.abs(value)), field
     cell = np.ptp(found.contact_edges[0]) / found.counts["cells"]
-    assert found.stick_edges[0] == pytest.approx(rows["stick_edges"]["value"], abs=cell)
-    if "permanent_stick_edges" in rows:
+    assert found.stick_edges[0] == pytest.approx(cases["stick_edges"].value[0], abs=cell)
+    if "permanent_stick_edges" in cases:
         assert found.permanent_stick_edges == pytest.approx(
-            rows["permanent_stick_edges"]["value"], abs=cell
+            cases["permanent_stick_edges"].value, abs=cell
         )
 
 

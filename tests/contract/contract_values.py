@@ -1,17 +1,15 @@
-"""What the contract freezes of an answer, and the first value of an answer that is too far from
-it.
+"""What the contract measures of an answer: values of the table of cases (`case_table`), by run,
+quantity and points.
 """
 
 from __future__ import annotations
 
 import json
-import math
-import sys
-from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import case_table
 import contract_scenes
 import numpy as np
 
@@ -22,98 +20,113 @@ import semi_analytic
 from meshes import MeshSettings
 from scenes import ContactSolution, InadmissibleLoadError, InputError, Scene
 
-HERE = Path(__file__).parent
-GRIDS = ("pressure", "shear", "slip")
+Values = dict[case_table.Key, Any]
+FIELDS = ("pressure", "shear", "slip")
 SERIES = ("tangential_displacement", "normal_approach", "contact_half_width", "stick_half_width")
 # places, as shares of the largest half-width
 SHARES = (0.0, 0.13, 0.37, 0.61, 0.745, 0.83, 0.91, 0.97, 1.02)
 INSTANTS = 12
+GRID, REFUSAL, STATED = "grid", "refusal", "stated error of "
 SOLVER_NODES, SOLVER_STEPS = 9, 8
 
-# The finite elements: each kind of body, of load and of material once, on the coarse mesh.
-FINITE_ELEMENTS = (
-    *(
-        "cattaneo-mindlin",
-        "hertz-paper",
-        "flat-rounded-paper",
-        "full-stick",
-        "tiny-slip",
-        "harmonics",
-    ),
-    *(
-        "blocks",
-        "flat-pad-on-block",
-        "layer",
-        "row-of-contacts",
-        "two-cylinders",
-        "unlike-beta-fifth",
-    ),
-)
-COMPARED = FINITE_ELEMENTS[:3] + FINITE_ELEMENTS[5:]
 # Half-plane scenes of `make test`, a few of each sort; `make contract` has all.
 QUICK = (
-    *(
-        "cattaneo-mindlin",
-        "hertz-paper",
-        "flat-rounded-paper",
-        "harmonics",
-        "time-series",
-        "unload-reload",
-        "tiny-slip",
-    ),
-    *(
-        "short-flat, ellipse",
-        "power-3.5, ellipse",
-        "compound, polygon",
-        "table, polygon",
-        "rows 1500, repeated",
-    ),
-    *("nowell-hills", "line of action", "slip of 1e-9", "P to 1e-9", "metres and pascals"),
-    *("separates", "slides", "slides on a line"),
+    "cattaneo-mindlin",
+    "hertz-paper",
+    "flat-rounded-paper",
+    "harmonics",
+    "time-series",
+    "unload-reload",
+    "tiny-slip",
+    "short-flat, ellipse",
+    "power-3.5, ellipse",
+    "compound, polygon",
+    "table, polygon",
+    "rows 1500, repeated",
+    "nowell-hills",
+    "line of action",
+    "slip of 1e-9",
+    "P to 1e-9",
+    "metres and pascals",
+    "separates",
+    "slides",
+    "slides on a line",
 )
+COARSE, COMPARED = "coarse elements", "coarse comparison"
+# Numbers of a whole path, and what else has one value a scene.
+OF_PATH = ("cycle_dissipation", "dissipation", "loop_work", "permanent_stick_half_width")
+OF_SCENE = (*OF_PATH, "steady_from", "events", "batch", "batch_stick_load", "batch_peak", REFUSAL)
 
 
 @cache
-def frozen(name: str) -> dict[str, Any]:
-    """A frozen file: half_plane, finite_elements or comparison."""
-    return json.loads((HERE / f"{name}.json").read_text(encoding="utf-8"))
+def scenes_of(run: str) -> tuple[str, ...]:
+    """The scenes that the contract has baselines of, by this run."""
+    sheets = map(case_table.sheet, case_table.scenes())
+    if run == case_table.THEORY:
+        return tuple(one.scene for one in sheets if is_of_contract(one))
+    return tuple(one.scene for one in sheets if one.baselines(run))
+
+
+def is_of_contract(known: case_table.Sheet) -> bool:
+    """Whether a sheet has half-plane theory on a grid, or its refusal."""
+    refused = (case_table.THEORY, REFUSAL, "") in known.baselines(case_table.THEORY)
+    return GRID in known.points or refused
+
+
+def contract_baselines(known: case_table.Sheet) -> dict[case_table.Key, case_table.Case]:
+    """The baselines of half-plane theory that `half_plane` must give."""
+    baselines = known.baselines(case_table.THEORY)
+    on_grid = {quantity for _, quantity, at in baselines if at == GRID}
+    return {
+        key: case
+        for key, case in baselines.items()
+        if case.at == GRID
+        or (not case.at and case.quantity in OF_SCENE and case.quantity not in on_grid)
+        or case.quantity.startswith(STATED)
+    }
 
 
 def scene_of(name: str) -> Scene:
-    """A scene of the contract: of a file, drawn (from the frozen file), or made of Python
+    """A scene of the contract: of a file, with its keys in the table of cases, or made of Python
     functions.
     """
     if name in contract_scenes.library():
         return scene_cases.scene_of(name)
-    if name in (made := contract_scenes.functions()):
+    made = contract_scenes.functions()
+    if name in made:
         return made[name]
-    drawn = frozen("half_plane")[name]["scene"]
-    return Scene.model_validate_json(json.dumps({"name": name} | drawn))
+    keys = case_table.sheet(name).keys
+    return Scene.model_validate_json(json.dumps({"name": name, **keys}))
 
 
 # -------------------------------------------------------------------------------- half-plane theory
-def half_plane(scene: Scene, x: list[float], time: list[float]) -> dict[str, Any]:
-    """Every value of one scene: numbers, lists and tables of numbers (NaN as null)."""
-    answer = semi_analytic.solve(scene, x=x, time=time)
-    values: dict[str, Any] = {
-        name: getattr(answer, name)
-        for name in (*GRIDS, *SERIES, "dissipation_density", "cycle_dissipation")
+def half_plane(scene: Scene, points: dict[str, Any]) -> Values:
+    """Every value of one scene on the grid of its points, or that its path is refused."""
+    if GRID not in points:
+        return {(case_table.THEORY, REFUSAL, ""): refusal(scene)}
+    answer = semi_analytic.solve(scene, x=points[GRID]["x"], time=points[GRID]["time"])
+    on_grid = {
+        name: getattr(answer, name) for name in (*FIELDS, *SERIES, "state", "dissipation_density")
     }
-    values |= {
-        name: float(getattr(answer, name))
-        for name in ("dissipation", "loop_work", "permanent_stick_half_width")
-    }
-    values |= {"state": answer.state, "steady_from": answer.steady_from}
-    values["events"] = [
+    of_path: dict[str, Any] = {name: getattr(answer, name) for name in OF_PATH}
+    if "grids" in answer.work.counts:  # the fineness of grids follows the points
+        on_grid |= of_path
+        of_path = {}
+    of_path["steady_from"] = answer.steady_from
+    of_path["events"] = [
         [one.letter, one.time, one.normal_load, one.tangential_load, one.front_load]
         for one in events_of(scene)
     ]
     if scene.load.kind == "ellipse" and not scene.unsymmetric:
-        values |= _batch(scene)
-    return {
-        "values": plain(values),
-        "stated": {name: error for name, error in answer.record.errors.items() if error > AGREES},
+        of_path |= _batch(scene)
+    stated = {
+        f"{STATED}{name}": answer.record.errors.get(name)
+        for name in ("pressure at the edge", "shear at the edge")
     }
+    of_path |= {name: error for name, error in stated.items() if error}
+    values = {(case_table.THEORY, name, GRID): value for name, value in on_grid.items()}
+    values |= {(case_table.THEORY, name, ""): value for name, value in of_path.items()}
+    return case_table.plain(values)
 
 
 def events_of(scene: Scene) -> list[semi_analytic.Event]:
@@ -146,16 +159,6 @@ def _batch(scene: Scene) -> dict[str, float]:
     }
 
 
-AGREES = 1e-12
-"""Share of the largest value of a field within which two answers agree; the stated error of the
-answer where that is larger.
-"""
-
-# What other computations than the fields' own agree within: a quadrature settled to 1e-10, and a
-# maximum of W(x) to 1e-9.
-LOOSER = {"batch": 1e-10, "batch_peak": 2e-9, "loop_work": 1e-10}
-
-
 def refusal(scene: Scene) -> list[Any] | None:
     """Instant and loads at which a path is refused, None where it is not."""
     try:
@@ -164,31 +167,6 @@ def refusal(scene: Scene) -> list[Any] | None:
         kind = "separation" if str(reason).startswith("separation") else "gross sliding"
         return [kind, reason.time, reason.normal_load, reason.tangential_load]
     return None
-
-
-def reference(scene: Scene) -> str | None:
-    """Dissipation of the last cycle by other means than the engine's: 30 digits where it is stored;
-    None where it takes minutes.
-    """
-    benchmarks = HERE.parents[1] / "benchmarks"
-    if scene.name in contract_scenes.library():
-        return (
-            json.loads((benchmarks / "regress.json").read_text(encoding="utf-8"))
-            .get(scene.name, {})
-            .get("reference")
-        )
-    stored = frozen("half_plane").get(scene.name, {})
-    if stored.get("reference") and scene_of(scene.name) == scene:
-        return stored["reference"]
-    long = len(getattr(scene.load, "rows", ())) > 100
-    if long or scene.unsymmetric or scene.profile.kind != "hertz" or scene.load.kind == "callable":
-        return None
-    sys.path.insert(0, str(benchmarks))
-    import mpmath
-    from regress_truth import DIGITS, truth
-
-    mpmath.mp.dps = DIGITS + 10
-    return mpmath.nstr(truth(scene), DIGITS)
 
 
 def places_and_instants(scene: Scene) -> tuple[list[float], list[float]]:
@@ -219,7 +197,7 @@ def finite_elements(name: str) -> ContactSolution:
     return halfplane_fe.solve(scene_cases.scene_of(name), mesh=MeshSettings.coarse())
 
 
-def fe_values(answer: ContactSolution) -> dict[str, Any]:
+def coarse_values(answer: ContactSolution) -> Values:
     """Some steps of the last cycle at some nodes across the contact, and the numbers of the
     cycle.
     """
@@ -230,28 +208,19 @@ def fe_values(answer: ContactSolution) -> dict[str, Any]:
         int(np.argmin(np.abs(answer.x - share * half)))
         for share in np.linspace(-1, 1, SOLVER_NODES)
     ]
-    values = {name: getattr(answer, name)[np.ix_(steps, nodes)] for name in GRIDS}
+    values = {name: getattr(answer, name)[np.ix_(steps, nodes)] for name in FIELDS}
     values |= {
         name: getattr(answer, name)[steps]
         for name in (*SERIES, "time", "normal_load", "tangential_load")
     }
     values |= {"x": answer.x[nodes], "dissipation_density": answer.dissipation_density[nodes]}
-    values |= {
-        "dissipation": answer.dissipation,
-        "cycle_dissipation": answer.cycle_dissipation,
-        "loop_work": answer.loop_work,
-    }
-    return plain(
-        values
-        | {
-            "permanent_stick_half_width": answer.permanent_stick_half_width,
-            "steps": len(answer.time),
-        }
-    )
+    values |= {name: getattr(answer, name) for name in OF_PATH}
+    values["steps"] = len(answer.time)
+    return case_table.plain({(COARSE, name, ""): value for name, value in values.items()})
 
 
-# ---------------------------------------------------------------------------------- comparison.json
-def comparison_values(name: str, folder: Path) -> dict[str, Any]:
+# --------------------------------------------------------------------------------- the comparison
+def comparison_metrics(name: str, folder: Path) -> dict[str, dict[str, Any]]:
     """Metric to value, unit and verdict out of the comparison.json of a run: the one place that
     knows its layout.
     """
@@ -260,130 +229,6 @@ def comparison_values(name: str, folder: Path) -> dict[str, Any]:
     reports.write(reports.compare(reference=reference, result=result), folder)
     content = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
     return {
-        key: [one["value"], one["unit"], one["accurate"]] for key, one in content["metrics"].items()
+        key: {column: metric[column] for column in ("value", "unit", "accurate")}
+        for key, metric in content["metrics"].items()
     }
-
-
-# ---------------------------------------------------------------------------------------- agreement
-def plain(values: Any) -> Any:
-    """Arrays as lists, every NaN as None."""
-    if isinstance(values, dict):
-        return {name: plain(value) for name, value in values.items()}
-    if isinstance(values, np.ndarray):
-        return plain(values.tolist())
-    if isinstance(values, list | tuple):
-        return [plain(value) for value in values]
-    return None if isinstance(values, float) and math.isnan(values) else values
-
-
-def differences(
-    kept: Any, now: Any, allowed: Callable[[str], float], rounding: float = 0.0
-) -> Iterator[str]:
-    """A line for each value that is further from the frozen one than `allowed(name)` of the largest
-    of its field, or `rounding`.
-    """
-    if missing := set(kept) - set(now):
-        yield f"missing: {', '.join(sorted(missing))}"
-    for name in sorted(set(kept) & set(now)):
-        before, after = (np.array(_flat(value), dtype=object) for value in (kept[name], now[name]))
-        if len(before) != len(after):
-            yield f"{name}: {len(after)} values, frozen are {len(before)}"
-            continue
-        numbers = np.array(
-            [
-                isinstance(a, float | int) and isinstance(b, float | int)
-                for a, b in zip(before, after, strict=True)
-            ],
-            dtype=bool,
-        )
-        other = [k for k in np.flatnonzero(~numbers) if before[k] != after[k]]
-        if other:
-            yield f"{name}[{other[0]}]: {after[other[0]]!r}, frozen is {before[other[0]]!r}"
-        old, new = before[numbers].astype(float), after[numbers].astype(float)
-        finite = np.isfinite(old) & np.isfinite(new)
-        if np.any(~finite & (old != new)):
-            yield f"{name}: not finite where it was, or the other way round"
-        old, new = old[finite], new[finite]
-        if len(old):
-            size = float(np.max(np.abs(old)))
-            worst = int(np.argmax(np.abs(new - old)))
-            apart = abs(new[worst] - old[worst])
-            if apart > max(allowed(name) * size, rounding):
-                share = apart / size if size else apart
-                values = f"{new[worst]!r}, frozen is {old[worst]!r}"
-                yield (
-                    f"{name}: {values}; apart by {share:.1e} of the largest, allowed"
-                    f" {allowed(name):.1e}"
-                )
-
-
-def _flat(value: Any) -> list[Any]:
-    return (
-        [entry for part in value for entry in _flat(part)] if isinstance(value, list) else [value]
-    )
-
-
-# ------------------------------------------------------------------------------------------- freeze
-def main(kinds: list[str]) -> None:
-    """Write the frozen files: python contract_values.py half_plane finite_elements comparison.
-
-    Of half-plane theory only scenes that the file has not: its values never change. Delete a row to
-    make it again.
-    """
-    import tempfile
-
-    if "half_plane" in kinds:
-        drawn, made = contract_scenes.drawn(), contract_scenes.functions()
-        table = frozen("half_plane")
-        for name in (*contract_scenes.library(), *drawn, *made):
-            if name in table:
-                continue
-            scene = (
-                Scene.model_validate_json(json.dumps({"name": name} | drawn[name]))
-                if name in drawn
-                else made.get(name) or scene_cases.scene_of(name)
-            )
-            kept: dict[str, Any] = {"scene": drawn[name]} if name in drawn else {}
-            refused = refusal(scene)
-            if refused:
-                kept["refused"] = refused
-            else:
-                x, time = places_and_instants(scene)
-                kept |= (
-                    {"reference": reference(scene)}
-                    | {"x": x, "time": time}
-                    | half_plane(scene, x, time)
-                )
-            table[name] = kept
-            print(name, flush=True)
-        _store("half_plane", table)
-    if "finite_elements" in kinds:
-        _store(
-            "finite_elements", {name: fe_values(finite_elements(name)) for name in FINITE_ELEMENTS}
-        )
-    if "comparison" in kinds:
-        with tempfile.TemporaryDirectory() as folder:
-            _store(
-                "comparison",
-                {name: comparison_values(name, Path(folder) / name) for name in COMPARED},
-            )
-
-
-def _store(name: str, table: dict[str, Any]) -> None:
-    """One line a value, so that a change shows what moved."""
-    lines = []
-    for key, kept in table.items():
-        inner = ",\n  ".join(
-            f"{json.dumps(k)}: {json.dumps(v)}" for k, v in kept.items() if k != "values"
-        )
-        if "values" in kept:
-            values = ",\n   ".join(
-                f"{json.dumps(k)}: {json.dumps(v)}" for k, v in kept["values"].items()
-            )
-            inner = f'{inner},\n  "values": {{\n   {values}}}'
-        lines.append(f"{json.dumps(key)}: {{\n  {inner}}}")
-    (HERE / f"{name}.json").write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
