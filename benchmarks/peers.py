@@ -9,13 +9,16 @@ are CPU times with all set-up and without imports.
 from __future__ import annotations
 
 import functools
+import io
 import os
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
+import tokenize
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -228,12 +231,11 @@ def version_of(code: str) -> str | None:
 
 
 def lines_by_hand() -> dict[str, int]:
-    """Lines of code that a user writes for the scene, blank ones and comments left out."""
+    """Lines of code that a user writes for the scene: logical ones, however they are broken."""
 
     def count(text: str) -> int:
-        return sum(
-            bool(line.strip()) and not line.strip().startswith("#") for line in text.splitlines()
-        )
+        readline = io.StringIO(textwrap.dedent(text)).readline
+        return sum(token.type == tokenize.NEWLINE for token in tokenize.generate_tokens(readline))
 
     def read(file: Path) -> str:
         return file.read_text(encoding="utf-8")
