@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress cases publish maps peers examples docs pages constraints pins clean distclean
+.PHONY: help help-all run test quick lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress cases publish maps peers examples docs pages constraints pins clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -38,7 +38,10 @@ EXTRAS := test,lint,docs,parquet,cluster,browser
 PEERS := calculix-ccx python3-getfem
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.* ## ' '/^[a-z-]+:.* ## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+help-all: ## show every target
+	@awk -F ':.* ##+ ' '/^[a-z-]+:.* ##+ / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 run: $(PROGRAM) ## the main job: the paper's Hertz cycle through both engines, and the report
 	@echo "==> halfplane run hertz-paper"
@@ -52,71 +55,82 @@ checks: $(STAMP) # types and pages take one core each: side by side
 	pages=0; $(MAKE) --no-print-directory docs || pages=$$?; \
 	wait $$types; exit $$pages
 
-lint: $(STAMP) ## ruff: rules and format
+lint: $(STAMP) ### ruff: rules and format
 	@echo "==> lint: ruff check"
 	@$(PY) -m ruff check .
 	@echo "==> lint: ruff format --check"
 	@$(PY) -m ruff format --check .
 
-types: $(STAMP) ## mypy over the five packages
+types: $(STAMP) ### mypy over the five packages
 	@echo "==> types: mypy"
 	@$(PY) -m mypy
 
-contracts: $(STAMP) ## import-linter: who may import whom
+contracts: $(STAMP) ### import-linter: who may import whom
 	@echo "==> contracts: import-linter"
 	@.venv/bin/lint-imports --no-logo --cache-dir .cache/import-linter
 
-sizes: $(STAMP) ## statements and public names of each package
+sizes: $(STAMP) ### statements and public names of each package
 	@$(PY) benchmarks/sizes.py
 
-pytest: $(STAMP) ## tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
+pytest: $(STAMP) ### tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
 	@echo "==> tests: pytest on 2 processes"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+quick: $(STAMP) ## a minute: the contract, then the tests of what differs from the last commit (or of the last commit)
+	@mkdir -p "$$TMPDIR" .cache/home
+	@changed=$$(git diff --name-only HEAD -- '*.py'); \
+	[ -n "$$changed" ] || changed=$$(git diff --name-only HEAD~1 -- '*.py'); \
+	tests=$$(for file in $$changed; do \
+	    package=$${file%%/*}; module=$$(basename "$$file" .py); \
+	    case $$package in tests) ls "$$file" 2>/dev/null | grep '/test_' || true;; *) git grep -lw "$$module" -- "tests/test_$${package}*.py" || true;; esac; \
+	done | sort -u); \
+	echo "==> quick: tests/contract" $$tests; \
+	$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -q -n 2 --benchmark-disable --within 45 --basetemp=.cache/tmp/pytest tests/contract $$tests
 
 slow: $(STAMP) ## the tests marked slow, and only these
 	@echo "==> slow tests: pytest on 2 processes"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 -m slow --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
 
-contract: $(STAMP) ## the frozen values of both engines and of comparisons, all of them, and nothing else
+contract: $(STAMP) ### the frozen values of both engines and of comparisons, all of them, and nothing else
 	@echo "==> contract: pytest on 2 processes"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --slow --benchmark-disable --basetemp=.cache/tmp/pytest tests/contract
 
-nightly: $(STAMP) ## every test, slow ones too, CalculiX and dask there, none skipped; then make test on the oldest and newest Python (root)
+nightly: $(STAMP) ### every test, slow ones too, CalculiX and dask there, none skipped; then make test on the oldest and newest Python (root)
 	@SECONDS=0; trap 'echo "==> nightly: exit code $$? after $$((SECONDS / 60)) min"' EXIT; \
 	$(MAKE) --no-print-directory peers lint types contracts docs; \
 	$(MAKE) --no-print-directory pins; \
 	CI=1 $(MAKE) --no-print-directory pytest PYTEST_ARGS="--slow --hypothesis-profile=local $(PYTEST_ARGS)"; \
 	$(MAKE) --no-print-directory fresh SUITES="bookworm forky"
 
-fresh: $(PROGRAM) ## the README's own blocks in bare roots of Debian (root; SUITES="bookworm trixie"; MIRROR=URL for another than apt's)
+fresh: $(PROGRAM) ### the README's own blocks in bare roots of Debian (root; SUITES="bookworm trixie"; MIRROR=URL for another than apt's)
 	@$(PY) benchmarks/fresh.py $(SUITES)
 
-lowest: $(STAMP) ## the wheel with the lowest versions that pyproject.toml allows: built, installed apart from .venv, run outside
+lowest: $(STAMP) ### the wheel with the lowest versions that pyproject.toml allows: built, installed apart from .venv, run outside
 	@echo "==> lowest: an environment of its own in .cache/lowest"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/packages.py lowest .cache/lowest
 
-bench: $(STAMP) ## error against time, peers, growth, start-up, into docs/performance (SECTIONS="peers start": those alone)
+bench: $(STAMP) ### error against time, peers, growth, start-up, into docs/performance (SECTIONS="peers start": those alone)
 	@echo "==> benchmarks"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/performance.py $(SECTIONS)
 
-stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/stress.md
+stress: $(STAMP) ### both engines at the ends of what a scene may ask, into docs/stress.md
 	@echo "==> stress"
 	@$(ONE_THREAD) $(PY) benchmarks/stress.py
 
-numbers: $(STAMP) ## measure every promised number, into docs/numbers.md (SECTIONS='"Finite*" Time': some of them)
+numbers: $(STAMP) ### measure every promised number, into docs/numbers.md (SECTIONS='"Finite*" Time': some of them)
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py $(SECTIONS)
 
 regress: RUNS := regress
-regress: cases ## the quick part of make cases: half-plane theory at a few instants and places, in seconds
+regress: cases ### the quick part of make cases: half-plane theory at a few instants and places, in seconds
 
-cases: $(STAMP) ## baselines beside references, both engines (RUNS="regress contract coarse", SCENES=, ACCEPT="scene:quantity", REFERENCES=scene)
+cases: $(STAMP) ### baselines beside references, both engines (RUNS="regress contract coarse", SCENES=, ACCEPT="scene:quantity", REFERENCES=scene)
 	@echo "==> cases"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/cases.py $(RUNS) $(if $(SCENES),--scenes $(SCENES)) $(if $(ACCEPT),--accept $(ACCEPT)) \
@@ -128,12 +142,12 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/publishing.py $(if $(PAGES),--pages)
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
 
-maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)
+maps: $(STAMP) ### studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)
 	@echo "==> maps"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all $(if $(PAGES),--pages)
 
-peers: $(STAMP) ## other people's codes: CalculiX and GetFEM of Debian (asks for root); Kratos, tamaas, ContactMechanics (into .peers)
+peers: $(STAMP) ### other people's codes: CalculiX and GetFEM of Debian (asks for root); Kratos, tamaas, ContactMechanics (into .peers)
 	@echo "==> peers: $(PEERS)"
 	@if dpkg-query -W $(PEERS) >/dev/null 2>&1; then echo "there already"; else \
 	    if [ "$$(id -u)" = 0 ]; then root=""; else root="sudo"; fi; \
@@ -142,7 +156,7 @@ peers: $(STAMP) ## other people's codes: CalculiX and GetFEM of Debian (asks for
 	@echo "==> peers: the wheels of peers.txt, into .peers"
 	@$(MAKE) --no-print-directory $(PEERS_STAMP)
 
-examples: $(STAMP) ## docs/examples/score made anew with CalculiX and Kratos (after make peers), scored, their READMEs filled
+examples: $(STAMP) ### docs/examples/score made anew with CalculiX and Kratos (after make peers), scored, their READMEs filled
 	@echo "==> examples: CalculiX"
 	@$(HOME_HERE) $(ONE_THREAD) docs/examples/score/calculix/make.sh
 	@echo "==> examples: Kratos"
@@ -151,7 +165,7 @@ examples: $(STAMP) ## docs/examples/score made anew with CalculiX and Kratos (af
 	@$(HOME_HERE) $(ONE_THREAD) docs/examples/score/abaqus/make.sh
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/examples/score/measure.py
 
-docs: $(STAMP) ## the pages, into docs/_build/html
+docs: $(STAMP) ### the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m sphinx -q -W --keep-going -b html -d .cache/doctrees docs docs/_build/html
@@ -199,7 +213,7 @@ $(PEERS_STAMP): peers.txt
 	@.peers/bin/python -m pip install --no-compile -r peers.txt
 	@touch $@
 
-constraints: $(STAMP) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
+constraints: $(STAMP) ### renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
 	@echo "==> constraints: for Python $(PYTHONS)"
 	@mkdir -p "$$TMPDIR"
 	@$(UV) --universal --fork-strategy fewest --all-extras --upgrade --no-annotate --python-version $(firstword $(PYTHONS)) \
@@ -209,15 +223,15 @@ constraints: $(STAMP) ## renew constraints.txt: the newest packages that the old
 	@$(MAKE) --no-print-directory pins
 	@git --no-pager diff --stat -- constraints.txt
 
-pins: $(STAMP) ## look up whether every pin of constraints.txt has wheels for every Python
+pins: $(STAMP) ### look up whether every pin of constraints.txt has wheels for every Python
 	@for version in $(PYTHONS); do \
 	    $(UV) --no-deps --python-version $$version constraints.txt > /dev/null; \
 	    echo "==> pins: all have wheels for Python $$version"; \
 	done
 
-clean: ## remove results and the tools' caches, keep .venv
+clean: ### remove results and the tools' caches, keep .venv
 	rm -rf out dist docs/_build .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
-distclean: clean ## remove .venv, .peers and every cache too
+distclean: clean ### remove .venv, .peers and every cache too
 	rm -rf .venv .peers .cache

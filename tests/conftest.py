@@ -4,6 +4,7 @@ without a screen.
 
 import os
 import signal
+import time
 from collections.abc import Generator
 from pathlib import Path
 from typing import TypeVar
@@ -29,6 +30,7 @@ Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 # Cases of families that stay among the fast tests, of two seconds and more each: `make test` takes
 # minutes less without them.
 COSTLY = frozenset(Path(__file__).with_name("costly.txt").read_text(encoding="utf-8").splitlines())
+BEGUN = pytest.StashKey[float]()  # when this process began to test [s]
 SLOW_REASON = "slow: run by make slow, --slow or -m slow"
 
 matplotlib.use("Agg")
@@ -42,6 +44,22 @@ settings.load_profile("ci" if IN_CI else "local")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the tests marked slow as well")
+    parser.addoption(
+        "--within",
+        type=float,
+        metavar="SECONDS",
+        help="skip the tests that have not begun by then, and count them (make quick)",
+    )
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    session.config.stash[BEGUN] = time.monotonic()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    seconds = item.config.getoption("--within")
+    if seconds is not None and time.monotonic() - item.config.stash[BEGUN] > seconds:
+        pytest.skip(f"not begun within {seconds:g} s")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
