@@ -20,7 +20,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from reports.comparison.metrics import on_straight_steps
+from reports.comparison.work_of_loads import on_straight_steps
 from scenes import Block, Bodies, ContactSolution, PolygonLoad, Scene, load_scene
 
 FREE = float("inf")

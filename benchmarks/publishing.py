@@ -28,14 +28,10 @@ from reports.charts.templating import markdown_table, template
 from reports.comparison import words
 from reports.comparison.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison.laws import QUANTITIES
-from reports.comparison.metrics import (
-    METRICS,
-    Metric,
-    are_half_planes,
-    name_of,
-    tolerances_of,
-    verdict_on,
-)
+from reports.comparison.measures import Measured
+from reports.comparison.metrics import METRICS, Metric, tolerances_of
+from reports.comparison.pairs import are_half_planes, name_of
+from reports.comparison.verdicts import verdict_on
 from reports.console import say
 from reports.folder import replace_text
 from reports.units import minus
@@ -141,7 +137,7 @@ def error_of(
     reference: Case, figures: Mapping[str, float | None], scene: Scene, largest_load: float
 ) -> float:
     """Difference of our figure from a reference, in the measure of its tolerance."""
-    from reports.comparison.metrics import compliance
+    from reports.comparison.dimensionless import compliance
 
     ours = figures[key_of(reference)]
     theirs = float(reference.value)
@@ -311,17 +307,9 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
         part, _, name = key.partition(".")
         if part == "metric" and not name.endswith(".finite"):
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
-            tolerance = tolerances.get(name, tolerances.get(METRICS[name].judged_by))
-            absolute, unmatched = name in stored["absolute"], name not in stored["accurate"]
-            found.append(
-                Metric(
-                    definition=METRICS[name],
-                    value=number,
-                    tolerance=tolerance,
-                    absolute=absolute,
-                    unmatched=unmatched,
-                )
-            )
+            metric = METRICS[name]
+            measured = Measured(value=number, absolute=name in stored["absolute"])
+            found.append(metric.with_value(measured, metric.admitted(tolerances)))
     return found
 
 

@@ -23,7 +23,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
-from reports.comparison.metrics import scales
+from reports.comparison.dimensionless import scales
 from reports.scoring.diagnosis import diagnose, stiffer, with_friction
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read

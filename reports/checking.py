@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts.templating import in_template
-from reports.comparison.metrics import bulk_strains
+from reports.comparison.work_of_loads import bulk_strains
 from reports.units import load_unit, units
 from scenes import (
     Block,

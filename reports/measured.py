@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.metrics import name_of
+from reports.comparison.pairs import name_of
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.measured import ReadAs, means

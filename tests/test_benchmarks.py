@@ -19,7 +19,7 @@ import pytest
 
 import semi_analytic
 from reports.comparison.budget import Budget, Term
-from reports.comparison.metrics import METRICS, Metric
+from reports.comparison.metrics import METRICS
 from scenes import HarmonicLoad, TimeSeriesLoad, freeze, load_scene
 from semi_analytic import load_series
 from semi_analytic.fields import Integrals
@@ -340,7 +340,7 @@ def blame(tool: Tool) -> ModuleType:
 
 
 def found(blame: ModuleType, value: float, *terms: Term) -> Any:
-    one = Budget(Metric(definition=METRICS["dissipation"], value=value), terms, half_planes=True)
+    one = Budget(dataclasses.replace(METRICS["dissipation"], value=value), terms, half_planes=True)
     return blame.Found({"dissipation": value, blame.STEP: 0.0}, {"dissipation": one})
 
 

@@ -25,7 +25,7 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run
 from reports import compare, write
 from reports.comparison.laws import certificates
-from reports.comparison.metrics import bulk_strain
+from reports.comparison.work_of_loads import bulk_strain
 from scene_cases import CASES
 from scenes import (
     Block,

@@ -26,7 +26,7 @@ from reports.cli import main
 from reports.cli.application import Options
 from reports.cli.field_output import _draw
 from reports.cli.field_output import named as named_by
-from reports.comparison.metrics import scales
+from reports.comparison.dimensionless import scales
 from reports.console import Stages
 from reports.field_output import fatigue
 from reports.field_output.files import (

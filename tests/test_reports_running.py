@@ -16,8 +16,9 @@ import pytest
 
 from command_line import halfplane
 from reports.comparison.budget import Budget, Extrapolation, Term
-from reports.comparison.metrics import METRICS, Metric, PythonNumbers, python_number
+from reports.comparison.metrics import METRICS
 from reports.page import writing
+from reports.python_numbers import PythonNumbers, python_number
 from scenes import ContactSolution, load_scene, scene_names
 
 # As coarse as leaves room for the two coarser meshes of an uncertainty.
@@ -105,7 +106,7 @@ def test_every_scene_of_the_library_runs_with_default_options(name: str, tmp_pat
 
 
 # ------------------------------------------------------------------ numbers that leave for the page
-@pytest.mark.parametrize("module", ["metrics", "laws", "budget"])
+@pytest.mark.parametrize("module", ["measures", "metrics", "dimensionless", "laws", "budget"])
 def test_records_that_leave_for_the_page_hold_numbers_of_python(module: str) -> None:
     """numpy's True is no index of a tuple, and a value is a share of something whatever library
     computed it.
@@ -126,7 +127,9 @@ def test_records_that_leave_for_the_page_hold_numbers_of_python(module: str) -> 
         known = {
             "sizes": (np.float64(1.0), np.float64(2.0)),
             "values": (np.float64(1.0), np.float64(2.0)),
-            "definition": None,
+            "needs": (),
+            "measure": None,
+            "exists": None,
         }
         made = record(
             **{
@@ -148,7 +151,7 @@ def test_a_budget_of_numpys_numbers_answers_with_a_bool() -> None:
     """An uncertainty of numpy made |rest| > u a numpy.bool, which ended every default run of a flat
     pad on a block.
     """
-    metric = Metric(definition=METRICS["dissipation"], value=np.float64(0.1))
+    metric = dataclasses.replace(METRICS["dissipation"], value=np.float64(0.1))
     terms = tuple(
         Term(name, np.float64(0.01), np.float64(0.02), "measured") for name in ("mesh", "step")
     )

@@ -312,7 +312,6 @@ def test_what_is_missing_is_neither_zero_nor_derived() -> None:
         "dissipation_density",
         "hysteresis",
         "permanent_stick",
-        "slip_reversal",
     )
     for key in (*of_cycle, "slip", "tangential_displacement"):
         assert one.metric(key).value is None, key

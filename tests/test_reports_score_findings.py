@@ -17,7 +17,7 @@ from reports.cli.application import requested_tolerances
 from reports.cli.results import _folder_of
 from reports.cli.solving import exit_code
 from reports.comparison import compare
-from reports.comparison.metrics import events
+from reports.comparison.cycles import events
 from reports.comparison.words import lead, verdict
 from reports.scoring.against import diagnosed, score, score_file
 from reports.scoring.diagnosis import Hypothesis, discrepancy, sentence_of

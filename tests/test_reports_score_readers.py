@@ -153,7 +153,6 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     for key in (
         "shear",
         "stick_edge",
-        "stick_edge_left",
         "state",
         "permanent_stick",
         "dissipation",

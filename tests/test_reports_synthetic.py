@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from reports.comparison import Comparison, compare
-from reports.comparison.metrics import compliance, last_cycle, loop_work
+from reports.comparison.cycles import last_cycle
+from reports.comparison.dimensionless import compliance
+from reports.comparison.work_of_loads import loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
 
 LOAD_RATIO = 0.6

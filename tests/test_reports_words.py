@@ -20,7 +20,7 @@ import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.charts.plate import Arrow, Curve, Note
-from reports.comparison.metrics import METRICS, Metric, normal_work
+from reports.comparison.metrics import METRICS
 from reports.comparison.words import (
     beyond_theory,
     bodies_in_words,
@@ -38,6 +38,7 @@ from reports.comparison.words import (
     verdict,
     with_uncertainty,
 )
+from reports.comparison.work_of_loads import normal_work
 from reports.page.writing import outline, sketch
 from reports.units import minus, units
 from scene_cases import scene_of
@@ -212,10 +213,8 @@ def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> N
         (-2e-13, "−2e−11 %"),
         (1e-5, "+0.001 %"),
     ):
-        assert value_of(Metric(definition=METRICS["dissipation_step"], value=value)) == text
-        absolute = value_of(
-            Metric(definition=METRICS["dissipation_step"], value=value, absolute=True)
-        )
+        assert value_of(replace(METRICS["dissipation_step"], value=value)) == text
+        absolute = value_of(replace(METRICS["dissipation_step"], value=value, absolute=True))
         assert (absolute == "0") == (text == "0 %")
     known = {
         (2.8512, 0.0614): "2.85 ± 0.06",

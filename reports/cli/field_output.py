@@ -246,7 +246,7 @@ def _draw(
     with stages.stage("pictures", "pictures") as report:
         import numpy as np
 
-        from reports.comparison.metrics import scales as reference_scales
+        from reports.comparison.dimensionless import scales as reference_scales
         from reports.field_output.pictures import mesh, scales_of, stress
 
         folder.mkdir()

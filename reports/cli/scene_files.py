@@ -256,7 +256,8 @@ def _listing(found: Sequence[Scene]) -> Iterator[str]:
 
 
 def _details(scene: Scene) -> Iterator[str]:
-    from reports.comparison.metrics import are_half_planes, tolerances_of
+    from reports.comparison.metrics import tolerances_of
+    from reports.comparison.pairs import are_half_planes
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
     admitted = tolerances_of(scene, are_half_planes(scene)).items()

@@ -283,7 +283,7 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
     and write the page.
     """
     from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
-    from reports.comparison.metrics import are_half_planes
+    from reports.comparison.pairs import are_half_planes
 
     scene, options, stages, command = job.scene, job.options, job.stages, job.command("run")
     # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser
@@ -594,9 +594,9 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
     NetCDF file.
     """
     from reports.charts.templating import table_text
+    from reports.comparison.cycles import OF_BULK
     from reports.comparison.findings import SOLUTION
     from reports.comparison.laws import certificates
-    from reports.comparison.metrics import OF_BULK
     from reports.comparison.words import solution_content, strict
     from reports.folder import filled
 

@@ -37,23 +37,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from reports.comparison.cycles import last_cycle, sample, sample_instants
+from reports.comparison.dimensionless import scales
 from reports.comparison.laws import Certificate, certificates
-from reports.comparison.metrics import (
-    LIGHT,
-    METRICS,
-    Metric,
-    Pair,
-    Verdict,
-    are_half_planes,
-    judge,
-    last_cycle,
-    missing,
-    name_of,
-    sample,
-    sample_instants,
-    scales,
-    tolerances_of,
-)
+from reports.comparison.metrics import METRICS, Metric, judge, missing, tolerances_of
+from reports.comparison.pairs import LIGHT, Pair, are_half_planes, name_of
+from reports.comparison.verdicts import Verdict
 from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
@@ -128,12 +117,12 @@ class Comparison(Pair):
     @property
     def headlines(self) -> tuple[Metric, ...]:
         """The metrics of the first table, those with absolute values."""
-        return tuple(metric for metric in self.metrics if metric.definition.headline)
+        return tuple(metric for metric in self.metrics if metric.headline)
 
     @property
     def others(self) -> tuple[Metric, ...]:
         """The metrics of the second table."""
-        return tuple(metric for metric in self.metrics if not metric.definition.headline)
+        return tuple(metric for metric in self.metrics if not metric.headline)
 
     def __repr__(self) -> str:
         """Who was compared, and the table of `summary`."""

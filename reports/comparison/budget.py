@@ -30,7 +30,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from reports.comparison import Comparison, Report, compare
-from reports.comparison.metrics import Metric, PythonNumbers, are_half_planes, on_straight_steps
+from reports.comparison.metrics import Metric
+from reports.comparison.pairs import are_half_planes
+from reports.comparison.work_of_loads import on_straight_steps
+from reports.python_numbers import PythonNumbers
 from scenes import ContactSolution, ConvergenceError, InputError
 
 if TYPE_CHECKING:

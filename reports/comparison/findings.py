@@ -17,8 +17,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from reports.comparison.dimensionless import energy_scale
 from reports.comparison.laws import OF_UNSYMMETRIC
-from reports.comparison.metrics import Verdict, energy_scale, verdict_on
+from reports.comparison.verdicts import Verdict, verdict_on
 from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import first_line
@@ -57,9 +58,6 @@ _DEFAULTS: tuple[tuple[str, float], ...] = (
     ("semi_analytic.*", 1e-9),
     ("*", 1e-6),
 )
-# Of two mirrored peaks rounding says which is the larger: the place of a peak is compared without
-# its sign.
-_MIRRORED = "metric.*_place"
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
 _NOTHING = 1e-6
 SAME, DIFFERS, ONLY_A, ONLY_B = "same", "differs", "only in A", "only in B"
@@ -440,7 +438,7 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
             a.figures[f"{engine}.largest_half_width"] or 0.0
         )
         size = max(size, _NOTHING * energy_scale(a.scene, load))
-    change = abs(second) - abs(first) if fnmatchcase(key, _MIRRORED) else second - first
+    change = second - first
     apart = change / size if change else 0.0
     return Row(
         key,

@@ -17,15 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.metrics import (
-    PythonNumbers,
-    Verdict,
-    bulk_work,
-    energy_scale,
-    last_cycle,
-    name_of,
-    verdict_on,
-)
+from reports.comparison.cycles import last_cycle
+from reports.comparison.dimensionless import energy_scale
+from reports.comparison.pairs import name_of
+from reports.comparison.verdicts import Verdict, verdict_on
+from reports.comparison.work_of_loads import bulk_work
+from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 

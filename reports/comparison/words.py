@@ -26,14 +26,10 @@ from reports.comparison.laws import (
     expected_content,
     expected_numbers,
 )
-from reports.comparison.metrics import (
-    Metric,
-    Verdict,
-    are_half_planes,
-    coupled,
-    name_of,
-    normal_work,
-)
+from reports.comparison.metrics import Metric
+from reports.comparison.pairs import are_half_planes, coupled, name_of
+from reports.comparison.verdicts import Verdict
+from reports.comparison.work_of_loads import normal_work
 from reports.measured import load_cycles, record_content
 from reports.profile_fit import content as fit_content
 from reports.units import energy_unit, load_unit, minus, number, signed, units
@@ -212,18 +208,15 @@ def value_of(metric: Metric) -> str:
     return (
         "–"
         if metric.value is None
-        else _shown(metric.value, share=not metric.absolute, plus=metric.definition.signed)
+        else _shown(metric.value, share=not metric.absolute, plus=metric.signed)
     )
 
 
 def unit_of(metric: Metric) -> str:
-    """What the value is a share of; an edge's shift in elements, or in local spacings h of the
-    points, beside it.
-    """
-    counts = (metric.elements, "elements"), (metric.spacings, "h")
-    return metric.unit + "".join(
-        f" ({_shown(count, share=False)} {of})" for count, of in counts if count is not None
-    )
+    """What the value is a share of; an edge's shift in elements beside it."""
+    if metric.elements is None:
+        return metric.unit
+    return f"{metric.unit} ({_shown(metric.elements, share=False)} elements)"
 
 
 def uncertainty_of(metric: Metric) -> str:
@@ -306,7 +299,7 @@ def headline(report: Report) -> str:
     worst = max(
         missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None
     )
-    if worst is not None and {worst.key, worst.definition.judged_by} & set(keys):
+    if worst is not None and {worst.key, worst.judged_by} & set(keys):
         worst = None
     claims = [_agreement(one) if ours and exact else _claim(one, theory) for one in metrics]
     stated = _stated(comparison) if unknown else None
@@ -541,7 +534,7 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     ]
     found = []
     for metric in comparison.headlines:
-        factor, unit = shown_unit(comparison.scene, metric.definition.quantity)
+        factor, unit = shown_unit(comparison.scene, metric.quantity)
         amounts = [
             "–" if math.isnan(one) else minus(f"{factor * one:.5g}")
             for one in metric.amounts or (math.nan, math.nan)
@@ -593,7 +586,7 @@ def _difference_of(metric: Metric) -> str:
         words = words.removeprefix("−")  # of a zero no sign is known
     elif value > 0:
         words = f"+{words}"
-    return f"{words} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
+    return f"{words} %{' of a' if metric.unit == 'of a_ref' else ''}"
 
 
 def summary(report: Report) -> str:
@@ -629,7 +622,7 @@ def budget_table(
     ]
     rows: dict[bool, list[tuple[str, ...]]] = {True: [], False: []}
     for one, row in zip(budget.budgets, all_rows, strict=True):
-        rows[one.metric.definition.headline].append(tuple(row[k] for k in kept))
+        rows[one.metric.headline].append(tuple(row[k] for k in kept))
     return tuple(heads[k] for k in kept), rows[True], rows[False]
 
 
@@ -879,7 +872,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     }
 
 
-# What the JSON of a metric has of it, and of its row of the table, by the names there.
+# What the JSON of a metric has of it, by the names there.
 _OF_A_METRIC = (
     "label",
     "value",
@@ -891,18 +884,21 @@ _OF_A_METRIC = (
     "amounts",
     "uncertainty",
     "elements",
+    "note",
+    "series",
+    "signed",
+    "headline",
+    "why",
 )
-_OF_A_ROW = ("signed", "headline")
 
 
 def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
     scene = report.comparison.scene
     return {
-        **{name: getattr(metric, name) for name in (*_OF_A_METRIC, "spacings", "note", "series")},
-        **{name: getattr(metric.definition, name) for name in _OF_A_ROW},
-        "norm": of_stretch(metric.definition.norm, scene),
-        "region": of_stretch(metric.definition.region, scene),
-        "definition": of_stretch(metric.definition.text, scene),
+        **{name: getattr(metric, name) for name in _OF_A_METRIC},
+        "norm": of_stretch(metric.norm, scene),
+        "region": of_stretch(metric.region, scene),
+        "definition": of_stretch(metric.how, scene),
         "finite": metric.value is None or math.isfinite(metric.value),
         "honest": _honest(report, metric),
         "worst_at": metric.time,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.metrics import events, last_cycle
+from reports.comparison.cycles import events, last_cycle
 from reports.field_output.fatigue import principal
 from scenes import ContactSolution, InputError
 

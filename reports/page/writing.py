@@ -49,19 +49,9 @@ from reports.charts.plate import (
 from reports.charts.templating import STATE_NAMES, Table, script, template
 from reports.comparison import Comparison, Report, ThirdAnswer, words
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
-from reports.comparison.metrics import (
-    Cycle,
-    Event,
-    are_half_planes,
-    bulk_strain,
-    bulk_work,
-    events,
-    last_cycle,
-    loop_work,
-    missing,
-    name_of,
-    normal_work,
-)
+from reports.comparison.cycles import Cycle, Event, events, last_cycle
+from reports.comparison.metrics import missing
+from reports.comparison.pairs import are_half_planes, name_of
 from reports.comparison.words import (
     as_json,
     bodies_in_words,
@@ -70,6 +60,7 @@ from reports.comparison.words import (
     value_of,
     verdict,
 )
+from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work, normal_work
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
 from reports.measured import section
@@ -1317,7 +1308,7 @@ def _bars(budget: ErrorBudget) -> Plate | None:
     E. Where the scene states no tolerance at all, the metrics of the first table in per cent.
     """
     judged = [one for one in budget.budgets if one.metric.tolerance]
-    drawn = judged or [one for one in budget.budgets if one.metric.definition.headline]
+    drawn = judged or [one for one in budget.budgets if one.metric.headline]
     if not drawn:
         return None
     rest = "unexplained" if drawn[0].half_planes else "idealisation"
@@ -1422,7 +1413,7 @@ def _mesh_refinement(budget: ErrorBudget) -> Plate | None:
             for size, value in values
             if value is not None and math.isfinite(value)
         ]
-        if one.metric.definition.headline and len(points) >= 3:
+        if one.metric.headline and len(points) >= 3:
             found = extrapolate(
                 Refinement(
                     tuple(size for size, _ in points),
@@ -1448,7 +1439,7 @@ def _distances(study: Study) -> Plate | None:
     sizes, curves = [level.size for level in study.levels], {}
     for line in study.lines:
         if (
-            line.metric.definition.headline
+            line.metric.headline
             and line.found.kind == "monotone"
             and (limit := line.found.value) is not None
         ):

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reports.comparison import Report, compare
+from reports.comparison.dimensionless import scales
 from reports.comparison.laws import DERIVED, certificates, derived
-from reports.comparison.metrics import WHOLE_CYCLE, scales
+from reports.comparison.metrics import WHOLE_CYCLE
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import by_same_rule, contact_solution, whole_path

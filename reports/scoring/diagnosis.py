@@ -39,7 +39,8 @@ from numpy.typing import NDArray
 import semi_analytic
 from halfplane_fe.dundurs import dundurs
 from reports.comparison import Comparison
-from reports.comparison.metrics import Verdict, norm, over, shares, verdict_on
+from reports.comparison.measures import norm, over, shares
+from reports.comparison.verdicts import Verdict, verdict_on
 from reports.measured import noise_of
 from reports.scoring.surface import spikes
 from scenes import STICK, InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum

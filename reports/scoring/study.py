@@ -86,7 +86,7 @@ class Study:
     @property
     def rows(self) -> list[tuple[str, ...]]:
         """Headlines, one row each."""
-        return [_words(line) for line in self.lines if line.metric.definition.headline]
+        return [_words(line) for line in self.lines if line.metric.headline]
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -174,7 +174,7 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
-    found, signed = line.found, line.metric.definition.signed
+    found, signed = line.found, line.metric.signed
 
     def cell(value: float | None, plus: bool = signed) -> str:
         return "–" if value is None else amount(value, line.metric, plus=plus, digits=3)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from reports.comparison.metrics import Verdict, verdict_on
+from reports.comparison.verdicts import Verdict, verdict_on
 from reports.studies.maps.corrections import (
     correction,
     share_of,

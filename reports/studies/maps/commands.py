@@ -82,7 +82,7 @@ def _advice_content(advice: Advice) -> dict[str, Any]:
 
     Within by values that are extrapolated is undecided: they have no uncertainty estimate.
     """
-    from reports.comparison.metrics import Verdict
+    from reports.comparison.verdicts import Verdict
     from reports.studies.maps.advice import FIGURES, sentence, total
 
     def pairs(values: Any) -> dict[str, dict[str, float]]:

@@ -1,0 +1,374 @@
+"""The last cycle of a solution, on the points and instants of another, and the events of a cycle.
+
+A NaN in a solution means "no such thing at this instant" only where it is said so; any other NaN
+comes from the data and goes on to the verdict, where it fails.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import ContactSolution, InputError, freeze
+
+Array = NDArray[np.float64]
+
+_FIELDS = ("pressure", "shear", "slip")
+_EDGES = ("contact_edges", "stick_edges")
+_SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
+# Only of scenes with bulk stress, tilt or an unsymmetric profile.
+OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
+
+# Of a period: instants closer than this are one.
+_SAME_FRACTION = 1e-9
+# Of the range of x: points closer than this are one.
+_SAME_POINT = 1e-12
+# Of the largest pressure: less is none.
+_NO_PRESSURE = 1e-12
+# As many instants as the page names.
+_EVENTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends
+    included.
+    """
+
+    time: Array  # (k,), the solution's own times
+    # (k,), 0 at the start of the path's cycle and 1 at its end; up to 2 where the instants start
+    # elsewhere
+    fraction: Array
+    x: Array  # (n,) [length]
+    # pressure, shear, slip, state: (k, n)
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    # contact_edges, stick_edges: (k, 2)
+    contact_edges: Array
+    stick_edges: Array
+    # normal_load, tangential_load, tangential_displacement, normal_approach: (k,)
+    normal_load: Array
+    tangential_load: Array
+    tangential_displacement: Array
+    normal_approach: Array
+    dissipation_density: Array  # (n,)
+    # estimated largest error of the re-sampling, over the field's largest value; empty where
+    # nothing was interpolated
+    interpolation: Mapping[str, float] = field(default_factory=dict)
+    # False for the instants of a result that holds no whole cycle; `fraction` is then the time
+    # itself
+    whole: bool = True
+    # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the
+    # solution
+    bulk_stress_lower: Array | None = None
+    bulk_stress_upper: Array | None = None
+    tilt: Array | None = None
+    moment: Array | None = None
+    shear_moment: Array | None = None
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of the series over time that it has."""
+        return (*_SERIES, *_stated_of_bulk(self))
+
+
+def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
+    """Those of `OF_BULK` that `source` states."""
+    return tuple(name for name in OF_BULK if getattr(source, name) is not None)
+
+
+# ----------------------------------------------------------------------- the last cycle of a solution
+
+
+def last_cycle(solution: ContactSolution) -> Cycle:
+    """The last whole cycle of `solution`, or all instants where it says itself that it holds none;
+    InputError where it has none.
+    """
+    if "whole_cycle" in solution.work.skipped:
+        return _all_instants(solution)
+    steps = solution.last_cycle
+    if len(steps) < 2:
+        raise InputError(
+            f"{solution.engine}: the solution holds no whole cycle (its times run from"
+            f" {solution.time[0]:.6g} to {solution.time[-1]:.6g}); solve at least one revolution"
+        )
+    time = solution.time[steps]
+    fraction = (time - time[0]) / (time[-1] - time[0])
+    start = _start_of_cycle(solution, time[0])
+    return _cycle_of_steps(solution, steps, fraction + start, whole=True)
+
+
+def _start_of_cycle(solution: ContactSolution, time: float) -> float:
+    """Share of a period by which a cycle that starts at `time` is behind one of the load path."""
+    path = solution.scene.load.path()
+    if path.period is None:
+        return 0.0
+    lag = float(np.mod((time - path.cycle_start) / path.period, 1.0))
+    starts_together = min(lag, 1 - lag) < _SAME_FRACTION
+    return 0.0 if starts_together else lag
+
+
+def _all_instants(solution: ContactSolution) -> Cycle:
+    """Every instant of `solution`, `fraction` being the time."""
+    steps = np.arange(len(solution.time))
+    return _cycle_of_steps(solution, steps, solution.time, whole=False)
+
+
+def _cycle_of_steps(
+    solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool
+) -> Cycle:
+    """The `steps` of a solution as a cycle, with its `fraction` at each."""
+
+    def at_steps(name: str) -> Any:
+        # Those of a path that is one cycle are not copied: of a long record they take tens of
+        # megabytes each.
+        values = getattr(solution, name)
+        return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
+
+    names = (*_FIELDS, "state", *_EDGES, *_SERIES, *_stated_of_bulk(solution))
+    values: dict[str, Any] = {name: at_steps(name) for name in names}
+    return Cycle(
+        time=freeze(solution.time[steps]),
+        fraction=freeze(fraction),
+        whole=whole,
+        x=solution.x,
+        dissipation_density=solution.dissipation_density,
+        **values,
+    )
+
+
+# ------------------------------------------------------------- on the points and instants of another
+
+
+def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
+    """`reference` at the times of `like` (not whole) and on its points; times after its end are
+    those of its last cycle.
+    """
+    cycle = _all_instants(reference)
+    if len(cycle.time) == len(like.time) and np.array_equal(cycle.time, like.time):
+        return sample(cycle, like, reference.engine)
+
+    period = reference.scene.load.path().period
+    time_in_path = like.time
+    if period is not None:
+        time_after_end = np.maximum(like.time - cycle.time[-1], 0.0)
+        periods_after_end = np.ceil(time_after_end / period - _SAME_FRACTION)
+        time_in_path = like.time - period * periods_after_end
+    sampled = sample(cycle, replace(like, fraction=freeze(time_in_path)), reference.engine)
+    return replace(sampled, time=like.time, fraction=like.time)
+
+
+def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+    """`cycle` on the points and instants of `like`; the same cycle where they are the same already.
+
+    Instants are matched by the fraction of the cycle, since two engines may have needed different
+    numbers of revolutions. Linear in x and in time; the state is that of the nearest point and
+    instant. `interpolation` states what the same rule errs by when every second sample is left out:
+    of 320 spacings at a square-root edge, where it converges slowest, one in a hundred at most errs
+    by more.
+
+    Raises
+    ------
+    InputError
+        Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
+    """
+    starts_elsewhere = like.fraction[-1] > cycle.fraction[-1] + _SAME_FRACTION
+    if starts_elsewhere and cycle.whole and like.whole:
+        return _sample_from_elsewhere(cycle, like, engine)
+
+    error: dict[str, float] = {}
+    if not _alike(cycle.fraction, like.fraction, _SAME_FRACTION):
+        cycle, error = _at_instants(cycle, like)
+    if not _alike(cycle.x, like.x, _SAME_POINT * float(np.ptp(like.x))):
+        _refuse_points_beyond(cycle, like.x, engine)
+        cycle, error_in_x = _at_points(cycle, like.x)
+        for name, value in error_in_x.items():
+            error[name] = error.get(name, 0.0) + value
+    return replace(cycle, interpolation=error)
+
+
+def _alike(places: Array, others: Array, tolerance: float) -> bool:
+    """Whether two sets of places are the same to `tolerance`."""
+    return len(places) == len(others) and np.allclose(places, others, rtol=0, atol=tolerance)
+
+
+def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+    """`cycle` on the points and instants of `like`, which starts later in the path's cycle."""
+    is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
+    fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
+    order = np.argsort(fraction_in_cycle, kind="stable")
+    like_in_order = replace(
+        like, fraction=freeze(fraction_in_cycle[order]), time=freeze(like.time[order])
+    )
+    sampled = sample(cycle, like_in_order, engine)
+
+    order_of_like = np.argsort(order, kind="stable")
+    over_time: dict[str, Any] = {}
+    for name in (*_FIELDS, "state", *_EDGES, *sampled.series):
+        values = getattr(sampled, name)
+        over_time[name] = freeze(values[order_of_like], values.dtype)
+    return replace(sampled, time=like.time, fraction=like.fraction, **over_time)
+
+
+def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
+    """InputError where `x` has points beyond an end at which `cycle` still carries pressure."""
+    pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
+    carries_left, carries_right = pressure_at_ends > _NO_PRESSURE * np.max(cycle.pressure)
+    beyond_left = x[0] < cycle.x[0]
+    beyond_right = x[-1] > cycle.x[-1]
+    if (carries_left and beyond_left) or (carries_right and beyond_right):
+        raise InputError(
+            f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it"
+            " still carries pressure, short of the points that it is compared at; give it"
+            " points out to the largest contact"
+        )
+
+
+def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
+    """`cycle` at the instants of `like`, and the error of that for its fields and edges."""
+    values_over_time: dict[str, Any] = {}
+    for name in (*_FIELDS, *_EDGES, *cycle.series):
+        values_over_time[name] = freeze(
+            _linear(like.fraction, cycle.fraction, getattr(cycle, name))
+        )
+    nearest = _nearest(like.fraction, cycle.fraction)
+    sampled = replace(
+        cycle,
+        time=like.time,
+        fraction=like.fraction,
+        state=freeze(cycle.state[nearest], np.int8),
+        **values_over_time,
+    )
+    values_at_instants = {name: getattr(cycle, name) for name in (*_FIELDS, *_EDGES)}
+    return sampled, _errors(cycle.fraction, values_at_instants)
+
+
+def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
+    """`cycle` at the points `x`, and the error of that for its fields and the pointwise
+    dissipation.
+    """
+    values_at_points: dict[str, Array] = {
+        name: getattr(cycle, name).T for name in (*_FIELDS, "dissipation_density")
+    }
+    values_over_x: dict[str, Any] = {}
+    for name, values in values_at_points.items():
+        values_over_x[name] = freeze(_linear(x, cycle.x, values).T)
+    is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
+    state = np.where(is_beyond, 0, cycle.state[:, _nearest(x, cycle.x)])
+    sampled = replace(cycle, x=x, state=freeze(state, np.int8), **values_over_x)
+    return sampled, _errors(cycle.x, values_at_points)
+
+
+def _nearest(places: Array, samples: Array) -> NDArray[np.intp]:
+    """Index of the sample that is nearest to each place."""
+    return np.asarray(np.abs(samples[:, None] - places).argmin(axis=0))
+
+
+def _errors(samples: Array, values_at_samples: Mapping[str, Array]) -> dict[str, float]:
+    """`_halving` of each of the values, by name."""
+    return {name: _halving(samples, values) for name, values in values_at_samples.items()}
+
+
+def _linear(places: Array, samples: Array, values: Array) -> Array:
+    """`values` (len(samples), ...) at `places`, linear between samples and constant beyond them."""
+    upper = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
+    lower = upper - 1
+    weight = np.clip((places - samples[lower]) / (samples[upper] - samples[lower]), 0.0, 1.0)
+    weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
+    value_below = values[lower]
+    value_above = values[upper]
+    between = (1 - weight) * value_below + weight * value_above
+    # A weight of exactly 0 or 1 must not let a NaN of the other end in.
+    between = np.where(weight == 1, value_above, between)
+    return np.where(weight == 0, value_below, between)
+
+
+def _halving(samples: Array, values: Array) -> float:
+    """Largest error of the linear rule when every second sample is left out, over the largest
+    |value|.
+
+    Both halves are tried: a square-root edge errs most where it falls into the middle of an
+    interval.
+    """
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    if len(samples) < 4 or largest == 0.0:
+        return 0.0
+    worst = 0.0
+    for first in (1, 2):
+        left_out = np.arange(first, len(samples) - 1, 2)
+        coarse = np.delete(np.arange(len(samples)), left_out)
+        interpolated = _linear(samples[left_out], samples[coarse], values[coarse])
+        difference = np.abs(interpolated - values[left_out])
+        worst = max(worst, float(np.nanmax(difference, initial=0.0)))
+    return worst / largest
+
+
+# ------------------------------------------------------------------------------------------- events
+
+
+@dataclass(frozen=True)
+class Event:
+    """An instant of the last cycle: its index in the cycle and what happens there."""
+
+    index: int
+    label: str
+
+
+def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
+    """Six instants (all, of fewer) in the order of time: extremes of P, Q, Q - f P, Q + f P, then
+    those furthest from all chosen.
+
+    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where
+    reverse slip ends.
+    """
+    labels = _extremes(cycle, friction)
+    if not labels:
+        labels[0] = "the only instant" if len(cycle.time) == 1 else "between"
+    for _ in range(min(_EVENTS, len(cycle.time) - 1) - len(labels)):
+        distance = _distance_in_time(cycle, labels)
+        farthest = int(np.argmax(distance))
+        # instants may share one time, where a result was placed on the path by its loads
+        if distance[farthest] <= 0:
+            break
+        labels[farthest] = "between"
+    return tuple(Event(index, labels[index]) for index in sorted(labels))
+
+
+def _extremes(cycle: Cycle, friction: float) -> dict[int, str]:
+    """Index -> label of the first instants at which a load, or its distance to sliding, is extreme;
+    none of a quantity that is constant.
+    """
+    normal = cycle.normal_load
+    tangential = cycle.tangential_load
+    # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
+    ends_slip = cycle.tilt is None and cycle.shear_moment is None
+    quantities = {
+        "P largest": normal,
+        "P least": -normal,
+        "Q largest": tangential,
+        "Q least": -tangential,
+        ("forward slip ends" if ends_slip else "Q − f P largest"): tangential - friction * normal,
+        ("reverse slip ends" if ends_slip else "Q + f P least"): -tangential - friction * normal,
+    }
+    size = float(np.max(np.abs(normal)))
+    labels: dict[int, str] = {}
+    for label, quantity in quantities.items():
+        if np.ptp(quantity) > 1e-9 * size:
+            # The first instant, to rounding: the end of a cycle repeats its start.
+            is_largest = quantity >= np.max(quantity) - 1e-12 * size
+            labels.setdefault(int(np.flatnonzero(is_largest)[0]), label)
+    return labels
+
+
+def _distance_in_time(cycle: Cycle, instants: Iterable[int]) -> Array:
+    """Distance of each instant to the nearest of `instants`, as a fraction of the cycle, (k,)."""
+    distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(instants)])
+    if cycle.whole:  # its end is its start
+        distance = np.minimum(distance, 1 - distance)
+    return np.asarray(distance.min(axis=1))

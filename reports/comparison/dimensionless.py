@@ -1,0 +1,100 @@
+"""The scales that make a comparison dimensionless, all from the reference.
+
+# notation: P_ref load, a_ref half-width, p_ref pressure, f friction, A compliance
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.python_numbers import PythonNumbers
+from scenes import ContactSolution, EllipseLoad, Materials, Scene
+
+
+@dataclass(frozen=True)
+class Scales(PythonNumbers):
+    """What makes the comparison dimensionless."""
+
+    # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    normal_load: float
+    half_width: float  # a_ref = a(P_ref) of the reference [length]
+    pressure: float  # p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    # f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    friction: float
+    compliance: float  # A = 2/E* [1/stress]
+
+    @property
+    def shear(self) -> float:
+        """f p_ref [stress]."""
+        return self.friction * self.pressure
+
+    @property
+    def shift(self) -> float:
+        """A f P_ref [length]."""
+        return self.compliance * self.friction * self.normal_load
+
+    @property
+    def dissipation(self) -> float:
+        """A f^2 P_ref^2 [energy / thickness]."""
+        return self.compliance * (self.friction * self.normal_load) ** 2
+
+    @property
+    def density(self) -> float:
+        """A f^2 P_ref^2/a_ref [energy / area]."""
+        return self.dissipation / self.half_width
+
+    @property
+    def slip(self) -> float:
+        """f p_ref a_ref/E* [length]."""
+        return self.compliance * self.shear * self.half_width / 2
+
+    @property
+    def moment(self) -> float:
+        """P_ref a_ref [force]."""
+        return self.normal_load * self.half_width
+
+    @property
+    def tilt(self) -> float:
+        """A P_ref/a_ref [rad]."""
+        return self.compliance * self.normal_load / self.half_width
+
+
+def compliance(materials: Materials) -> float:
+    """A = 2/E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [1/stress].
+
+    >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
+    >>> round(2 / compliance(steel), 1)
+    115384.6
+    """
+    return 2 * sum(
+        (1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.upper, materials.lower)
+    )
+
+
+def energy_scale(scene: Scene, load: float) -> float:
+    """A f^2 P^2, f being 1 for a frictionless scene [energy / thickness]."""
+    return compliance(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
+
+
+def scales(reference: ContactSolution) -> Scales:
+    """The scales of `reference`; a(P_ref) is read off its own half-widths, linear in P between its
+    instants.
+    """
+    load = reference.scene.load
+    if isinstance(load, EllipseLoad):
+        normal_load = load.mean_normal_load
+    else:
+        normal_load = float(np.max(reference.normal_load[reference.last_cycle]))
+    order = np.argsort(reference.normal_load, kind="stable")
+    half_width = float(
+        np.interp(normal_load, reference.normal_load[order], reference.contact_half_width[order])
+    )
+    return Scales(
+        normal_load=normal_load,
+        half_width=half_width,
+        pressure=2 * normal_load / (np.pi * half_width),
+        friction=reference.scene.friction.coefficient or 1.0,
+        compliance=compliance(reference.scene.material),
+    )

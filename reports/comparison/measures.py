@@ -1,0 +1,688 @@
+"""The functions that measure: each takes a `Pair` and gives one `Measured`, for one row of the table
+in metrics.py.
+
+Every one is a pure function of two last cycles on the same points and instants, dimensionless:
+result − reference over a scale, signed wherever a sign has a meaning.
+
+# notation: ref the reference, E the value of a metric, u its uncertainty
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.comparison.cycles import Array, Cycle
+from reports.comparison.pairs import Mask, Pair, name_of
+from reports.comparison.work_of_loads import bulk_work, loop_work, on_straight_steps
+from reports.python_numbers import PythonNumbers
+from reports.units import minus
+from scenes import OPEN, ContactSolution
+from scenes.solution import range_of_slip
+
+# Differences of size that are rounding: engines repeat themselves to 1e-11.
+_ALIKE = 1e-9
+# Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth
+# is 0.
+_NO_DISSIPATION = 1e-12
+# Beside its scale, an amount of the reference of this share is nothing.
+_NOTHING = 1e-12
+# Share of theory's own value by which its value on the result's points may miss it: above, these
+# points say nothing of the value.
+_UNRESOLVED = 0.1
+# Of the same share: below, both are the same to the digits of a table.
+_SAME_DIGITS = 1e-6
+# Over a_ref: stick edges this close to the contact edges are those.
+_SAME_EDGE = 1e-9
+
+_NOT_IN_CONTACT = "no instant has points in contact in both"
+_NO_LOOP = "the path is not periodic: no loop"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Measured(PythonNumbers):
+    """What the function of a metric measures.
+
+    Attributes
+    ----------
+    value : of the last cycle, the worst where there is one at every instant; None where there is
+        nothing to compare; not finite where the data is not
+    time : instant of the worst value; None for a figure of the whole cycle
+    series : (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
+    note : what a reader must not miss
+    elements : value in local element sizes of the result, where it states one
+    absolute : whether the value is in the row's absolute unit, the reference's own figure being 0
+    place : where on the surface the worst value is, x/a_ref; None for what has no place
+    uncertainty : how far the error budget, else the engines' own statement, leaves the value open,
+        in its unit; None where nobody states it
+    amounts : (reference, result) of a row with a quantity, in units of the scene; None for the
+        others
+    """
+
+    value: float | None = None
+    time: float | None = None
+    series: Array | None = None
+    note: str = ""
+    elements: float | None = None
+    absolute: bool = False
+    place: float | None = None
+    uncertainty: float | None = None
+    amounts: tuple[float, float] | None = None
+
+
+# --------------------------------------------------------------------------- norms, shares, the worst
+
+
+def norm(x: Array, values: Array) -> Array:
+    """L2 norm over x, sqrt(int values^2 dx) by the trapezoidal rule: (..., n) -> (...)."""
+    return np.sqrt(np.trapezoid(np.square(values), x, axis=-1))
+
+
+def over(numerator: Array, denominator: Array) -> Array:
+    """Quotient; 0/0 is NaN ("nothing to compare"), anything else over 0 is infinite."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.asarray(numerator / denominator, dtype=float)
+
+
+def shares(at: Array) -> Array:
+    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,); 1 each where
+    all are one, as loads alike are.
+
+    >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
+    ([0.5, 1.5, 1.0], [1.0])
+    """
+    if at[-1] == at[0]:
+        return np.ones(len(at))
+    steps = np.diff(at)
+    steps_after = np.concatenate([steps, [0.0]])
+    steps_before = np.concatenate([[0.0], steps])
+    return np.asarray(steps_before + steps_after) / 2
+
+
+def _first_largest(size: Array) -> int:
+    """The first index of what is largest but for rounding.
+
+    A cycle that is its own mirror image has each difference twice, with both signs: which of them
+    is larger is chance.
+    """
+    return int(np.argmax(size >= (1 - _ALIKE) * size.max()))
+
+
+def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, float | None]:
+    """The value of largest size and its place, the first of like ones, among those that apply; a
+    NaN is the worst there is.
+
+    >>> _worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
+    (-3.0, 0.5)
+    """
+    if not applies.any():
+        return None, None
+    size = np.where(np.isnan(series), np.inf, np.abs(series))
+    worst = _first_largest(np.where(applies, size, -1.0))
+    return float(series[worst]), float(places[worst])
+
+
+def _at_worst(pair: Pair, series: Array, applies: Mask | None = None, **more: Any) -> Measured:
+    """`series` (k,) at the worst of the instants that are judged, or of those that apply."""
+    value, time = _worst(series, pair.judged if applies is None else applies, pair.found.time)
+    return Measured(value=value, time=time, series=series, **more)
+
+
+def _nothing_to_compare(why: str) -> Measured:
+    """No value, with the reason in words."""
+    return Measured(value=None, note=why)
+
+
+# -------------------------------------------------------------------------------- absolute values
+
+
+def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Measured:
+    """Found less expected over expected; over `scale` where that is nothing beside it (1e-12)."""
+    absolute = abs(expected) <= _NOTHING * scale
+    value = (found - expected) / (scale if absolute else expected)
+    return Measured(value=value, absolute=absolute, amounts=(expected, found), **more)
+
+
+def _beside_extremum(
+    extremum: float, common: float, measured: float, scale: float, *, external: bool, note: str = ""
+) -> Measured:
+    """A value of the result beside the reference's own.
+
+    Parameters
+    ----------
+    extremum, common : of the reference: its own, and by the rule, points and instants of the result
+    measured : of the result
+    scale : what the difference is over where the reference's own is 0
+    external : whether the result has points and instants of its own choice. Then the difference is
+        that from `common`, so that their error drops out, and a note says so; where they miss the
+        reference's own by too much there is none
+    """
+    amounts = (extremum, measured)
+    if math.isinf(extremum) and math.isfinite(measured):
+        return Measured(value=None, note="infinite in the reference", amounts=amounts)
+    if not external:
+        return _of_amounts(extremum, measured, scale, note=note)
+    size = abs(extremum) if abs(extremum) > _NOTHING * scale else scale
+    share_missed = abs(common - extremum) / size
+    if share_missed > _UNRESOLVED:
+        too_few = (
+            f"the result's points and instants are too few: on them the reference has {common:.4g}"
+            f" in place of {extremum:.4g}"
+        )
+        return Measured(value=None, note=too_few, amounts=amounts)
+    if share_missed > _SAME_DIGITS:
+        note = (
+            "the difference is that on the result's points and instants, where the reference has"
+            f" {common:.5g}"
+        )
+    return replace(_of_amounts(common, measured, scale, note=note), amounts=amounts)
+
+
+def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale: float) -> Measured:
+    """The largest `name` of the result beside theory's own; of another reference, beside its value
+    on common points.
+    """
+    extremum = common
+    note = ""
+    if pair.largest is not None:
+        extremum = getattr(pair.largest, name)
+        note = pair.largest.sampled
+    external = pair.has_external_result
+    return _beside_extremum(extremum, common, measured, scale, external=external, note=note)
+
+
+def _place_of_largest(pair: Pair, values: Array) -> float:
+    """x/a_ref of the largest of (n,)."""
+    return float(pair.found.x[np.argmax(values)]) / pair.scales.half_width
+
+
+def largest_pressure(pair: Pair) -> Measured:
+    """Largest p of the cycle."""
+    common = float(pair.expected.pressure.max())
+    measured = float(pair.found.pressure.max())
+    return _beside_theory(pair, "pressure", common, measured, pair.scales.pressure)
+
+
+def largest_half_width(pair: Pair) -> Measured:
+    """Largest half distance of the contact edges in the cycle."""
+    common = _largest_half_distance(pair.expected)
+    measured = _largest_half_distance(pair.found)
+    return _beside_theory(pair, "half_width", common, measured, pair.scales.half_width)
+
+
+def _largest_half_distance(cycle: Cycle) -> float:
+    return float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2
+
+
+def permanent_stick(pair: Pair) -> Measured:
+    """Half-width of what sticks through the whole cycle."""
+    return _length_of_stick_zone(pair, _permanent_half_width)
+
+
+def stick_eccentricity(pair: Pair) -> Measured:
+    """Middle of what sticks through the whole cycle."""
+    return _length_of_stick_zone(pair, _middle_of_stick)
+
+
+def _permanent_half_width(solution: ContactSolution) -> float:
+    return solution.permanent_stick_half_width
+
+
+def _middle_of_stick(solution: ContactSolution) -> float:
+    edges = solution.permanent_stick_edges
+    return math.nan if edges is None else float(np.mean(edges))
+
+
+def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], float]) -> Measured:
+    """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is
+    none.
+    """
+    expected = float(length_of(pair.reference))
+    found = float(length_of(pair.result))
+    amounts = (float(length_of(pair.plain_reference)), found)
+    if math.isnan(expected) and math.isnan(found):
+        both = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
+        return _nothing_to_compare(f"none in {both}")
+    if math.isnan(expected):
+        return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
+    if math.isnan(found):
+        return Measured(note=f"none in {name_of(pair.result.engine)}", amounts=amounts)
+    return Measured(value=(found - expected) / pair.scales.half_width, amounts=amounts)
+
+
+def largest_slip(pair: Pair) -> Measured:
+    """Largest range of s of a point while it is in contact, by each on its own points."""
+    if not pair.result.scene.friction.coefficient:
+        return _nothing_to_compare("nothing resists slip")
+    touches_in_result = pair.found.state != OPEN
+    touches_in_reference = pair.expected.state != OPEN
+    if not touches_in_result.any():
+        return _nothing_to_compare(_NOT_IN_CONTACT)
+    range_in_result = range_of_slip(pair.found.slip, touches_in_result)
+    common = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
+    measured = _beside_theory(pair, "slip", common, float(range_in_result.max()), pair.scales.slip)
+    return replace(measured, place=_place_of_largest(pair, range_in_result))
+
+
+def largest_slip_common(pair: Pair) -> Measured:
+    """Largest range of s of the points that are in contact in both."""
+    touching = _in_contact_in_both(pair)
+    if not touching.any():
+        return _nothing_to_compare(_NOT_IN_CONTACT)
+    range_in_result = range_of_slip(pair.found.slip, touching)
+    expected = float(range_of_slip(pair.expected.slip, touching).max())
+    return _of_amounts(
+        expected,
+        float(range_in_result.max()),
+        pair.scales.slip,
+        place=_place_of_largest(pair, range_in_result),
+    )
+
+
+def _in_contact_in_both(pair: Pair) -> Mask:
+    """(k, n) points and instants in contact in both."""
+    return np.asarray((pair.expected.state != OPEN) & (pair.found.state != OPEN))
+
+
+def dissipation(pair: Pair) -> Measured:
+    """W of the last cycle."""
+    measured = _beside_extremum(
+        pair.plain_reference.dissipation,
+        pair.reference.dissipation,
+        pair.result.dissipation,
+        pair.scales.dissipation,
+        external=pair.plain_reference is not pair.reference,
+    )
+    if measured.absolute:
+        note = "the reference dissipates nothing, so the value is absolute"
+        return replace(measured, note=note)
+    return measured
+
+
+def largest_dissipation_density(pair: Pair) -> Measured:
+    """Largest w(x)."""
+    common = float(pair.expected.dissipation_density.max())
+    largest = float(pair.found.dissipation_density.max())
+    measured = _beside_theory(pair, "dissipation_density", common, largest, pair.scales.density)
+    return replace(measured, place=_place_of_largest(pair, pair.found.dissipation_density))
+
+
+def edge_tension(pair: Pair) -> Measured:
+    """Largest stress along a face at an edge of contact."""
+    if not pair.result.scene.friction.coefficient:
+        return _nothing_to_compare("frictionless: nothing stretches the faces")
+    tension_of_reference = _largest_tension(pair.plain_reference, pair)
+    tension_of_result = _largest_tension(pair.result, pair)
+    engines = []
+    if tension_of_reference is None:
+        engines.append(name_of(pair.reference.engine))
+    if tension_of_result is None:
+        engines.append(name_of(pair.result.engine))
+    if tension_of_reference is None or tension_of_result is None:
+        return _nothing_to_compare(f"not known of {' and '.join(engines)}")
+
+    expected, expected_uncertainty = tension_of_reference
+    found, found_uncertainty = tension_of_result
+    measured = _of_amounts(expected, found, pair.scales.shear)
+    scale = pair.scales.shear if measured.absolute else abs(expected)
+    return replace(measured, uncertainty=(expected_uncertainty + found_uncertainty) / scale)
+
+
+def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
+    """The largest tension at an edge of contact and its uncertainty [stress]."""
+    import halfplane_fe
+
+    if solution.engine == "semi_analytic" and pair.largest is not None:
+        return pair.largest.edge_tension, pair.largest.edge_tension_uncertainty
+    if solution.engine != "halfplane_fe":
+        return None
+    largest = halfplane_fe.largest_edge_tension(solution)
+    return None if largest is None else (largest.value, largest.uncertainty)
+
+
+# ------------------------------------------------------------------------------- pressure and shear
+
+
+def peak_pressure(pair: Pair) -> Measured:
+    """Largest p of each instant.
+
+    Both maxima over the same points: where these lie beside the true peak cancels. A reference at
+    its own peak would make every result look too low by up to (h/a)^2/8.
+    """
+    expected = pair.expected.pressure.max(axis=1)
+    found = pair.found.pressure.max(axis=1)
+    return _at_worst(pair, over(found - expected, expected))
+
+
+def pressure(pair: Pair) -> Measured:
+    """L2 norm of the difference of the pressure over that of the pressure."""
+    x = pair.found.x
+    difference = norm(x, pair.found.pressure - pair.expected.pressure)
+    return _at_worst(pair, over(difference, norm(x, pair.expected.pressure)))
+
+
+def shear(pair: Pair) -> Measured:
+    """L2 norm of the difference of the shear over f times that of the pressure."""
+    x = pair.found.x
+    difference = norm(x, pair.found.shear - pair.expected.shear)
+    return _at_worst(pair, over(difference, pair.scales.friction * norm(x, pair.expected.pressure)))
+
+
+def normal_resultant(pair: Pair) -> Measured:
+    """P that the tractions carry."""
+    return _resultant(pair, _normal_resultant, "normal_load")
+
+
+def tangential_resultant(pair: Pair) -> Measured:
+    """Q that the tractions carry."""
+    return _resultant(pair, _tangential_resultant, "tangential_load")
+
+
+def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
+    """P that the tractions of `cycle` carry, (k,) [force / thickness].
+
+    Parameters
+    ----------
+    weights : (n,) share of the surface of each point [length]
+    normals : (2, n) out of the lower body, p acting along it and q across it
+    """
+    along, across = normals
+    resultant = np.asarray(cycle.pressure @ (weights * across))
+    # Zero times no shear, which a pressure alone has, is nothing of P.
+    if along.any():
+        resultant = resultant + cycle.shear @ (weights * along)
+    return resultant
+
+
+def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
+    """Q that the tractions of `cycle` carry, as `_normal_resultant`."""
+    along, across = normals
+    return np.asarray(cycle.shear @ (weights * across) - cycle.pressure @ (weights * along))
+
+
+def _resultant(
+    pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], load: str
+) -> Measured:
+    """With the result's own weights nothing of the reference enters; by the trapezoidal rule the
+    rule's own error is taken off.
+    """
+    x = pair.found.x
+    flat = np.array([np.zeros_like(x), np.ones_like(x)])
+    weights = getattr(pair.result, "weights", None)
+    normals = getattr(pair.result, "normals", None)
+    note = ""
+    surface = shares(x) if weights is None else weights
+    resultant = resultant_of(pair.found, surface, flat if normals is None else normals)
+    excess = resultant - getattr(pair.found, load)
+    if weights is None:
+        error_of_rule = resultant_of(pair.expected, shares(x), flat) - getattr(pair.expected, load)
+        excess = excess - error_of_rule
+        note = (
+            "the result states no weights, so by the trapezoidal rule, minus its error for the"
+            " reference"
+        )
+    return _at_worst(pair, over(excess, pair.found.normal_load), note=note)
+
+
+# -------------------------------------------------------------------------- contact, stick and slip
+
+
+def contact_edge(pair: Pair) -> Measured:
+    """Outward shift of the worse contact edge."""
+    shift = _shift_of_worse_edge(pair.expected.contact_edges, pair.found.contact_edges)
+    measured = _at_worst(pair, shift / pair.scales.half_width)
+    return replace(measured, elements=_in_elements(pair, measured.value))
+
+
+def stick_edge(pair: Pair) -> Measured:
+    """Outward shift of the worse stick edge, at instants at which both have one.
+
+    Instants at which the two differ in full stick, partial slip or full slip are counted, not
+    hidden.
+    """
+    length = pair.scales.half_width
+    status_of_reference = _stick_status(pair.expected, length)
+    status_of_result = _stick_status(pair.found, length)
+    shift = _shift_of_worse_edge(pair.expected.stick_edges, pair.found.stick_edges)
+    compared = pair.judged & _with_stick_edges(status_of_reference, status_of_result)
+    measured = _at_worst(pair, shift / length, compared)
+
+    differing = int((status_of_reference != status_of_result)[pair.judged].sum())
+    note = ""
+    if differing:
+        note = (
+            f"{differing} of {int(pair.judged.sum())} instants differ in full stick, partial slip"
+            " or full slip"
+        )
+    if measured.value is None and differing:
+        none_in_both = f"no instant has a stick edge in both: {note}"
+        return replace(measured, value=math.nan, note=none_in_both)
+    return replace(measured, note=note, elements=_in_elements(pair, measured.value))
+
+
+def _shift_of_worse_edge(expected: Array, found: Array) -> Array:
+    """Outward shift of the worse of two edges, (k,) from (k, 2); NaN where either lacks the edge.
+
+    >>> _shift_of_worse_edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]])).round(12).tolist()
+    [0.02]
+    """
+    outward = (found - expected) * np.array([-1.0, 1.0])
+    worse = np.argmax(np.abs(outward), axis=1)
+    return np.asarray(outward[np.arange(len(outward)), worse])
+
+
+def _in_elements(pair: Pair, value: float | None) -> float | None:
+    """An edge's shift in local element sizes of the result, which it states as
+    `settings["element_size"]` [length].
+    """
+    size = pair.result.settings.get("element_size")
+    if not size or value is None:
+        return None
+    return value * pair.scales.half_width / float(size)
+
+
+_FULL_SLIP = 0
+_PARTIAL_SLIP = 1
+_FULL_STICK = 2
+_OUT_OF_CONTACT = -1
+
+
+def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+    """What the whole contact does at each instant, (k,): full slip, partial slip, full stick, or
+    out of contact.
+
+    Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
+    """
+    distance = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
+    status = np.where(distance <= _SAME_EDGE * length, _FULL_STICK, _PARTIAL_SLIP)
+    status[np.isnan(distance)] = _FULL_SLIP
+    carries = cycle.pressure.max(axis=1) > 0
+    return np.where(carries, status, _OUT_OF_CONTACT).astype(np.int8)
+
+
+def _with_stick_edges(reference: NDArray[np.int8], result: NDArray[np.int8]) -> Mask:
+    """Instants of a cycle at which edges of stick are compared, from the `_stick_status` of both,
+    (k,).
+
+    Both have edges, and it is not one step by which one of them comes to full stick, or leaves it,
+    before the other: the edge jumps there, and that step is an error of an event.
+
+    >>> _with_stick_edges(
+    ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)
+    ... ).tolist()
+    [True, True, False, True, True, True]
+    """
+    both_have_edges = (reference != _FULL_SLIP) & (result != _FULL_SLIP)
+    is_one_step_late = (
+        (reference != result)
+        & _is_that_of_a_neighbour(reference, result)
+        & _is_that_of_a_neighbour(result, reference)
+    )
+    return np.asarray(both_have_edges & ~is_one_step_late)
+
+
+def _is_that_of_a_neighbour(status: NDArray[np.int8], other: NDArray[np.int8]) -> Mask:
+    """(k,) whether `status` is that of `other` one instant before or after."""
+    return np.asarray((status == np.roll(other, 1)) | (status == np.roll(other, -1)))
+
+
+def state(pair: Pair) -> Measured:
+    """Share of the length in contact whose state differs, mean over the cycle."""
+    lengths = np.gradient(pair.found.x)
+    touching = (pair.expected.state != OPEN) | (pair.found.state != OPEN)
+    differs = pair.expected.state != pair.found.state
+    series = over((differs * lengths).sum(axis=1), (touching * lengths).sum(axis=1))
+    time = pair.found.time[pair.touching]
+    if not len(time) or time[-1] == time[0]:
+        return Measured(value=None, series=series)
+    mean = np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])
+    return Measured(value=float(mean), series=series)
+
+
+def slip(pair: Pair) -> Measured:
+    """Root mean square of s - s_ref over the range of s_ref, where both are in contact: apart from
+    there it is a displacement and nothing slips.
+
+    Absolute, over f p_ref a_ref/E*, where the range of s_ref is below 1e-12 of that.
+    """
+    touching = _in_contact_in_both(pair)
+    applies = pair.judged & touching.any(axis=1)
+    if not applies.any():
+        return _nothing_to_compare(_NOT_IN_CONTACT)
+    range_of_reference = np.ptp(pair.expected.slip[touching])
+    absolute = bool(range_of_reference <= _NOTHING * pair.scales.slip)
+    scale = pair.scales.slip if absolute else range_of_reference
+    difference = np.where(touching, (pair.found.slip - pair.expected.slip) / scale, 0.0)
+    lengths = touching * shares(pair.found.x)
+    mean_square = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
+    return _at_worst(pair, np.sqrt(mean_square), applies, absolute=absolute)
+
+
+def moment(pair: Pair) -> Measured:
+    """M of each instant."""
+    return _series_of_tilted(pair, "moment", pair.scales.moment)
+
+
+def tilt(pair: Pair) -> Measured:
+    """Tilt of each instant."""
+    return _series_of_tilted(pair, "tilt", pair.scales.tilt)
+
+
+def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
+    """A series over time that not every solution states, result − reference."""
+    expected = getattr(pair.expected, name)
+    found = getattr(pair.found, name)
+    if expected is None or found is None:
+        return _nothing_to_compare("a solution states none")
+    return _at_worst(pair, (found - expected) / scale)
+
+
+# ---------------------------------------------------------------------------------- work and energy
+
+
+def tangential_displacement(pair: Pair) -> Measured:
+    """U of each instant, over the range of U_ref."""
+    expected = pair.expected.tangential_displacement
+    found = pair.found.tangential_displacement
+    stroke = float(np.ptp(expected))
+    least_stroke = _NOTHING * pair.scales.shift
+    if stroke <= least_stroke:
+        nothing = np.full_like(expected, np.nan)
+        note = "the reference does not move sideways"
+        return Measured(value=None, series=nothing, note=note)
+    # A stroke that is NaN moves: it must not count as standing still and hide.
+    series = (
+        (found - expected) / stroke if stroke > least_stroke else np.full_like(expected, np.nan)
+    )
+    note = "" if pair.judged.any() else "the reference does not move sideways"
+    return _at_worst(pair, series, note=note)
+
+
+def dissipation_without_steps(pair: Pair) -> Measured:
+    """W of both on the straight lines between the instants: the error of the steps is taken out."""
+    polygon = pair.polygon_reference or pair.reference
+    straight = on_straight_steps(pair.result)
+    return _of_amounts(polygon.dissipation, straight.dissipation, pair.scales.dissipation)
+
+
+def dissipation_of_steps(pair: Pair) -> Measured:
+    """W_ref on the straight lines between the instants, with what the result adds for a curve: the
+    error of the steps alone.
+    """
+    polygon = pair.polygon_reference or pair.reference
+    straight = on_straight_steps(pair.result).dissipation
+    factor_of_curve = pair.result.dissipation / straight if straight else 1.0
+    return _of_amounts(
+        pair.reference.dissipation,
+        polygon.dissipation * factor_of_curve,
+        pair.scales.dissipation,
+    )
+
+
+def hysteresis(pair: Pair) -> Measured:
+    """Closed integral of Q dU."""
+    if not pair.periodic:
+        return _nothing_to_compare(_NO_LOOP)
+    return _of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation)
+
+
+def bulk_term(pair: Pair) -> Measured:
+    """-closed integral of m_q d(eps)."""
+    if not pair.periodic:
+        return _nothing_to_compare(_NO_LOOP)
+    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
+        if cycle.shear_moment is None:
+            return _nothing_to_compare(f"{name_of(solution.engine)} states no moment of its shear")
+    materials = pair.result.scene.material
+    difference = bulk_work(pair.found, materials) - bulk_work(pair.expected, materials)
+    work = pair.reference.dissipation
+    scale = pair.scales.dissipation
+    absolute = abs(work) <= _NO_DISSIPATION * scale
+    return Measured(value=difference / (scale if absolute else work), absolute=absolute)
+
+
+def drift(pair: Pair) -> Measured:
+    """Change of W in the last cycle over W."""
+    expected = pair.reference.dissipation_drift
+    found = pair.result.dissipation_drift
+    parts = []
+    for solution, change in ((pair.reference, expected), (pair.result, found)):
+        if math.isnan(change):
+            parts.append(f"{name_of(solution.engine)}: not known")
+        elif change:
+            size = minus(f"{change:+.1e}")
+            parts.append(f"{name_of(solution.engine)}: {size} in its last cycle")
+    note = "; ".join(parts)
+    if math.isnan(expected) or math.isnan(found):
+        return _nothing_to_compare(note)
+    return Measured(value=found - expected, note=note)
+
+
+def dissipation_density(pair: Pair) -> Measured:
+    """w(x) at the worst point, over the largest w_ref.
+
+    Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
+    counts as work).
+    """
+    expected = pair.expected.dissipation_density
+    largest = np.max(np.abs(expected))
+    absolute = bool(largest <= _NO_DISSIPATION * pair.scales.density)
+    scale = pair.scales.density if absolute else largest
+    difference = (pair.found.dissipation_density - expected) / scale
+    value, x = _worst(difference, np.ones(len(difference), bool), pair.found.x)
+    place = None if x is None else x / pair.scales.half_width
+    return Measured(value=value, absolute=absolute, place=place)
+
+
+def energy_balance(pair: Pair) -> Measured:
+    """From the record of the result, which alone knows what its bodies store."""
+    balance = pair.result.record.certificates.get("energy_balance")
+    if balance is None:
+        return _nothing_to_compare("the result records none")
+    series = np.asarray(balance, dtype=float)[pair.result.last_cycle]
+    return _at_worst(pair, series, np.ones(len(series), bool))

@@ -1,0 +1,142 @@
+"""A reference and a result, the one put on the other's points and instants; what either is called;
+and whether theory is exact for their bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.comparison.cycles import Cycle
+from reports.comparison.dimensionless import Scales
+from scenes import ContactSolution, Scene
+
+if TYPE_CHECKING:
+    from semi_analytic import Extremes
+
+Mask = NDArray[np.bool_]
+
+# Instants with less than this share of P_ref are shown and not judged: on its way from or to the
+# unloaded state a contact passes through sizes of a few elements and of one, where an error
+# relative to its own traction measures the mesh only.
+LIGHT = 0.1
+# Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
+_NO_COUPLING = 1e-9
+
+_ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+
+
+def name_of(engine: str) -> str:
+    """What an engine is called on the page.
+
+    >>> name_of("halfplane_fe"), name_of("somebody's code")
+    ('finite elements', "somebody's code")
+    """
+    return _ENGINES.get(engine, engine)
+
+
+def coupled(scene: Scene) -> bool:
+    """Whether normal and shear tractions of these materials feel each other: Dundurs' beta is not
+    0, and there is friction.
+    """
+    if scene.material.alike or not scene.friction.coefficient:
+        return False
+    from halfplane_fe.dundurs import dundurs
+
+    return abs(dundurs(scene.material).beta) >= _NO_COUPLING
+
+
+def are_half_planes(scene: Scene) -> bool:
+    """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear
+    tractions do not feel each other.
+
+    Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an
+    idealisation too.
+    """
+    return scene.bodies.half_planes and not coupled(scene)
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Reference and result, the one put on the other's points and instants: see `Comparison` for
+    the names.
+    """
+
+    reference: ContactSolution
+    result: ContactSolution
+    polygon_reference: ContactSolution | None
+    plain_reference: ContactSolution
+    scales: Scales
+    expected: Cycle
+    found: Cycle
+
+    @cached_property
+    def largest(self) -> Extremes | None:
+        """Theory's own largest values, whatever points it is compared on; None where the reference
+        is no theory.
+        """
+        import semi_analytic
+
+        if self.plain_reference.engine != "semi_analytic":
+            return None
+        return semi_analytic.extremes(self.plain_reference)
+
+    @property
+    def has_external_result(self) -> bool:
+        """Whether the result is no finite-element answer of this project: its points and instants
+        are its own choice.
+        """
+        return self.result.engine != "halfplane_fe"
+
+    @property
+    def has_polygon(self) -> bool:
+        """Whether the reference on the straight steps of the result is known."""
+        return self.polygon_reference is not None
+
+    @cached_property
+    def touching(self) -> Mask:
+        """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not
+        hide).
+        """
+        return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
+
+    @cached_property
+    def judged(self) -> Mask:
+        """(k,) instants that a verdict is taken from."""
+        return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
+
+    @cached_property
+    def periodic(self) -> bool:
+        """Whether the load path repeats."""
+        return self.result.scene.load.path().period is not None
+
+    @cached_property
+    def pulled(self) -> bool:
+        """Whether the scene states a bulk stress."""
+        load = self.result.scene.load
+        return load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
+
+    @cached_property
+    def turned(self) -> bool:
+        """Whether the scene states a tilt, a moment or a line of action, or has two unequal
+        sides.
+        """
+        scene = self.result.scene
+        stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
+        return any(value is not None for value in stated) or not scene.profile.symmetric
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Either of both."""
+        return self.pulled or self.turned
+
+    @property
+    def may_drift(self) -> bool:
+        """Whether a cycle may differ from the one before for good: an unsymmetric one that
+        repeats.
+        """
+        return self.periodic and self.unsymmetric
