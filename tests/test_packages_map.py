@@ -13,6 +13,7 @@ from collections import Counter
 from importlib import import_module
 from importlib.metadata import distributions
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import pytest
@@ -326,3 +327,27 @@ def test_every_line_of_costly_names_a_test(request: pytest.FixtureRequest) -> No
         if name.split("::")[0] in collected or not (here / name.split("::")[0]).exists()
     }
     assert lost == set()
+
+
+# ------------------------------------------------------------ the way of a scene, and where things go
+def test_the_ten_functions_of_the_way_exist_and_say_what_they_do() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    names = re.findall(r"^ ?\d+  (\S+) ", page, re.M)
+    assert len(names) == 10
+    for name in names:
+        assert resolve_name(name).__doc__, name
+
+
+def test_the_files_of_the_recipes_exist() -> None:
+    page = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8")
+    recipes = page.partition("## Where to put it")[2].partition("\n## ")[0]
+    files = re.findall(r"`((?:\w+/)+\w+\.py)`", recipes)
+    tests = re.findall(r"`(test_\w+\.py)`", recipes)
+    assert len(files) > 5
+    assert len(tests) > 5
+    missing = [
+        file
+        for file in [*files, *(f"tests/{name}" for name in tests)]
+        if not (ROOT / file).exists()
+    ]
+    assert not missing
