@@ -70,7 +70,9 @@ def problem(change: Callable[..., tuple[Any, ...]]) -> Planted:
     rest; lengths are scaled by a.
     """
     make = SOLVE.ContactProblem
-    return mock.patch.object(SOLVE, "ContactProblem", lambda *given: make(*change(*given)))
+    return mock.patch.object(
+        SOLVE, "ContactProblem", lambda *given, **named: make(*change(*given), **named)
+    )
 
 
 def gap(change: Callable[[np.ndarray, np.ndarray], Any]) -> Planted:

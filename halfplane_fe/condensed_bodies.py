@@ -34,14 +34,14 @@ class CondensedBodies:
 
     def __init__(self, bound_bytes: int) -> None:
         self.bound_bytes = bound_bytes
-        # least recently used first
-        self._results: OrderedDict[bytes, dict[str, Any]] = OrderedDict()
+        # fields of each body but for its mesh, least recently used first
+        self._cached: OrderedDict[bytes, dict[str, Any]] = OrderedDict()
         self._lock = Lock()
 
     @property
     def nbytes(self) -> int:
         """Bytes of the cached arrays."""
-        return sum(_nbytes(result) for result in self._results.values())
+        return sum(_nbytes(values) for values in self._cached.values())
 
     def condensed(
         self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
@@ -49,37 +49,33 @@ class CondensedBodies:
         """The body condensed (`condense`), now or before; `work` counts which."""
         key = _digest(body, material, datum_length)
         with self._lock:
-            result = self._results.get(key)
-            if result is not None:
-                self._results.move_to_end(key)
-        if result is not None:
+            cached = self._cached.get(key)
+            if cached is not None:
+                self._cached.move_to_end(key)
+        if cached is not None:
             work[CACHED] += 1
-            return CondensedBody(body=body, **result)
+            return CondensedBody(body=body, **cached)
         condensed = condense(body, material, datum_length)
         work["condensations"] += 1
         work["sparse factorisations"] += int(condensed.diagnostics["sparse_factorisations"])
         # Without the mesh, which is larger than what was made of it.
-        self._add(
-            key,
-            {
-                field.name: getattr(condensed, field.name)
-                for field in fields(condensed)
-                if field.name != "body"
-            },
-        )
+        names = [field.name for field in fields(condensed) if field.name != "body"]
+        self._add(key, {name: getattr(condensed, name) for name in names})
         return condensed
 
-    def _add(self, key: bytes, result: dict[str, Any]) -> None:
-        if _nbytes(result) > self.bound_bytes:
+    def _add(self, key: bytes, values: dict[str, Any]) -> None:
+        """Cache the fields of a body; those that were used least recently go."""
+        if _nbytes(values) > self.bound_bytes:
             return
         with self._lock:
-            self._results[key] = result
+            self._cached[key] = values
             while self.nbytes > self.bound_bytes:
-                self._results.popitem(last=False)
+                self._cached.popitem(last=False)
 
 
-def _nbytes(result: dict[str, Any]) -> int:
-    return sum(value.nbytes for value in result.values() if isinstance(value, np.ndarray))
+def _nbytes(values: dict[str, Any]) -> int:
+    """Bytes of the arrays among some fields."""
+    return sum(value.nbytes for value in values.values() if isinstance(value, np.ndarray))
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:

@@ -53,7 +53,8 @@ class System:
     contact : (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     around : boundaries to the half-plane around the body; none for a body of finite size
     arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
-    on rollers against Q held : those that supports keep at zero
+        on rollers against Q
+    held : those that supports keep at zero
     pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends
         [length]
     """
@@ -71,10 +72,10 @@ class System:
     @cached_property
     def node(self) -> Indices:
         """(n_dofs,) of each degree of freedom its node."""
-        of_pressure = self.mesh.nvertices if split_lame(self.material, self.order)[1] else 0
-        return np.concatenate(
-            [np.repeat(np.arange(self.mesh.p.shape[1]), 2), np.arange(of_pressure)]
-        )
+        of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
+        if not split_lame(self.material, self.order).of_pressure:
+            return of_displacement
+        return np.concatenate([of_displacement, np.arange(self.mesh.nvertices)])
 
     @cached_property
     def basis(self) -> skfem.Basis:
@@ -107,19 +108,22 @@ def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
     """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral,
     # as VTK does its mid-side nodes.
-    middles = np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None]
-    parts = mesh.t[: mesh.refdom.nfacets], mesh.nvertices + mesh.t2f, middles
-    return np.vstack(parts[: 1 if order == 1 else mesh.refdom.nfacets - 1]).T.astype(np.int64)
+    n_corners = mesh.refdom.nfacets
+    rows = [mesh.t[:n_corners]]
+    if order == 2:
+        rows.append(mesh.nvertices + mesh.t2f)
+    if order == 2 and n_corners == 4:
+        rows.append(np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None])
+    return np.vstack(rows).T.astype(np.int64)
 
 
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
     """(2, n) degrees of freedom (x, y) of a named boundary, by ascending x, then y."""
     facets = mesh.boundaries[name]
-    nodes = np.unique(
-        np.concatenate(
-            [mesh.facets[:, facets].ravel(), *([mesh.nvertices + facets] if order == 2 else [])]
-        )
-    )
+    of_facets = [mesh.facets[:, facets].ravel()]
+    if order == 2:
+        of_facets.append(mesh.nvertices + facets)
+    nodes = np.unique(np.concatenate(of_facets))
     nodes = nodes[np.lexsort((mesh.p[1, nodes], mesh.p[0, nodes]))].astype(np.int64)
     return np.stack([2 * nodes, 2 * nodes + 1])
 
@@ -128,7 +132,9 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     """The body on its supports; InputError for linear elements of a nearly incompressible body,
     since they lock.
     """
-    mesh, order, supports = body.mesh, order_of(body.mesh), body.supports
+    mesh = body.mesh
+    order = order_of(mesh)
+    supports = body.supports
     if order == 1 and material.poisson_ratio > _LARGEST_NU_LINEAR:
         raise InputError(
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear"
@@ -147,12 +153,22 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         if support == "rollers" and "guided" not in supports.values():
             # Nothing else keeps the body from drifting along x. This support carries nothing: there
             # is no tangential load, or the ends hold it.
-            held.append(dofs[name][0, [np.argmin(np.abs(mesh.p[0, dofs[name][0] // 2]))]])
-    known = dofs["contact"], around, arc, np.unique(np.concatenate(held))
-    system = System(mesh, material, order, cells_of(mesh, order), *known, np.empty(0))
-    return replace(
-        system, pull=_pull(system, [facet for name in ends for facet in mesh.boundaries[name]])
+            along_x = dofs[name][0]
+            middle = np.argmin(np.abs(mesh.p[0, along_x // 2]))
+            held.append(along_x[[middle]])
+    system = System(
+        mesh=mesh,
+        material=material,
+        order=order,
+        cells=cells_of(mesh, order),
+        contact=dofs["contact"],
+        around=around,
+        arc=arc,
+        held=np.unique(np.concatenate(held)),
+        pull=np.empty(0),
     )
+    facets_of_ends = [facet for name in ends for facet in mesh.boundaries[name]]
+    return replace(system, pull=_pull(system, facets_of_ends))
 
 
 def _pull(system: System, facets: list[int]) -> Array:
@@ -166,17 +182,23 @@ def _pull(system: System, facets: list[int]) -> Array:
     return forces
 
 
-def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
+class SplitLame(NamedTuple):
     """Lame's lambda of the displacement elements, what of it goes through the pressure r (0 where
-    nothing does), and G.
+    nothing does), and G [stress].
     """
+
+    of_displacement: float
+    of_pressure: float
+    shear_modulus: float
+
+
+def split_lame(material: Elastic, order: int) -> SplitLame:
+    """How elements of this order have Lame's lambda."""
     lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
     rest = lam - PLAIN_LAMBDA * shear_modulus
-    return (
-        (lam - rest, rest, shear_modulus)
-        if order == 2 and rest > 1e-6 * shear_modulus
-        else (lam, 0.0, shear_modulus)
-    )
+    if order == 2 and rest > 1e-6 * shear_modulus:
+        return SplitLame(lam - rest, rest, shear_modulus)
+    return SplitLame(lam, 0.0, shear_modulus)
 
 
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
@@ -186,39 +208,43 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
     the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
     """
-    # notation: G is the shear modulus
-    lam, rest, G = split_lame(system.material, system.order)
-    mesh, cells = system.mesh, system.cells[elements]
+    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G
+    B, -G^2 M/lambda_1]]: quasi-definite.
+
+    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
+    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+    """
+    # notation: G is the shear modulus; e elements, n their nodes, q quadrature points
+    lam, lambda_1, G = split_lame(system.material, system.order)
+    mesh = system.mesh
+    cells = system.cells[elements]
+    n_nodes = cells.shape[1]
     element = scalar_element(mesh, system.order)
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
-    slopes = np.stack([element.lbasis(points, i)[1] for i in range(cells.shape[1])])  # (n, 2, q)
+    slopes = np.stack([element.lbasis(points, i)[1] for i in range(n_nodes)])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
-    size = xx * yy - xy * yx
-    inverse = np.array([[yy, -xy], [-yx, xx]]) / size
+    determinant = xx * yy - xy * yx
+    inverse = np.array([[yy, -xy], [-yx, xx]]) / determinant
     gradients = np.einsum("nbq,baeq->enaq", slopes, inverse).reshape(len(cells), -1, len(weights))
-    share = (np.abs(size) * weights)[:, None]
-    D = (gradients * share @ gradients.transpose(0, 2, 1)).reshape(
-        len(cells), len(slopes), 2, len(slopes), 2
-    )
+    areas = (np.abs(determinant) * weights)[:, None]
+    D = gradients * areas @ gradients.transpose(0, 2, 1)
+    D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
     blocks = lam * D + G * D.swapaxes(2, 4)
     blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    dofs, blocks = (
-        (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1),
-        blocks.reshape(len(cells), 2 * len(slopes), -1),
-    )
-    if rest:
-        corners, linear = cells[:, : mesh.refdom.nfacets], scalar_element(mesh, 1)
+    blocks = blocks.reshape(len(cells), 2 * n_nodes, -1)
+    dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
+    if lambda_1:
+        corners = cells[:, : mesh.refdom.nfacets]
+        linear = scalar_element(mesh, 1)
         values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
-        divergence, mass = (
-            G * (values * share) @ gradients.transpose(0, 2, 1),
-            -(G**2) / rest * (values * share) @ values.T,
-        )
+        divergence = G * (values * areas) @ gradients.transpose(0, 2, 1)
+        mass = -(G**2) / lambda_1 * (values * areas) @ values.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
-    rows, columns = (
-        np.broadcast_to(one, blocks.shape).ravel() for one in (dofs[:, :, None], dofs[:, None, :])
-    )
-    return sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(system.node),) * 2)
+    rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
+    columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
+    entries = (blocks.ravel(), (rows.ravel(), columns.ravel()))
+    return sparse.csr_matrix(entries, shape=(len(system.node),) * 2)
 
 
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves
@@ -275,6 +301,8 @@ class _Mode(NamedTuple):
     """Motions that are condensed by themselves: all of a body, or those of one parity of a body
     that is its own mirror image.
 
+    Attributes
+    ----------
     dofs : (k,) degrees of freedom that stand for themselves and for their mirror images
     column, factor : (n_dofs,) which of them each one follows, and by how much, so that the motions
         are orthonormal; 0 if it is at rest
@@ -303,47 +331,61 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     other way round. The two have no energy in common, so that each has a stiffness of its own:
     twice that of the part x >= 0 in the mode's motions.
     """
-    mesh, every, image = system.mesh, np.arange(len(system.node)), _mirror_images(system)
-    right = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
-    if image is None or 2 * len(right) != mesh.nelements:
-        return np.arange(mesh.nelements), (_Mode(every, every, np.ones(len(every))),)
-    here = mesh.p[0, system.node] >= 0
-    parity = np.ones(len(every))
+    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last
+    bit; else all, and one mode.
+
+    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the
+    other way round. The two have no energy in common, so that each has a stiffness of its own:
+    twice that of the part x >= 0 in the mode's motions.
+    """
+    mesh = system.mesh
+    all_dofs = np.arange(len(system.node))
+    image = _mirror_images(system)
+    right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
+    if image is None or 2 * len(right_elements) != mesh.nelements:
+        return np.arange(mesh.nelements), (_Mode(all_dofs, all_dofs, np.ones(len(all_dofs))),)
+    on_right = mesh.p[0, system.node] >= 0
+    parity = np.ones(len(all_dofs))
     parity[: 2 * mesh.p.shape[1] : 2] = -1.0
     modes = []
     for sign in (parity, -parity):
-        factor = np.where(image == every, (1 + sign) / 2, np.sqrt(0.5) * np.where(here, 1.0, sign))
-        dofs = np.flatnonzero(here & (factor != 0))
-        column = np.zeros_like(every)
-        column[dofs] = column[image[dofs]] = np.arange(len(dofs))
+        of_pairs = np.sqrt(0.5) * np.where(on_right, 1.0, sign)
+        factor = np.where(image == all_dofs, (1 + sign) / 2, of_pairs)
+        dofs = np.flatnonzero(on_right & (factor != 0))
+        column = np.zeros_like(all_dofs)
+        column[dofs] = np.arange(len(dofs))
+        column[image[dofs]] = np.arange(len(dofs))
         modes.append(_Mode(dofs, column, factor))
-    return right, tuple(modes)
+    return right_elements, tuple(modes)
 
 
 def _mirror_images(system: System) -> Indices | None:
     """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
     are not mirror images.
     """
+    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
+    are not mirror images.
+    """
     places = system.mesh.p
-    left, right = np.lexsort((places[1], places[0])), np.lexsort((places[1], -places[0]))
-    if not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
+    from_left = np.lexsort((places[1], places[0]))
+    from_right = np.lexsort((places[1], -places[0]))
+    if not np.array_equal(places[:, from_left] * [[-1.0], [1.0]], places[:, from_right]):
         return None
-    of_nodes = np.empty_like(left)
-    of_nodes[left] = right
-    image = np.concatenate([(2 * of_nodes[:, None] + [0, 1]).ravel(), 2 * len(left) + of_nodes])[
-        : len(system.node)
-    ]
+    of_nodes = np.empty_like(from_left)
+    of_nodes[from_left] = from_right
+    of_displacement = (2 * of_nodes[:, None] + [0, 1]).ravel()
+    of_pressure = 2 * len(of_nodes) + of_nodes
+    image = np.concatenate([of_displacement, of_pressure])[: len(system.node)]
 
     def as_sets(table: Indices) -> Indices:
+        """The columns of a table, each sorted, in one order."""
         rows = np.sort(table, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    tables = (2 * system.cells.T, system.contact, system.arc, system.held[None])
-    return (
-        image
-        if all(np.array_equal(as_sets(table), as_sets(image[table])) for table in tables)
-        else None
-    )
+    for table in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
+        if not np.array_equal(as_sets(table), as_sets(image[table])):
+            return None
+    return image
 
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
@@ -363,83 +405,99 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     return ranks[system.node]
 
 
+class _CondensedMode(NamedTuple):
+    """What the k degrees of freedom of a mode at the contact nodes do.
+
+    Attributes
+    ----------
+    motions : (2 n, k) displacement of the contact nodes by each of them
+    compliance : (k, k)
+    by_stress : (k,) their displacement under a unit of tension on the ends
+    error : how far both are from the solution of the mesh under a random load, relative
+    """
+
+    motions: sparse.csr_matrix
+    compliance: Array
+    by_stress: Array
+    error: float
+
+
 def _condensed_mode(
     system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
-) -> tuple[sparse.csr_matrix, Array, Array, float]:
-    """The motions (2 n, k) of the contact nodes by the k degrees of freedom of a mode there; the
-    compliance of these (k, k), their displacement (k,) under tension on the ends, and how far both
-    are from the solution under a random load.
+) -> _CondensedMode:
+    """A mode condensed to the contact nodes.
 
     The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the
     inner ones alone, of
 
-        [K_ii 0; K_ti 1] = L U,     L_ti = K_ti U_ii^-1,     S = K_tt - L_ti D L_ti^T,   D the diagonal of U,
+        [K_ii 0; K_ti 1] = L U,   L_ti = K_ti U_ii^-1,   S = K_tt - L_ti D L_ti^T,
 
-    and dense algebra goes on with the stiffness S, several times faster there: columns of L_ti that
-    hold little are multiplied as sparse ones, the others as dense ones. With B the loads on the arc
-    the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane around it is taken off.
+    D being the diagonal of U. Dense algebra goes on with the stiffness S, several times faster
+    there: columns of L_ti that hold little are multiplied as sparse ones, the others as dense ones.
+    With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane
+    around it is taken off.
     """
-    contact, around, held = (
-        np.flatnonzero(np.isin(mode.dofs, dofs))
-        for dofs in (system.contact, system.arc, system.held)
-    )
+    contact = np.flatnonzero(np.isin(mode.dofs, system.contact))
+    around = np.flatnonzero(np.isin(mode.dofs, system.arc))
+    held = np.flatnonzero(np.isin(mode.dofs, system.held))
     if system.around:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
-        rigid = (
-            mode.motions(system.arc.ravel(), around).T
-            @ rigid_motions(system.mesh)[system.arc.ravel()]
-        )
-        _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
-        n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
-        held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
+        held, around = _held_on_arc(system, mode, around)
     inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
-    order, n, m, last = (
-        np.concatenate([inner, around, contact]),
-        len(inner),
-        len(around),
-        slice(len(inner), None),
-    )
-    motions = mode.motions(np.arange(len(mode.column)), order)
-    ordered = (motions.T @ stiffness @ motions).tocsc()
+    order = np.concatenate([inner, around, contact])
+    n = len(inner)
+    m = len(around)
+    last = slice(n, None)
+    all_motions = mode.motions(np.arange(len(mode.column)), order)
+    ordered = (all_motions.T @ stiffness @ all_motions).tocsc()
     units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
     factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
-    root = cholesky(
-        ordered[last, last].toarray()
-        - _outer_product(factors.L[last, :n], factors.U.diagonal()[:n]),
-        lower=True,
-    )
-    lower = np.tril(dpotri(root, lower=1)[0])
-    inverse = lower + np.tril(lower, -1).T
-    by_contact = mode.motions(system.contact.ravel(), contact)
-    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ by_contact)
-    carried = inverse[:, :m] @ on_arc + inverse[:, m:]
-    of_half_plane = (arc.tractions @ by_contact).T, arc.displacements @ by_contact
-    compliance = on_arc.T @ carried[:m] + carried[m:] - of_half_plane[0] @ of_half_plane[1]
-    forces, loads = (
-        np.random.default_rng(0).standard_normal(len(contact)),
-        np.zeros((len(order), 2)),
-    )
+    eliminated = _outer_product(factors.L[last, :n], factors.U.diagonal()[:n])
+    root = cholesky(ordered[last, last].toarray() - eliminated, lower=True)
+    triangle = np.tril(dpotri(root, lower=1)[0])
+    inverse = triangle + np.tril(triangle, -1).T
+    motions = mode.motions(system.contact.ravel(), contact)
+    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ motions)
+    by_forces = inverse[:, :m] @ on_arc + inverse[:, m:]
+    tractions = (arc.tractions @ motions).T
+    displacements = arc.displacements @ motions
+    compliance = on_arc.T @ by_forces[:m] + by_forces[m:] - tractions @ displacements
+    # The solution of the mesh under a random load, and under tension on the ends.
+    forces = np.random.default_rng(0).standard_normal(len(contact))
+    loads = np.zeros((len(order), 2))
     loads[last, 0] = np.concatenate([on_arc @ forces, forces])
-    loads[:, 1] = motions.T @ system.pull
-    found = factors.solve(loads)  # of the last ones the load that is left to them
-    found[last] = cho_solve((root, True), found[last])
-    found[:n] -= factors.solve(ordered[:, last] @ found[last])[:n]
-    moved, by_stress = (on_arc.T @ found[n : n + m] + found[n + m :]).T
-    moved = moved - of_half_plane[0] @ (of_half_plane[1] @ forces)
+    loads[:, 1] = all_motions.T @ system.pull
+    solved = factors.solve(loads)  # of the last ones the load that is left to them
+    solved[last] = cho_solve((root, True), solved[last])
+    solved[:n] -= factors.solve(ordered[:, last] @ solved[last])[:n]
+    displacement, by_stress = (on_arc.T @ solved[n : n + m] + solved[n + m :]).T
+    displacement = displacement - tractions @ (displacements @ forces)
+    largest_loads = np.maximum(np.abs(loads).max(axis=0), 1e-300)
+    residuals = np.abs(ordered @ solved - loads).max(axis=0) / largest_loads
+    error_of_compliance = np.abs(compliance @ forces - displacement).max()
+    # Betti's theorem: the load does the work in the displacement by tension that the tension does
+    # in its own.
+    error_of_work = np.abs(forces @ by_stress - loads[:, 1] @ solved[:, 0])
+    largest_work = max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300)
     errors = [
-        *(
-            np.abs(ordered @ found - loads).max(axis=0)
-            / np.maximum(np.abs(loads).max(axis=0), 1e-300)
-        ),
-        np.abs(compliance @ forces - moved).max() / np.abs(moved).max(),
-        # Betti's theorem: the load does the work in the displacement by tension that the tension
-        # does in its own.
-        np.abs(forces @ by_stress - loads[:, 1] @ found[:, 0])
-        / max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300),
+        *residuals,
+        error_of_compliance / np.abs(displacement).max(),
+        error_of_work / largest_work,
     ]
-    return by_contact, compliance, by_stress, float(np.max(errors))
+    return _CondensedMode(motions, compliance, by_stress, float(np.max(errors)))
+
+
+def _held_on_arc(system: System, mode: _Mode, around: Indices) -> tuple[Indices, Indices]:
+    """Of a mode's degrees of freedom on the arc: as many as the mode has rigid motions, which are
+    held, and the others.
+    """
+    arc = system.arc.ravel()
+    rigid = mode.motions(arc, around).T @ rigid_motions(system.mesh)[arc]
+    _, triangle, pivots = qr(rigid.T, mode="economic", pivoting=True)
+    n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
+    return around[pivots[:n_rigid]], np.sort(around[pivots[n_rigid:]])
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
@@ -449,25 +507,32 @@ _DENSE = 1 / 12
 
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
-    total, counts = np.zeros((columns.shape[0],) * 2), np.diff(columns.indptr)
-    scaled, dense = columns.copy(), counts > _DENSE * len(total)
+    """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
+    n_rows = columns.shape[0]
+    total = np.zeros((n_rows, n_rows))
+    counts = np.diff(columns.indptr)
+    is_dense = counts > _DENSE * n_rows
+    is_sparse = ~is_dense & (counts > 0)
+    scaled = columns.copy()
     scaled.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
     for sign in np.unique(np.sign(factor)):
-        few, many = (
-            scaled[:, (factor * sign > 0) & ~dense & (counts > 0)],
-            scaled[:, (factor * sign > 0) & dense].toarray(),
-        )
-        total += sign * ((few @ few.T).toarray() + many @ many.T)
+        has_sign = factor * sign > 0
+        sparse_columns = scaled[:, has_sign & is_sparse]
+        dense_columns = scaled[:, has_sign & is_dense].toarray()
+        of_sparse = (sparse_columns @ sparse_columns.T).toarray()
+        total += sign * (of_sparse + dense_columns @ dense_columns.T)
     return total
 
 
 class ArcLoads(NamedTuple):
     """The half-plane's tractions on the arc by unit forces on the contact nodes, see
-    `far_field.arc_work`.
+    `far_field.arc_work`; zeros, and none, for a body without an arc.
 
-    `by_nodes` (2 m, 2 n) their work on the nodes of the arc; `tractions` and `displacements` (k, 2
-    n) of the half-plane at points of the arc, whose product is their work in the half-plane's own
-    displacement; zeros, and none, for a body without an arc.
+    Attributes
+    ----------
+    by_nodes : (2 m, 2 n) their work on the nodes of the arc
+    tractions, displacements : (k, 2 n) of the half-plane at points of the arc, whose product is
+        their work in the half-plane's own displacement
     """
 
     by_nodes: Array
@@ -477,28 +542,29 @@ class ArcLoads(NamedTuple):
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
-    contact, arc = (
-        system.mesh.p[0, system.node[system.contact[0]]],
-        system.mesh.p[:, system.node[system.arc[0]]],
-    )
+    """Those of the body; `datum_length` as of `condense` [length]."""
+    contact = system.mesh.p[0, system.node[system.contact[0]]]
+    arc = system.mesh.p[:, system.node[system.arc[0]]]
     if system.around:
         return ArcLoads(*arc_work(arc, system.order, contact, system.material, datum_length))
     by_nodes = np.zeros((system.arc.size, system.contact.size))
     if system.arc.size:  # each end holds half of a force along x
         ends = np.abs(system.pull[system.arc.ravel()])
         by_nodes[:, : len(contact)] = -(ends / ends.sum())[:, None]
-    return ArcLoads(by_nodes, *np.zeros((2, 0, system.contact.size)))
+    no_points = np.zeros((0, system.contact.size))
+    return ArcLoads(by_nodes, no_points, no_points)
 
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:
     """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
+    """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
     x, y = mesh.p
-    one, none, largest = np.ones_like(x), np.zeros_like(x), np.abs(x).max()
-    return (
-        np.stack([[one, none, -y / largest], [none, one, x / largest]])
-        .transpose(2, 0, 1)
-        .reshape(-1, 3)
-    )
+    unit = np.ones_like(x)
+    zero = np.zeros_like(x)
+    largest = np.abs(x).max()
+    along_x = [unit, zero, -y / largest]
+    along_y = [zero, unit, x / largest]
+    return np.stack([along_x, along_y]).transpose(2, 0, 1).reshape(-1, 3)
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
@@ -537,29 +603,59 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     ... ).tolist()  # stress 1 over E = 2, times 3
     [1.5, 1.5]
     """
+    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the
+    half-plane's tractions.
+
+    With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur
+    complement), compliance S^-1. A body that is its own mirror image is condensed on one half, in a
+    symmetric and an antisymmetric mode (`_modes`).
+
+    Parameters
+    ----------
+    body : mesh with the boundary "contact" and at least one that is supported
+    material : of the body
+    datum_length : distance from a force at which a half-plane's surface counts as unmoved [length]
+
+    Raises
+    ------
+    InputError
+        For linear elements of a nearly incompressible body: they lock.
+    ConvergenceError
+        If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under
+        a random load to 1e-6.
+
+    >>> from meshes import SurfaceGrading
+    >>> width, height = np.array([-1.0, 1.0]), np.array([-3.0, 0.0])
+    >>> block = skfem.MeshQuad.init_tensor(width, height)  # one element, 2 wide and 3 high
+    >>> block = block.with_boundaries(
+    ...     {"contact": lambda x: x[1] == 0, "base": lambda x: x[1] == -3}
+    ... )
+    >>> body = BodyMesh("block", block, SurfaceGrading(0.0, 1.0, 1.0, 1.0), {}, {"base": "rollers"})
+    >>> condensed = condense(body, Elastic(young_modulus=2.0, poisson_ratio=0.0), 1.0)
+    >>> shortening = condensed.compliance[1, :, 1] @ [1.0, 1.0]
+    >>> shortening.round(12).tolist()  # stress 1 over E = 2, times 3
+    [1.5, 1.5]
+    """
     system = assemble(body, material)
-    arc, (elements, modes), nodes = (
-        arc_loads(system, datum_length),
-        _modes(system),
-        system.contact.ravel(),
-    )
+    arc = arc_loads(system, datum_length)
+    elements, modes = _modes(system)
     stiffness = len(modes) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)
-    flat, by_stress, asymmetry, residual = (
-        np.zeros((len(nodes), len(nodes))),
-        np.zeros(len(nodes)),
-        0.0,
-        0.0,
-    )
+    n_dofs = system.contact.size
+    compliance = np.zeros((n_dofs, n_dofs))
+    by_stress = np.zeros(n_dofs)
+    asymmetry = 0.0
+    residual = 0.0
     try:
         for mode in modes:
-            by_contact, own, stretched, error = _condensed_mode(system, mode, stiffness, ranks, arc)
-            asymmetry, residual = (
-                max(asymmetry, float((own - own.T).max() / np.abs(own).max())),
-                np.fmax(residual, error),
+            motions, of_mode, by_stress_of_mode, error = _condensed_mode(
+                system, mode, stiffness, ranks, arc
             )
-            flat += by_contact @ (by_contact @ ((own + own.T) / 2)).T
-            by_stress += by_contact @ stretched
+            skew_part = float((of_mode - of_mode.T).max() / np.abs(of_mode).max())
+            asymmetry = max(asymmetry, skew_part)
+            residual = np.fmax(residual, error)
+            compliance += motions @ (motions @ ((of_mode + of_mode.T) / 2)).T
+            by_stress += motions @ by_stress_of_mode
     except LinAlgError as reason:
         raise ConvergenceError(
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
@@ -570,17 +666,22 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             f" {max(asymmetry, residual):.1e}: the body is too slender for its contact, or some of"
             " its elements are too thin"
         )
-    places, shape = system.mesh.p[:, system.node[system.contact[0]]], system.contact.shape
-    members, shapes, _, along = line_elements(places, system.order, 3)
+    places = system.mesh.p[:, system.node[system.contact[0]]]
+    shape = system.contact.shape
+    by_stress_at_nodes = by_stress.reshape(shape)
+    if system.around:
+        by_stress_at_nodes = uniform_stretch(material, *places)
+    nodes, shapes, _, tangents = line_elements(places, system.order, 3)
+    weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shapes.T).ravel())
     return CondensedBody(
-        body,
-        material,
-        freeze(places[0]),
-        freeze(places[1]),
-        freeze(np.bincount(members.ravel(), (np.hypot(*along) @ shapes.T).ravel())),
-        freeze(flat.reshape(*shape, *shape)),
-        freeze(uniform_stretch(material, *places) if system.around else by_stress.reshape(shape)),
-        {
+        body=body,
+        material=material,
+        x=freeze(places[0]),
+        y=freeze(places[1]),
+        weights=freeze(weights),
+        compliance=freeze(compliance.reshape(*shape, *shape)),
+        by_stress=freeze(by_stress_at_nodes),
+        diagnostics={
             "asymmetry": asymmetry,
             "residual": float(residual),
             "sparse_factorisations": 1.0 + len(modes),
@@ -593,15 +694,16 @@ def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
     """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2)
     x, -nu (1 + nu) y)/E.
     """
-    E, nu = material.young_modulus, material.poisson_ratio
+    E = material.young_modulus
+    nu = material.poisson_ratio
     return np.stack([(1 - nu**2) / E * x, -nu * (1 + nu) / E * y])
 
 
 def displacement_fields(
     condensed: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
 ) -> tuple[skfem.Basis, Array, Array]:
-    """Displacement of the whole body under nodal contact forces, and the part of the mean stress
-    that goes with r.
+    """Displacement of all nodes of the body under nodal contact forces, and the part of the mean
+    stress that goes with r.
 
     Parameters
     ----------
@@ -624,25 +726,23 @@ def displacement_fields(
     load[system.arc.ravel()] += arc.by_nodes @ cases
     if stresses is not None:
         load += system.pull[:, None] * stresses
-    # The ends of the arc hold a half-disc without a force, since the loads balance.
-    of_arc = (
-        np.concatenate([system.arc[:, :1].ravel(), system.arc[1, -1:]])
-        if system.around
-        else np.empty(0, dtype=np.int64)
-    )
-    free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, of_arc]))
+    held = system.held
+    if system.around:
+        # The ends of the arc hold a half-disc without a force, since the loads balance.
+        ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]
+        held = np.concatenate([held, ends_of_arc])
+    free = np.setdiff1d(np.arange(len(load)), held)
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
+    n_u = system.basis.N
     if system.arc.size:  # the rigid motion that the contact nodes lack
-        motions, contact = rigid_motions(system.mesh), system.contact.ravel()
-        lacking = arc.by_nodes.T @ displacements[system.arc.ravel()] - arc.tractions.T @ (
-            arc.displacements @ cases
-        )
-        displacements[: system.basis.N] += (
-            motions @ np.linalg.lstsq(motions[contact], lacking, rcond=None)[0]
-        )
-    n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
+        motions = rigid_motions(system.mesh)
+        of_half_plane = arc.tractions.T @ (arc.displacements @ cases)
+        missing = arc.by_nodes.T @ displacements[system.arc.ravel()] - of_half_plane
+        on_contact = motions[system.contact.ravel()]
+        displacements[:n_u] += motions @ np.linalg.lstsq(on_contact, missing, rcond=None)[0]
     tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_u:
+        shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
         tension[:] = shear_modulus * displacements[n_u:]
     return system.basis, displacements[:n_u], tension

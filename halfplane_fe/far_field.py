@@ -15,6 +15,8 @@ to the mesh of the arc.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from halfplane_fe.arrays import Array, Indices
@@ -37,8 +39,10 @@ def surface_force_displacement(
 
     With r the distance, z = -y, theta = atan2(x, z), G the shear modulus and c = 1/(2 pi G):
 
-        force along x:  u_x = -c [2 (1-nu) ln(r/L) + z^2/r^2],      u_z = c [x z/r^2 + (1-2 nu) theta]
-        force along z:  u_x =  c [x z/r^2 - (1-2 nu) theta],        u_z = -c [2 (1-nu) ln(r/L) - z^2/r^2]
+        force along x:  u_x = -c [2 (1-nu) ln(r/L) + z^2/r^2]
+                        u_z =  c [x z/r^2 + (1-2 nu) theta]
+        force along z:  u_x =  c [x z/r^2 - (1-2 nu) theta]
+                        u_z = -c [2 (1-nu) ln(r/L) - z^2/r^2]
 
     so that the surface at distance L (`datum_length`) from the force does not move along the force.
     With x the distance from the force and w = z + i x, ln r + i theta = ln w and (z^2 - i x z)/r^2
@@ -57,25 +61,25 @@ def surface_force_displacement(
 
     Source: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, in Cartesian form.
 
-    >>> on_surface = surface_force_displacement(
-    ...     np.array([1.0]), np.zeros(1), np.zeros(1), 2.0, 0.0, datum_length=2.0
-    ... )
-    >>> (
-    ...     on_surface[1, 0, 1, 0].round(12).tolist(),
-    ...     round(float(np.log(2)) / np.pi, 12),
-    ... )  # at r = L/2: (2/(pi E)) ln 2
-    (0.220635600153, 0.220635600153)
+    >>> at, force_at = np.array([1.0]), np.zeros(1)
+    >>> u = surface_force_displacement(at, np.zeros(1), force_at, 2.0, 0.0, datum_length=2.0)
+    >>> u[1, 0, 1, 0].round(12).tolist()  # at r = L/2: (2/(pi E)) ln 2
+    0.220635600153
     """
     # notation: c = 1/(2 pi G), k = 1 - 2 nu
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
-    c, k = 1 / (2 * np.pi * shear_modulus), 1 - 2 * poisson_ratio
+    c = 1 / (2 * np.pi * shear_modulus)
+    k = 1 - 2 * poisson_ratio
     w = -y[:, None] + 1j * (x[:, None] - force_at)
-    logarithm, quotient = np.log(w), -y[:, None] / w
-    log, twist = (1 + k) * (logarithm.real - np.log(datum_length)), k * logarithm.imag
-    depth, cross = quotient.real, -quotient.imag
-    along_x = np.stack([-c * (log + depth), -c * (cross + twist)])
+    ln_w = np.log(w)
+    z_over_w = -y[:, None] / w
+    logarithm = (1 + k) * (ln_w.real - np.log(datum_length))
+    rotation = k * ln_w.imag
+    z_squared = z_over_w.real  # over r^2, as the next
+    x_z = -z_over_w.imag
+    along_x = np.stack([-c * (logarithm + z_squared), -c * (x_z + rotation)])
     # A force along +y is a force along -z, and u_y = -u_z.
-    along_y = np.stack([-c * (cross - twist), -c * (log - depth)])
+    along_y = np.stack([-c * (x_z - rotation), -c * (logarithm - z_squared)])
     return np.stack([along_x, along_y], axis=2)
 
 
@@ -95,42 +99,54 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
         Traction component (x, y), point, force component (x, y), place [1/length per force per
         thickness].
 
-    >>> below = surface_force_traction(
-    ...     np.zeros(1), np.array([-1.0]), np.array([[0.0], [-1.0]]), np.zeros(1)
-    ... )
-    >>> round(
-    ...     float(below[1, 0, 1, 0]) * np.pi, 12
-    ... )  # a pull of 1 along +y is held by 2/(pi r) below it
+    >>> depth, normal = np.array([-1.0]), np.array([[0.0], [-1.0]])
+    >>> below = surface_force_traction(np.zeros(1), depth, normal, np.zeros(1))
+    >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 is held by 2/(pi r) below it
     -2.0
     """
-    radius = np.stack([x[:, None] - force_at, np.broadcast_to(y[:, None], (len(y), len(force_at)))])
-    across = radius[0] * normal[0][:, None] + radius[1] * normal[1][:, None]
-    factor = -2 / np.pi * across / (radius[0] ** 2 + radius[1] ** 2) ** 2
+    along_x = x[:, None] - force_at
+    along_y = np.broadcast_to(y[:, None], along_x.shape)
+    radius = np.stack([along_x, along_y])
+    distance_to_cut = along_x * normal[0][:, None] + along_y * normal[1][:, None]
+    factor = -2 / np.pi * distance_to_cut / (along_x**2 + along_y**2) ** 2
     return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
 
 
-def line_elements(line: Array, order: int, count: int) -> tuple[Indices, Array, Array, Array]:
-    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
-    Gauss points g on each.
+class LineElements(NamedTuple):
+    """Elements on a line, e of them with k nodes and g Gauss points each.
 
-    Returns
-    -------
-    nodes : (e, k) of each element
+    Attributes
+    ----------
+    nodes : (e, k)
     shapes : (k, g) shape functions at the points
     places : (2, e, g) of the points [length]
-    along : (2, e, g) tangents times the points' share of the length [length]
+    tangents : (2, e, g) times the points' share of the length [length]
+    """
+
+    nodes: Indices
+    shapes: Array
+    places: Array
+    tangents: Array
+
+
+def line_elements(line: Array, order: int, count: int) -> LineElements:
+    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
+    Gauss points on each.
     """
     t, weights = np.polynomial.legendre.leggauss(count)
-    one = np.ones_like(t)
-    shapes, slopes = ([(1 - t) / 2, (1 + t) / 2], [-one / 2, one / 2])
-    if order == 2:
-        shapes, slopes = [t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2], [t - 0.5, -2 * t, t + 0.5]
+    if order == 1:
+        half = np.full_like(t, 0.5)
+        shapes = np.array([(1 - t) / 2, (1 + t) / 2])
+        slopes = np.array([-half, half])
+    else:
+        shapes = np.array([t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2])
+        slopes = np.array([t - 0.5, -2 * t, t + 0.5])
     nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
-    return (
-        nodes,
-        np.array(shapes),
-        line[:, nodes] @ np.array(shapes),
-        line[:, nodes] @ np.array(slopes) * weights,
+    return LineElements(
+        nodes=nodes,
+        shapes=shapes,
+        places=line[:, nodes] @ shapes,
+        tangents=line[:, nodes] @ slopes * weights,
     )
 
 
@@ -152,17 +168,20 @@ def arc_work(
         tractions times their share of its length; the product of the one, transposed, and the other
         is the work in the half-plane's own displacement
     """
-    nodes, shapes, places, (along_x, along_y) = line_elements(arc, order, _POINTS)
-    x, y = places.reshape(2, -1)
-    # The outward normal times the length.
-    forces = surface_force_traction(
-        x, y, np.stack([along_y.ravel(), -along_x.ravel()]), force_at
-    ).reshape(2, *along_x.shape, -1)
+    elements = line_elements(arc, order, _POINTS)
+    x, y = elements.places.reshape(2, -1)
+    along_x, along_y = elements.tangents
+    normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
+    forces = surface_force_traction(x, y, normal, force_at).reshape(2, *along_x.shape, -1)
     by_nodes = np.zeros((2, arc.shape[1], forces.shape[-1]))
-    for of_element, shape in zip(nodes.T, shapes, strict=True):
-        by_nodes[:, of_element] += np.einsum("g,degm->dem", shape, forces)
+    for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
+        by_nodes[:, nodes] += np.einsum("g,degm->dem", shape, forces)
     displacement = surface_force_displacement(
         x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length
     )
-    forces, displacement = (values.reshape(2 * len(x), -1) for values in (forces, displacement))
-    return by_nodes.reshape(2 * arc.shape[1], -1), forces, displacement
+    n_points = 2 * len(x)
+    return (
+        by_nodes.reshape(2 * arc.shape[1], -1),
+        forces.reshape(n_points, -1),
+        displacement.reshape(n_points, -1),
+    )

@@ -38,6 +38,7 @@ from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.path import check_admissible
 from halfplane_fe.resolution import (
     Peak,
+    Revolution,
     peak_uncertainty,
     resolution_notes,
     tip_halvings,
@@ -70,11 +71,9 @@ from scenes import (
 
 # Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
 # on the faces as they are.
-_CURED, _KEPT = (
-    "interfaces without the mesh's part of N - T",
-    "runs repeated with the mesh's part of N - T",
-)
-_NOTE_KEPT = (
+_CURED = "interfaces without the mesh's part of N - T"
+_REPEATED = "runs repeated with the mesh's part of N - T"
+_NOTE_REPEATED = (
     "the contact did not converge on faces without the part of N - T and K that only the mesh"
     " makes: this is the answer of the faces as they are; where edges move its dissipation errs by"
     " the first power of the element"
@@ -104,9 +103,10 @@ class FiniteElementSolution(ContactSolution):
     condensed : lower and upper CondensedBody
     states : one InterfaceState per step, scaled
     weights : (n_points,) share of the surface of each contact point, so that pressure times weight
-    is a nodal force [length] normals : (2, n_points) of the line half-way between the faces, out of
-    the lower body: pressure acts along it scales : what the coarse run found; with E* the units of
-    `states`
+        is a nodal force [length]
+    normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure
+        acts along it
+    scales : what the coarse run found; with E* the units of `states`
     penalty : what the layer of the penalty method costs
     largest_pressure_uncertainty : of the largest pressure at the points, see
         `resolution.peak_uncertainty`; NaN where the elements at the edges are like those of the
@@ -161,9 +161,30 @@ def solve(
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen
     # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
-        report = progress or (lambda _done, _total, _text: None)
-        mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
-        return _solve(scene_of(scene), mesh, settings, report, scales)
+        report = progress or (lambda _step, _of_steps, _text: None)
+        return _solve(
+            scene_of(scene), mesh or MeshSettings(), settings or SolverSettings(), report, scales
+        )
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What is to be solved: the question, how it is meshed and iterated, and its scales."""
+
+    scene: Scene
+    mesh: MeshSettings
+    settings: SolverSettings
+    scales: Scales
+
+    @property
+    def has_plain_errors(self) -> bool:
+        """Whether linear elements or a penalty layer make errors that are not of order 2."""
+        return self.mesh.order == 1 or self.settings.method == "penalty"
+
+    @property
+    def work_unit(self) -> float:
+        """What dissipation is scaled by [energy / thickness]."""
+        return self.scales.load**2 / self.scales.modulus
 
 
 def _solve(
@@ -171,13 +192,14 @@ def _solve(
     mesh: MeshSettings,
     settings: SolverSettings,
     report: Progress,
-    known: Scales | None,
+    known_scales: Scales | None,
 ) -> FiniteElementSolution:
     watch = _Watch()
     _check_loads(scene)
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
-    scales = known or find_scales(scene, coarse_work)
+    scales = known_scales or find_scales(scene, coarse_work)
+    task = _Task(scene, mesh, settings, scales)
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
@@ -188,48 +210,57 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    made = couple(*condensed)
-    cured = without_local_difference(made, scene)
-    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges,
-    # which are fitted there.
-    expected = (
-        float(np.nan_to_num(scales.dissipation)) * scales.modulus / scales.load**2
-        if made.coupling is not None
-        else 0.0
-    )
-    pace = Pace(
-        scales.load,
-        settings.steps_per_cycle,
-        settings.step_tolerance,
-        scales.half_width,
-        scales.modulus,
-        expected,
-    )
-    doubt = partial(_uncertainty, scene, mesh, settings, scales)
-    for faces in (made,) if cured is None else (cured, made):
-        problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-        solved = (
-            _contact_problem(scene, mesh, settings, scales, half(faces), work)
-            if on_half(scene, faces)
-            else problem
-        )
-        run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
-        if not isinstance(run.failure, ConvergenceError):
-            break
-    if faces is not made:
-        work[_CURED] += 1
-    elif cured is not None:
-        work[_KEPT] += 1
-    if solved is not problem:
-        run, solved = unfolded(run, faces), problem  # what the half has kept goes
+    problem, run = _solve_path(task, couple(*condensed), work, report)
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
-    answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
+    answer = _solution(task, condensed, problem, run, watch.seconds)
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer) from run.failure
     _check_room(answer, run)
     return answer
+
+
+def _solve_path(
+    task: _Task, true_faces: Interface, work: Counter[str], report: Progress
+) -> tuple[ContactProblem, PathRun]:
+    """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
+    where there is none, or where the contact does not converge without it.
+    """
+    scene = task.scene
+    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges,
+    # which are fitted there.
+    expected = 0.0
+    if true_faces.coupling is not None:
+        expected = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
+    pace = Pace(
+        load=task.scales.load,
+        steps_per_cycle=task.settings.steps_per_cycle,
+        step_tolerance=task.settings.step_tolerance,
+        half_width=task.scales.half_width,
+        modulus=task.scales.modulus,
+        dissipation=expected,
+    )
+    cured_faces = without_local_difference(true_faces, scene)
+    for faces in (true_faces,) if cured_faces is None else (cured_faces, true_faces):
+        problem = _contact_problem(task, faces, work)
+        halved = on_half(scene, faces)
+        solved = _contact_problem(task, half(faces), work) if halved else problem
+        run = run_path(
+            solved,
+            scene.load.path(),
+            pace,
+            scene.cycles,
+            report,
+            uncertainty=partial(_uncertainty, task),
+        )
+        if not isinstance(run.failure, ConvergenceError):
+            break
+    if faces is cured_faces:
+        work[_CURED] += 1
+    elif cured_faces is not None:
+        work[_REPEATED] += 1
+    return problem, unfolded(run, faces) if halved else run
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
@@ -281,8 +312,10 @@ class _Watch:
         self._last = clock.perf_counter()
 
     def lap(self, stage: str) -> None:
+        """End a stage."""
         now = clock.perf_counter()
-        self.seconds[stage], self._last = now - self._last, now
+        self.seconds[stage] = now - self._last
+        self._last = now
 
 
 def surface_grading(
@@ -308,32 +341,35 @@ def surface_grading(
     return replace(grading, halvings=tip_halvings(profile, grading.innermost))
 
 
-def _contact_problem(
-    scene: Scene,
-    mesh: MeshSettings,
-    settings: SolverSettings,
-    scales: Scales,
-    faces: Interface,
-    work: Counter[str],
-) -> ContactProblem:
+def _contact_problem(task: _Task, faces: Interface, work: Counter[str]) -> ContactProblem:
+    """The contact problem of these faces, scaled."""
+    scene = task.scene
+    scales = task.scales
+    settings = task.settings
     interface = faces.scaled(scales.half_width, 1 / scales.modulus)
     # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the
     # weight of the trial tractions.
-    stiffness = settings.normal_stiffness, settings.tangential_stiffness
-    nodal = [k * interface.weights / mesh.edge_element_size for k in stiffness]
-    penalty = settings.method == "penalty"
-    layer = Layer(*((1 / k if penalty else np.zeros_like(k)) for k in nodal))
+    weights = interface.weights
+    normal_stiffness = settings.normal_stiffness * weights / task.mesh.edge_element_size
+    tangential_stiffness = settings.tangential_stiffness * weights / task.mesh.edge_element_size
+    augmentation: tuple[Array | float, Array | float]
+    if settings.method == "penalty":
+        layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)
+        augmentation = (1.0, 1.0)
+    else:
+        layer = Layer(np.zeros_like(weights), np.zeros_like(weights))
+        augmentation = (normal_stiffness, tangential_stiffness)
     height = initial_gap(scene, faces) * scales.modulus / scales.load
     return ContactProblem(
         interface,
         height,
         scene.friction.coefficient,
         layer,
-        needs_shear(scene),
-        settings.max_iterations,
-        (1.0, 1.0) if penalty else (nodal[0], nodal[1]),
-        scene.load.path().moment_given,
-        work,
+        tangential=needs_shear(scene),
+        max_iterations=settings.max_iterations,
+        augmentation=augmentation,
+        moment_given=scene.load.path().moment_given,
+        work=work,
     )
 
 
@@ -348,147 +384,154 @@ def _check_room(answer: FiniteElementSolution, run: PathRun) -> None:
 
 
 def _solution(
-    scene: Scene,
-    mesh: MeshSettings,
-    settings: SolverSettings,
-    scales: Scales,
+    task: _Task,
     condensed: tuple[CondensedBody, CondensedBody],
     problem: ContactProblem,
     run: PathRun,
-    watch: _Watch,
+    seconds: Mapping[str, float],
 ) -> FiniteElementSolution:
+    """The answer of a run, in the scene's units."""
+    scene = task.scene
+    scales = task.scales
     arrays = answer_arrays(scene, problem, run, scales)
-    uncertain = (
-        float("nan")
-        if run.failure is not None
-        else _uncertainty(scene, mesh, settings, scales, run)
-    )
-    uncertain = (
-        (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
-    )
+    dissipation_uncertainty = float("nan")
+    if run.failure is None:
+        left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
+        dissipation_uncertainty = (_uncertainty(task, run) + left_by_trend) * task.work_unit
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
-    own: dict[str, Any] = {
-        "bodies": (condensed[0].body, condensed[1].body),
-        "condensed": condensed,
-        "states": states,
-        "weights": freeze(problem.interface.weights * scales.half_width),
-        "normals": problem.interface.normals,
-        "scales": scales,
-        "penalty": audit,
-        "largest_pressure_uncertainty": _peak_uncertainty(scene, mesh, settings, scales, arrays),
-    }
+    largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
+    notes = [
+        *bulk_stress_notes(scene, condensed, largest_tangential_load),
+        *_notes(task, run, arrays),
+        *uncertainty_note(
+            arrays["dissipation"],
+            dissipation_uncertainty,
+            scene.tolerances.limit("dissipation") or 0.0,
+            scales.dissipation,
+        ),
+    ]
+    if problem.work[_REPEATED] and run.failure is None:
+        notes.insert(0, _NOTE_REPEATED)
     grading = condensed[0].body.grading
-    tolerance = scene.tolerances.limit("dissipation") or 0.0
-    of_mesh = _notes(scene, mesh, scales, run, arrays)
-    of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
-    notes = (
-        *([_NOTE_KEPT] if problem.work[_KEPT] and run.failure is None else []),
-        *of_bodies,
-        *of_mesh,
-        *uncertainty_note(arrays["dissipation"], uncertain, tolerance, scales.dissipation),
-    )
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
         record=record_of(run, scales, audit, notes),
-        dissipation_uncertainty=uncertain,
-        work=_work(scene, problem, run, condensed, watch.seconds),
+        dissipation_uncertainty=dissipation_uncertainty,
+        work=_work(scene, problem, run, condensed, seconds),
         settings={
-            "mesh": asdict(mesh),
-            "solver": asdict(settings),
+            "mesh": asdict(task.mesh),
+            "solver": asdict(task.settings),
             "scales": asdict(scales),
             "dundurs": dundurs(scene.material)._asdict(),
             "element_size": grading.edge_size,
             "penalty": {} if audit.note() is None else asdict(audit),
-            "surface": {f.name: getattr(grading, f.name) for f in fields(grading)},
+            "surface": {field.name: getattr(grading, field.name) for field in fields(grading)},
         },
         versions=versions(),
+        bodies=(condensed[0].body, condensed[1].body),
+        condensed=condensed,
+        states=states,
+        weights=freeze(problem.interface.weights * scales.half_width),
+        normals=problem.interface.normals,
+        scales=scales,
+        penalty=audit,
+        largest_pressure_uncertainty=_peak_uncertainty(task, arrays),
         **arrays,
-        **own,
     )
 
 
-def _uncertainty(
-    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun
-) -> float:
+def _uncertainty(task: _Task, run: PathRun) -> float:
     """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can
     arise.
     """
+    scene = task.scene
     if not needs_shear(scene):
         return 0.0
-    first, excess = (run.cycle_starts[-1], run.excess[-1]) if run.cycle_starts else (0, None)
-    plain = mesh.order == 1 or settings.method == "penalty"
-    coarse = scales.dissipation * scales.modulus / scales.load**2
+    first = run.cycle_starts[-1] if run.cycle_starts else 0
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
-    found = float(
-        (run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum()
-    )
-    scatter = None if excess is None or plain or scene.unsymmetric else excess.scatter / unit
+    compared = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
+    dissipation = float(compared[-1].sum())
+    of_coarse_run = task.scales.dissipation / task.work_unit
+    scatter = None
+    if run.excess and not task.has_plain_errors and not scene.unsymmetric:
+        scatter = run.excess[-1].scatter / unit
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
-    # their bound counts whole.
-    steps = (
-        _BENT * run.column("bent")[first:].sum()
-        if scatter is not None and shapes_alike(scene)
-        else run.column("step_error")[first:].sum()
-    )
-    return float(steps) + unit * uncertainty(
-        found / unit, abs(found - coarse) / unit, scales.element, mesh, scatter, plain
+    # their bound counts in full.
+    if scatter is not None and shapes_alike(scene):
+        of_steps = _BENT * run.column("bent")[first:].sum()
+    else:
+        of_steps = run.column("step_error")[first:].sum()
+    return float(of_steps) + unit * uncertainty(
+        dissipation / unit,
+        abs(dissipation - of_coarse_run) / unit,
+        task.scales.element,
+        task.mesh,
+        scatter,
+        task.has_plain_errors,
     )
 
 
-def _peak_uncertainty(
-    scene: Scene,
-    mesh: MeshSettings,
-    settings: SolverSettings,
-    scales: Scales,
-    arrays: Mapping[str, Any],
-) -> float:
+def _peak_uncertainty(task: _Task, arrays: Mapping[str, Any]) -> float:
     """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without
     contact.
     """
+    mesh = task.mesh
+    scales = task.scales
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
     value = float(pressure[step, node])
-    to_edges = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
-    half_width = float(arrays["contact_half_width"][step])
-    peak = Peak(value, abs(value - scales.largest_pressure), half_width, float(np.min(to_edges)))
-    fine = surface_grading(mesh, scales, scene.profile, max(mesh.upper_ratio, 1.0))
-    plain = mesh.order == 1 or settings.method == "penalty"
-    coarse = scales.element * scales.half_width
+    distances = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
+    peak = Peak(
+        value=value,
+        difference=abs(value - scales.largest_pressure),
+        half_width=float(arrays["contact_half_width"][step]),
+        to_edge=float(np.min(distances)),
+    )
+    profile = task.scene.profile
     return peak_uncertainty(
-        peak, scene.profile, coarse, fine, mesh, depth=least_depth(scene), plain=plain
+        peak,
+        profile,
+        coarse=scales.element * scales.half_width,
+        fine=surface_grading(mesh, scales, profile, max(mesh.upper_ratio, 1.0)),
+        mesh=mesh,
+        depth=least_depth(task.scene),
+        plain=task.has_plain_errors,
     )
 
 
-def _notes(
-    scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]
-) -> tuple[str, ...]:
+def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
     """What the mesh does not resolve in the last revolution, and what of the path is left."""
     if run.failure is not None:
         return ()
-    first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
-    load, contact, stick = (
-        arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width")
+    scene = task.scene
+    first = 1
+    if run.cycle_starts:
+        first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
+    load = arrays["normal_load"][first:]
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
+    revolution = Revolution(
+        load=load,
+        contact=arrays["contact_half_width"][first:],
+        stick=arrays["stick_half_width"][first:],
+        dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
+        sheared=needs_shear(scene),
     )
-    unit = (
-        2
-        / contact_modulus(scene.material.lower, scene.material.upper)
-        * (scene.friction.coefficient * np.max(load)) ** 2
-    )
-    work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
-    coarser = mesh.edge_element_size * scales.half_width * max(mesh.upper_ratio, 1.0)
-    of_mesh = resolution_notes(
-        scene, load, contact, stick, coarser, mesh.order, work, needs_shear(scene)
-    )
-    return (*_drift_notes(run, scales), *_thinned_notes(run), *of_mesh)
+    coarser_side = max(task.mesh.upper_ratio, 1.0)
+    element = task.mesh.edge_element_size * task.scales.half_width * coarser_side
+    of_mesh = resolution_notes(scene.profile, revolution, element, task.mesh.order)
+    return (*_drift_notes(run, task.scales), *_thinned_notes(run), *of_mesh)
 
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
     """That not every increment is in the answer, and what is of all of them nevertheless."""
-    if dropped := len(run.states) - len(run.stored):
+    """That not every increment is in the answer, and what is of all of them nevertheless."""
+    dropped = len(run.states) - len(run.stored)
+    if dropped:
         yield (
             f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
             f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
@@ -502,10 +545,13 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     if not run.cycle_change:
         return
     works = [float(density.sum()) for density in run.cycle_density]
-    drift, unit, found = "", scales.load**2 / scales.modulus, run.trend
-    if len(works) > 1 and works[-1] > 0:
+    last_work = works[-1]
+    work_unit = scales.load**2 / scales.modulus
+    trend = run.trend
+    drift = ""
+    if len(works) > 1 and last_work > 0:
         drift = (
-            f"; its dissipation differs by {1 - works[-2] / works[-1]:+.1e} of itself from that of"
+            f"; its dissipation differs by {1 - works[-2] / last_work:+.1e} of itself from that of"
             " the one before"
         )
     if run.steady_from is None:
@@ -514,24 +560,24 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
             f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
             f" same){drift}; give the scene more cycles"
         )
-    if np.isfinite(found.limit) and found.left and works[-1] > 0:
+    if np.isfinite(trend.limit) and trend.left and last_work > 0:
         yield (
-            f"shakedown: the dissipation of the revolutions goes to {found.limit * unit:.6g},"
-            f" {found.left / works[-1]:+.1e} of itself from that of revolution {len(works)}"
-            f" ({found.kind} trend); this is in its uncertainty"
+            f"shakedown: the dissipation of the revolutions goes to {trend.limit * work_unit:.6g},"
+            f" {trend.left / last_work:+.1e} of itself from that of revolution {len(works)}"
+            f" ({trend.kind} trend); this is in its uncertainty"
         )
-    elif run.steady_from is not None and found.left and works[-1] > 0:
+    elif run.steady_from is not None and trend.left and last_work > 0:
         yield (
             f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the"
-            f" largest nodal force{drift}; {found.left / works[-1]:.1e} of it count as uncertain,"
+            f" largest nodal force{drift}; {trend.left / last_work:.1e} of it count as uncertain,"
             " for no trend is clear yet"
         )
     if run.ratchets:
-        before, after = (run.states[index].shift for index in (run.cycle_starts[-1], -1))
+        shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
+        moved = shift_of_cycle * scales.load / scales.modulus
         yield (
-            "ratcheting: each revolution moves the upper body by"
-            f" {(after - before) * scales.load / scales.modulus:.3g} along x; the closed integral"
-            " of Q dU holds the work of the mean Q on that way"
+            f"ratcheting: each revolution moves the upper body by {moved:.3g} along x; the closed"
+            " integral of Q dU holds the work of the mean Q on that way"
         )
 
 
@@ -542,25 +588,28 @@ def _work(
     condensed: tuple[CondensedBody, CondensedBody],
     seconds: Mapping[str, float],
 ) -> Work:
-    like = condensed[0] is condensed[1]
+    """What was done, and what was not and why."""
+    lower, upper = condensed
+    one_mesh = lower.body is upper.body
     counts = {
-        "bodies meshed": 1 if condensed[0].body is condensed[1].body else 2,
+        "bodies meshed": 1 if one_mesh else 2,
         "condensations": problem.work["condensations"],
-        "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
-        "contact nodes": len(condensed[0].x),
+        "degrees of freedom": int(lower.diagnostics["degrees_of_freedom"]),
+        "contact nodes": len(lower.x),
         "steps solved": len(run.iterations),
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
-    skipped = {}
-    if condensed[0].body is condensed[1].body:
+    skipped: dict[str, tuple[int, str]] = {}
+    if one_mesh:
         skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
-    if like:
+    if lower is upper:
         skipped["condensations"] = (
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
-    if cached := problem.work[CACHED]:
+    cached = problem.work[CACHED]
+    if cached:
         skipped["condensations, cached"] = (
             cached,
             "this process condensed the body before: taken from the cache",
@@ -573,17 +622,12 @@ def _work(
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[_CURED]:
-        skipped["the mesh's part of N - T"] = (
-            1,
-            (
-                "the contact did not converge without it"
-                if problem.work[_KEPT]
-                else (
-                    "an end of a face or a base is within ten nodes: W is of first order in the"
-                    " element"
-                )
-            ),
+        reason = (
+            "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
+        if problem.work[_REPEATED]:
+            reason = "the contact did not converge without it"
+        skipped["the mesh's part of N - T"] = (1, reason)
     if problem.tangential and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
@@ -591,7 +635,8 @@ def _work(
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
-    if dropped := len(run.states) - len(run.stored):
+    dropped = len(run.states) - len(run.stored)
+    if dropped:
         skipped["instants"] = (
             dropped,
             f"stored at {len(run.stored)} instants: more would take gigabytes",
