@@ -6,12 +6,11 @@ With loads, forces and displacements taken at the middle of the increment the ba
     P d(delta) + Q dU + sum F_i de_i = d(elastic energy) + sum q ds - sum p dg,   F = S q - G p
 
 is an identity of the discrete problem: a check of the algebra. Here e are the bulk stresses and the
-tilt, and F de is -m_q d(eps)
-- M d(alpha) of half-planes, see `interface`. What the increment itself costs shows in the three
-ways to write the friction work: at its middle (f p ds), trapezoidal (q ds), at its end (first
-order). The work of the loads at its end,
-P d(delta) + Q dU with the new P and Q, has the normal part of that error in it: on the interface
-there is none, because increments land on each touch and release, so that p dg is zero in each.
+tilt, and F de is -m_q d(eps) - M d(alpha) of half-planes, see `interface`. What the increment
+itself costs shows in the three ways to write the friction work: at its middle (f p ds), trapezoidal
+(q ds), at its end (first order). The work of the loads at its end, P d(delta) + Q dU with the new P
+and Q, has the normal part of that error in it. On the interface there is none, because increments
+land on each touch and release, so that p dg is zero in each.
 
 The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p
 and s are linear in P, Q and the other loads, and the friction work along the curve is that along
@@ -27,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,12 +45,13 @@ class Energies:
     dissipation : f p |ds| of each sliding node, p being the mean of the increment, or of its parts
         before and after nodes start to slide, and what the curve of the loads adds
     loop : integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q
-    d(eps) of half-planes) external : work of P, Q, bulk stresses and tilt along the chord
+        d(eps) of half-planes)
+    external : work of P, Q, bulk stresses and tilt along the chord
     curve : what the curve of the loads adds to it, all of it friction work
     external_end_of_step : the same with the loads at the end of the increment
     elastic : change of elastic energy, that of the penalty layer included
     layer : change of the energy of the penalty layer
-    interface : trapezoidal work of shear less that of pressure
+    interface : trapezoidal work of shear minus that of pressure
     end_of_step : the same with the forces at the end of the increment
     step_error : bound of the error of the dissipation, see `step_errors`
     bent : part of the dissipation of three nodes and more that start to slide, see `_kinked_work`:
@@ -103,9 +104,8 @@ def step_errors(
     `pressure` and `slip` are the changes of the increment, `before` and `after` the states, each
     (..., n).
     """
-    return np.asarray(
-        friction * np.where(_starting(before, after), np.abs(pressure * slip), 0.0).sum(axis=-1) / 2
-    )
+    products = np.where(_starting(before, after), np.abs(pressure * slip), 0.0)
+    return np.asarray(friction * products.sum(axis=-1) / 2)
 
 
 def increment_energies(
@@ -119,70 +119,62 @@ def increment_energies(
     Parameters
     ----------
     solved : (m,) of arrays (n,): the states of the nodes at the end of each increment, before an
-    event changes them enclosed : (k, k, m) see `path`, over the units of the loads
+        event changes them
+    enclosed : (k, k, m) see `path`, over the units of the loads
     """
-    values, loads = (
-        np.stack([state.values for state in states]),
-        np.array([state.loads for state in states]),
-    )
-    p, q = nodal(values)[1:3]
-    mean_p, mean_q = (p[:-1] + p[1:]) / 2, (q[:-1] + q[1:]) / 2
-    mean_load, changes = (loads[:-1] + loads[1:]) / 2, np.diff(values, axis=0)
+    faces = problem.interface
+    values = np.stack([state.values for state in states])
+    loads = np.array([state.loads for state in states])
+    imposed = np.diff([state.imposed for state in states], axis=0)
+    _, p, q, _ = nodal(values)
+    mean_p = (p[:-1] + p[1:]) / 2
+    mean_q = (q[:-1] + q[1:]) / 2
+    mean_load = (loads[:-1] + loads[1:]) / 2
+    changes = np.diff(values, axis=0)
+    approach = changes[:, 0]
+    shift = changes[:, 1]
     slip, pressure, _, gap = nodal(changes)
-    approach, shift = changes[:, 0], changes[:, 1]
-    imposed, faces = np.diff([state.imposed for state in states], axis=0), problem.interface
-    before, after = np.stack([state.state for state in states[:-1]]), np.stack(solved)
 
     def work(loads: Array, p: Array, q: Array) -> Array:
         of_imposed = (faces.work_of_imposed(p, q) * imposed).sum(axis=1)
         return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
 
-    sign, sign_before = slip_sign(after), slip_sign(before)
+    before = np.stack([state.state for state in states[:-1]])
+    after = np.stack(solved)
+    sign = slip_sign(after)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     starts = _starting(before, after)
     # A node on the cone that has not moved is marked either way, by the last digit of its shear.
     moved = np.abs(slip) > ROUNDING * min(problem.friction, 1.0)
-    after, starts = np.where(starts & ~moved, before, after), starts & moved
-    kinked, bent, share = (
-        np.flatnonzero(starts.any(axis=1)),
-        np.zeros(len(sign)),
-        np.ones(len(sign)),
-    )
+    after = np.where(starts & ~moved, before, after)
+    kinked = np.flatnonzero((starts & moved).any(axis=1))
+    bent = np.zeros(len(sign))
+    share_before = np.ones(len(sign))
     if len(kinked):
-        dissipation[kinked], bent[kinked], share[kinked] = _kinked_work(
-            problem, loads, (p, q), slip, (before, after), kinked
+        dissipation[kinked], bent[kinked], share_before[kinked] = _kinked_work(
+            problem, np.diff(loads, axis=0)[kinked], _Rows(p, q, slip, before, after), kinked
         )
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with
     # it.
-    loop = mean_load[:, 1] * shift + (dissipation - np.where(sign != 0, mean_q * slip, 0.0)).sum(
-        axis=1
-    )
+    trapezoidal = np.where(sign != 0, mean_q * slip, 0.0)
+    loop = mean_load[:, 1] * shift + (dissipation - trapezoidal).sum(axis=1)
     loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed)[:, :2].sum(axis=1)
     curve = np.zeros_like(slip)
     if enclosed is not None:
         # The states before hold for a share of the increment, those after for the rest: of the area
         # of a parabola over its chord they have this.
-        early = share**2 * (3 - 2 * share)
-        for sets, factor, weight in (
-            (before, np.where(sign == sign_before, sign, 0), early),
+        early = share_before**2 * (3 - 2 * share_before)
+        slides_on = np.where(sign == slip_sign(before), sign, 0)
+        for node_states, slides, weight in (
+            (before, slides_on, early),
             (after, slip_sign(after), 1 - early),
         ):
-            rows = np.flatnonzero(factor.any(axis=1) & (weight > 0))
-            pairs = np.argwhere(np.tril(enclosed[:, :, rows].any(axis=2))).tolist()
-            rates = (
-                [problem.rates(sets[row], len(enclosed)) for row in rows.tolist()] if pairs else []
-            )
-            for i, j in pairs:
-                area = enclosed[i, j, rows] * weight[rows]
-                one, other = (np.stack([found[load] for found in rates]) for load in (i, j))
-                (s_i, p_i, *_), (s_j, p_j, *_) = nodal(one), nodal(other)
-                curve[rows] += (
-                    problem.friction * factor[rows] * (p_i * s_j - p_j * s_i) * area[:, None]
-                )
-                loop[rows] -= (
-                    _normal_work(problem, i, j, one, other)
-                    - _normal_work(problem, j, i, other, one)
-                ) * area
+            rows = np.flatnonzero(slides.any(axis=1) & (weight > 0))
+            areas = enclosed[:, :, rows] * weight[rows]
+            senses = slides[rows].astype(float)
+            of_nodes, of_loop = _work_by_curve(problem, node_states[rows], senses, areas)
+            curve[rows] += of_nodes
+            loop[rows] -= of_loop
         curve = np.maximum(curve, -dissipation)  # friction only takes
         loop += curve.sum(axis=1)
     elastic, layer = elastic_energies(problem, states)
@@ -201,20 +193,58 @@ def increment_energies(
     )
 
 
+def _work_by_curve(
+    problem: ContactProblem, node_states: States, senses: Array, areas: Array
+) -> tuple[Array, Array]:
+    """What the curve of the loads adds to increments: friction work (m, n) of the nodes, and the
+    work (m,) of pressure and P that is no work of Q.
+
+    Parameters
+    ----------
+    node_states : (m, n) that hold
+    senses : (m, n) of the nodes that slide, 1 or -1, else 0
+    areas : (k, k, m) that the curve encloses with its chord, for each pair of loads
+    """
+    n_loads = len(areas)
+    of_nodes = np.zeros(senses.shape)
+    of_loop = np.zeros(len(senses))
+    pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()
+    if not pairs:
+        return of_nodes, of_loop
+    rates = np.array([problem.rates(states, n_loads) for states in node_states])
+    for i, j in pairs:
+        by_i, by_j = rates[:, i], rates[:, j]
+        slip_by_i, p_by_i, _, _ = nodal(by_i)
+        slip_by_j, p_by_j, _, _ = nodal(by_j)
+        area = areas[i, j]
+        skew = p_by_i * slip_by_j - p_by_j * slip_by_i
+        of_nodes += problem.friction * senses * skew * area[:, None]
+        normal_work = _normal_work(problem, i, j, by_i, by_j)
+        of_loop += (normal_work - _normal_work(problem, j, i, by_j, by_i)) * area
+    return of_nodes, of_loop
+
+
+class _Rows(NamedTuple):
+    """Increments between m + 1 states: forces p and q (m + 1, n), changes of slip (m, n), states of
+    the nodes before and after (m, n).
+    """
+
+    p: Array
+    q: Array
+    slip: Array
+    before: States
+    after: States
+
+
 def _kinked_work(
-    problem: ContactProblem,
-    loads: Array,
-    forces: tuple[Array, Array],
-    slip: Array,
-    sets: tuple[States, States],
-    rows: Indices,
+    problem: ContactProblem, changes_of_loads: Array, increments: _Rows, rows: Indices
 ) -> tuple[Array, Array, Array]:
     """Friction work of increments in which nodes start to slide, its part by kinks in between, the
     share of the states before.
 
     Where a node starts, p and s have a kink, and all that slides already goes faster from there on:
-    with the mean p of the whole increment W is too large, by 1e-4 of a cycle. Up to the first start
-    the states before hold, from the last one on those after, and both have known rates. That is all
+    with the mean p of the increment W is too large, by 1e-4 of a cycle. Up to the first start the
+    states before hold, from the last one on those after, and both have known rates. That is all
     where one node starts, or two.
 
     In between, a share z of the increment, n nodes start one after the other in much the same
@@ -226,69 +256,83 @@ def _kinked_work(
 
     Parameters
     ----------
-    forces : p and q, (m + 1, n) each
-    slip : (m, n) changes
-    sets : states (m, n) before and after
+    changes_of_loads : (k, n_loads) in the increments of these rows
     rows : (k,) increments
 
     Returns
     -------
     work (k, n); the part (k,) of the last formula, without sign; share (k,)
     """
-    (p, q), after = forces, sets[1][rows]
-    # A node that has just touched slides from there on; where it is the last to stick, it has no
-    # rates so.
-    before = np.where(_starting(sets[0][rows], after) & (p[rows] <= ROUNDING), after, sets[0][rows])
-    before = np.where((before == STICK).any(axis=1, keepdims=True), before, sets[0][rows])
-    sign, starts = slip_sign(after), _starting(before, after)
-    rates = np.stack(
-        [
-            [problem.rates(one, loads.shape[1]) for one in pair]
-            for pair in zip(before, after, strict=True)
-        ]
-    )
-    early, late = np.moveaxis(np.einsum("kj,ksjv->ksv", np.diff(loads, axis=0)[rows], rates), 1, 0)
-    (slip_early, p_early, q_early, _), (slip_late, p_late, *_) = nodal(early), nodal(late)
+    friction = problem.friction
+    slip = increments.slip[rows]
+    p_at_start, p_at_end = increments.p[rows], increments.p[rows + 1]
+    after = increments.after[rows]
+    before = _states_with_rates(increments.before[rows], after, p_at_start)
+    sign = slip_sign(after)
+    starts = _starting(before, after)
+    n_loads = changes_of_loads.shape[1]
+    rates_before = np.array([problem.rates(states, n_loads) for states in before])
+    rates_after = np.array([problem.rates(states, n_loads) for states in after])
+    slip_early, p_early, q_early, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_before))
+    slip_late, p_late, _, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_after))
     with np.errstate(divide="ignore", invalid="ignore"):
         # f p -+ q falls to zero where a node starts; its slip goes back to zero there.
-        first = (problem.friction * p[rows] - sign * q[rows]) / (
-            sign * q_early - problem.friction * p_early
-        )
-        last = 1 - slip[rows] / slip_late
+        force_to_cone = friction * p_at_start - sign * increments.q[rows]
+        first = force_to_cone / (sign * q_early - friction * p_early)
+        last = 1 - slip / slip_late
     # What slid the other way turns round somewhere.
-    first = np.where(slip_sign(before) != 0, 0.0, np.where(first >= 0, first, 1.0))
-    first = np.where(
-        starts.any(axis=1), np.where(starts, first, 1.0).min(axis=1).clip(0.0, 1.0), 0.0
-    )
+    first = np.where(first >= 0, first, 1.0)
+    first = np.where(slip_sign(before) != 0, 0.0, first)
+    first = np.where(starts, first, 1.0).min(axis=1).clip(0.0, 1.0)
+    first = np.where(starts.any(axis=1), first, 0.0)
     last = np.where(starts & np.isfinite(last), last, 0.0).max(axis=1).clip(first, 1.0)
-    t, rest = first[:, None], 1 - last[:, None]
-    count = np.cumsum(starts, axis=1)
-    # of the longest row of neighbours
-    number = np.max(count - np.maximum.accumulate(np.where(starts, 0, count), axis=1), axis=1)
-    within = (last - first) ** 2 * np.maximum(number - 2, 0) / np.maximum(number - 1, 1) / 12
-    bent = within[:, None] * (p_early * slip_late - p_late * slip_early)
-    p_first, p_last = p[rows] + t * p_early, p[rows + 1] - rest * p_late
-    doubled = (p[rows] + p_first) * t * slip_early + (p_first + p_last) * (
-        slip[rows] - t * slip_early - rest * slip_late
-    )
-    doubled += (p_last + p[rows + 1]) * rest * slip_late
-    work, bent = (problem.friction * sign * part for part in (doubled / 2 + bent, bent))
+    share_before = first[:, None]
+    share_after = 1 - last[:, None]
+    p_at_first = p_at_start + share_before * p_early
+    p_at_last = p_at_end - share_after * p_late
+    slip_before = share_before * slip_early
+    slip_after = share_after * slip_late
+    slip_between = slip - slip_before - slip_after
+    doubled = (p_at_start + p_at_first) * slip_before + (p_at_first + p_at_last) * slip_between
+    doubled += (p_at_last + p_at_end) * slip_after
+    n_starts = _longest_row(starts)
+    factor = np.maximum(n_starts - 2, 0) / np.maximum(n_starts - 1, 1) / 12
+    bent = ((last - first) ** 2 * factor)[:, None] * (p_early * slip_late - p_late * slip_early)
+    work = friction * sign * (doubled / 2 + bent)
+    bent = friction * sign * bent
     return np.maximum(work, 0.0), np.abs(bent.sum(axis=1)), (first + last) / 2
 
 
-def _normal_work(problem: ContactProblem, i: int, j: int, one: Array, other: Array) -> Array:
+def _states_with_rates(before: States, after: States, pressure: Array) -> States:
+    """(k, n) states before, but a node that has just touched slides from there on; unless it is the
+    last to stick: then no set has rates.
+    """
+    just_touched = _starting(before, after) & (pressure <= ROUNDING)
+    sliding_on = np.where(just_touched, after, before)
+    some_stick = (sliding_on == STICK).any(axis=1, keepdims=True)
+    return np.where(some_stick, sliding_on, before)
+
+
+def _longest_row(starts: Mask) -> Indices:
+    """(k,) nodes of the longest row of neighbours that are True."""
+    count = np.cumsum(starts, axis=1)
+    count_before_row = np.maximum.accumulate(np.where(starts, 0, count), axis=1)
+    return np.asarray(np.max(count - count_before_row, axis=1))
+
+
+def _normal_work(problem: ContactProblem, i: int, j: int, by_i: Array, by_j: Array) -> Array:
     """(m,) work per unit of load i times change of load j, without that of shear: P in the
     approach, p in bulk stress and tilt.
 
-    `one` and `other` (m, 3 + 4 n) are the derivatives of the values by the two loads.
+    `by_i` and `by_j` (m, 3 + 4 n) are the derivatives of the values by the two loads.
     """
-    _, p, q, _ = nodal(one)
-    by_pressure, by_both = (
-        problem.interface.work_of_imposed(p, 0 * q),
-        problem.interface.work_of_imposed(p, q),
-    )
-    work = (i == 0) * other[:, 0] + by_both[..., 2] * other[:, 2]
-    return np.asarray(work + by_pressure[..., j - 2] if j in (2, 3) else work)
+    _, p, q, _ = nodal(by_i)
+    approach, tilt = by_j[:, 0], by_j[:, 2]
+    moment = problem.interface.work_of_imposed(p, q)[..., 2]
+    work = (i == 0) * approach + moment * tilt
+    if j in (2, 3):  # a bulk stress
+        work = work + problem.interface.work_of_imposed(p, 0 * q)[..., j - 2]
+    return np.asarray(work)
 
 
 def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
@@ -298,19 +342,24 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     The force is at least a tenth of the mean one at the largest load: at the very first touch there
     is nothing but rounding.
     """
-    values, loads = (
-        np.stack([state.values for state in states]),
-        np.array([state.loads for state in states]),
-    )
+    """Violations (m,) of law and equilibrium at the ends of increments, over the largest nodal
+    force and its work.
+
+    The force is at least a tenth of the mean one at the largest load: at the very first touch there
+    is nothing but rounding.
+    """
+    values = np.stack([state.values for state in states])
+    loads = np.array([state.loads for state in states])[1:]
     slip, pressure, shear, gap = nodal(values)
-    force = np.maximum(pressure[1:].max(axis=1), 0.1 / pressure.shape[1])
-    found = violations(gap[1:], pressure[1:], shear[1:], np.diff(slip, axis=0), problem.friction)
-    carried = np.array(problem.interface.carried(pressure[1:].T, shear[1:].T))
-    equilibrium = np.abs(carried - loads[1:, :2].T).max(axis=0)
+    slip_increment = np.diff(slip, axis=0)
+    pressure, shear, gap = pressure[1:], shear[1:], gap[1:]
+    force = np.maximum(pressure.max(axis=1), 0.1 / pressure.shape[1])
+    of_law = violations(gap, pressure, shear, slip_increment, problem.friction)
+    for name in ("tension", "gap_pressure", "cone", "slip_sign"):
+        of_law[name] = of_law[name] / force
+    carried = np.array(problem.interface.carried(pressure.T, shear.T))
+    equilibrium = np.abs(carried - loads[:, :2].T).max(axis=0)
     if problem.moment_given:
-        moment = -problem.interface.work_of_imposed(pressure[1:], shear[1:])[:, 2]
-        equilibrium = np.maximum(equilibrium, np.abs(moment - loads[1:, 4]))
-    scaled = {
-        name: found[name] / force for name in ("tension", "gap_pressure", "cone", "slip_sign")
-    }
-    return {"equilibrium": equilibrium / np.maximum(loads[1:, 0], 1e-300), **found, **scaled}
+        moment = -problem.interface.work_of_imposed(pressure, shear)[:, 2]
+        equilibrium = np.maximum(equilibrium, np.abs(moment - loads[:, -1]))
+    return {"equilibrium": equilibrium / np.maximum(loads[:, 0], 1e-300), **of_law}

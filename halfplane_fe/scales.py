@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, States
+from halfplane_fe.arrays import Array, Mask
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import contact_edges, reported_states, stick_edges
 from halfplane_fe.interface import (
@@ -40,7 +40,9 @@ _MESH = MeshSettings(growth=0.4)
 # a share of the face.
 _FRACTION = (0.6, 0.85)
 _OF_THE_FACE = 0.97
-_ELEMENTS, _COARSE_STEPS = 24, 48
+# Surface elements over that half-width, and regular increments of a revolution.
+_ELEMENTS = 24
+_COARSE_STEPS = 48
 COARSE_CYCLES = 2
 """Cycles of the coarse run at most."""
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse
@@ -68,7 +70,8 @@ class Scales:
     modulus : E* [stress]
     element : surface elements of the coarse run, over the half-width
     dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with
-    scenes of other loads or friction largest_pressure : at the largest load [stress]
+        scenes of other loads or friction
+    largest_pressure : at the largest load [stress]
     """
 
     half_width: float
@@ -134,14 +137,15 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
-    for more in reversed(range(_ENLARGEMENTS + 1)):
+    for enlargements_left in reversed(range(_ENLARGEMENTS + 1)):
         try:
             problem, run = _coarse_run(pair, size)
         except BesideTheFaces:
-            if not more or size == pair.room:
+            if not enlargements_left or size == pair.room:
                 raise
         else:
-            if not more or not any(state.closed[0] or state.closed[-1] for state in run.states):
+            reaches_end = any(state.closed[0] or state.closed[-1] for state in run.states)
+            if not reaches_end or not enlargements_left:
                 break
             # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
             # has to hold that too.
@@ -157,8 +161,10 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     if scene.load.path().period is not None:
         # the first one too: the hook that it locks in stays
         cycles = slice(run.cycle_starts[0] + 1, None)
-        seen = reported_states(problem, run.states, run.cycle_starts)[cycles]
-        inner = _innermost_edge(problem, run.states[cycles], seen, anywhere=scene.unsymmetric)
+        surface_states = reported_states(problem, run.states, run.cycle_starts)[cycles]
+        inner = _innermost_edge(
+            problem, run.states[cycles], surface_states == STICK, anywhere=scene.unsymmetric
+        )
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     first_kink = min(scene.profile.kinks, default=np.inf)
@@ -201,11 +207,18 @@ class _CoarsePair:
 
     def problem(self, size: float, unscaled: Interface, tangential: bool) -> ContactProblem:
         """The contact problem of these faces, lengths over `size`."""
-        interface, zero = unscaled.scaled(size, 1 / self.modulus), np.zeros_like(unscaled.x)
+        """The contact problem of these faces, lengths over `size`."""
+        interface = unscaled.scaled(size, 1 / self.modulus)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
-        moment_given = self.scene.load.path().moment_given
-        parts = interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential
-        return ContactProblem(*parts, moment_given=moment_given)
+        no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))
+        return ContactProblem(
+            interface,
+            height,
+            self.scene.friction.coefficient,
+            no_layer,
+            tangential=tangential,
+            moment_given=self.scene.load.path().moment_given,
+        )
 
 
 def _grading(size: float, ratio: float) -> SurfaceGrading:
@@ -219,8 +232,11 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
-    faces, tangential = pair.faces(size), needs_shear(pair.scene)
-    problem, halved = pair.problem(size, faces, tangential), on_half(pair.scene, faces)
+    """The load path on faces of this half-width."""
+    faces = pair.faces(size)
+    tangential = needs_shear(pair.scene)
+    problem = pair.problem(size, faces, tangential)
+    halved = on_half(pair.scene, faces)
     solved = pair.problem(size, half(faces), tangential) if halved else problem
     pace = Pace(pair.load, _COARSE_STEPS, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
@@ -229,7 +245,7 @@ def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun
         pair.scene.load.path(),
         pace,
         COARSE_CYCLES,
-        lambda _done, _total, _text: None,
+        lambda _step, _of_steps, _text: None,
         keep_all=True,
     )
     if run.failure is not None:
@@ -241,35 +257,29 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good
     part.
     """
-    start, too_small, too_large = pair.scene.profile.datum_length, 0.0, np.inf
+    """Half-width of the side that may touch of which the contact at the largest load takes a good
+    part.
+    """
+    start = pair.scene.profile.datum_length
     # where half-planes would have it is near, and cheap to find
     if not pair.scene.bodies.half_planes:
-        start = _fitting_size(
-            _CoarsePair(pair.scene.vary(bodies=Bodies()), pair.load, pair.modulus, pair.work)
-        )
+        half_planes = pair.scene.vary(bodies=Bodies())
+        start = _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
+    too_small = 0.0
+    too_large = np.inf
     size = min(start, pair.room)
-    for _ in range(400):
-        faces = pair.faces(size)
-        problem = pair.problem(
-            size, half(faces) if on_half(pair.scene, faces) else faces, tangential=False
-        )
-        pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
-        fraction = (
-            1.0
-            if pressed.closed.all()
-            else float(np.abs(problem.interface.x[pressed.closed]).max())
-        )
-        if _FRACTION[0] <= fraction <= _FRACTION[1] or (
-            size == pair.room and _FRACTION[1] < fraction < 1
-        ):
+    for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
+        fraction = _contact_fraction(pair, size)
+        if _FRACTION[0] <= fraction <= _FRACTION[1]:
             return size
-        if fraction > _FRACTION[1] and size == pair.room:
-            raise _past_the_end(pair.scene)
         if fraction > _FRACTION[1]:
+            if size == pair.room and fraction < 1:
+                return size
+            if size == pair.room:
+                raise _past_the_end(pair.scene)
             too_small = size
-            size = min(
-                size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large), pair.room
-            )
+            larger = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+            size = min(larger, pair.room)
         else:
             too_large = size
             size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
@@ -277,6 +287,19 @@ def _fitting_size(pair: _CoarsePair) -> float:
         f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
         " and loads"
     )
+
+
+def _contact_fraction(pair: _CoarsePair, size: float) -> float:
+    """What the contact takes, at the largest load, of a side that may touch of this half-width; 1
+    where all nodes touch.
+    """
+    faces = pair.faces(size)
+    solved_faces = half(faces) if on_half(pair.scene, faces) else faces
+    problem = pair.problem(size, solved_faces, tangential=False)
+    pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
+    if pressed.closed.all():
+        return 1.0
+    return float(np.abs(problem.interface.x[pressed.closed]).max())
 
 
 def _past_the_end(scene: Scene) -> InputError:
@@ -296,28 +319,21 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
 
 
 def _innermost_edge(
-    problem: ContactProblem,
-    states: Sequence[InterfaceState],
-    seen: States,
-    anywhere: bool,
+    problem: ContactProblem, states: Sequence[InterfaceState], sticks: Mask, anywhere: bool
 ) -> float:
     """The least half-width of the contact or of its stick zone, 0 where nothing sticks.
 
     Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where
     one is on the other side of it.
     """
-    contact, closed, x = (
-        _contact_edges(problem, states),
-        np.stack([state.closed for state in states]),
-        problem.interface.x,
-    )
+    contact = _contact_edges(problem, states)
+    closed = np.stack([state.closed for state in states])
+    about_middle = np.array([-1.0, 1.0])
     if not anywhere:
-        contact = np.nan_to_num(np.diff(contact) / 2) * [-1.0, 1.0]
-    stick = stick_edges(x, seen == STICK, closed, contact, anywhere=anywhere)
+        contact = np.diff(contact) / 2 * about_middle
+    stick = stick_edges(problem.interface.x, sticks, closed, contact, anywhere=anywhere)
     if not anywhere:
-        stick = np.where((seen == STICK).any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0) * [
-            -1.0,
-            1.0,
-        ]
-    outwards = np.concatenate([contact, stick]) * [-1.0, 1.0]
+        half_width = np.where(sticks.any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0)
+        stick = half_width * about_middle
+    outwards = np.concatenate([contact, stick]) * about_middle
     return max(float(np.nan_to_num(outwards).min()), 0.0)
