@@ -7,7 +7,8 @@ left and right.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +27,18 @@ _SHARE = 0.3
 _FITTED_SHARE = 0.5
 # Nodes that the second estimate of the contact edge takes, counted from the last closed one.
 _EXTRAPOLATED = 5
-# Outermost closed nodes whose pressure is the mesh's own, and nodes behind them that the square of
-# the pressure is fitted to: at most, at least. Root mean square of the relative residual above
-# which a corner of the profile is among them.
-_RIM, _SQUARES, _FEWEST, _ROUGH = 3, 12, 6, 0.005
+# Outermost closed nodes whose pressure is the mesh's own.
+_RIM = 3
+# Nodes behind them that the square of the pressure is fitted to: at most, at least.
+_SQUARES = 12
+_FEWEST = 6
+# Root mean square of the relative residual above which a corner of the profile is among them.
+_ROUGH = 0.005
 # Elements by which that zero may differ from the edge by its form, which errs by an eighth of one.
 _NEAR = 0.2
 # Nodes of a slip zone below which it may be none at all.
 _UNRESOLVED = 4
-# Nodes that the slip zone may be wide where the whole contact is seen to stick: an element, of
+# Nodes that the slip zone may be wide where all of the contact seems to stick: an element, of
 # quadratic ones.
 _UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the
@@ -124,77 +128,80 @@ def visible_states(
     ----------
     states : of the whole path
     cycle_starts : index of the state at which each revolution starts; what comes before them is the
-    initial loading friction : coefficient f
+        initial loading
+    friction : coefficient f
     imposed : (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without
         any
     """
-    seen, rise, senses, slips = (
-        np.stack([state.state for state in states]),
-        np.diff([state.loads for state in states], axis=0),
-        [],
-        [],
-    )
-    size, change = len(states[0].state), np.maximum(np.abs(rise).sum(axis=1), 1e-300)
-    # Some hundred instants at a time: arrays of all of a long record would take gigabytes.
+    reported = np.stack([state.state for state in states])
+    rise = np.diff([state.loads for state in states], axis=0)
+    change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
+    n_nodes = len(states[0].state)
+    # Some hundred increments at a time: arrays of all of a long record would take gigabytes.
     blocks = [
         slice(first, min(first + _AT_ONCE, len(rise))) for first in range(0, len(rise), _AT_ONCE)
     ]
 
-    def moved(steps: slice) -> tuple[Indices, Array]:
+    def sense_and_slip(steps: slice) -> tuple[Array, Array]:
         """Sense of slip by the law, and slip of the increments, (k, n) each."""
-        values = np.stack(
-            [state.values[3 : 3 + size] for state in states[steps.start : steps.stop + 1]]
-        )
-        return slip_sign(seen[steps.start + 1 : steps.stop + 1]), np.diff(values, axis=0)
+        block = states[steps.start : steps.stop + 1]
+        slip = np.diff([state.values[3 : 3 + n_nodes] for state in block], axis=0)
+        return slip_sign(reported[steps.start + 1 : steps.stop + 1]).astype(float), slip
 
+    largest_sliding = np.zeros(len(rise))  # slip of the nodes that slide, in each increment
+    largest = 0.0  # of all nodes
     for steps in blocks:
-        sign, slip = moved(steps)
-        # slip of the nodes that slide, and of all, in each increment
-        senses.append(np.abs(slip * sign).max(axis=1))
-        slips.append(float(np.abs(slip).max()))
-    revolution = np.searchsorted(
-        np.asarray(cycle_starts, dtype=int), np.arange(len(rise)), side="right"
-    )
-    speed = np.concatenate([*senses, [0.0]])[: len(rise)] / change
+        sense, slip = sense_and_slip(steps)
+        largest_sliding[steps] = np.abs(slip * sense).max(axis=1)
+        largest = max(largest, float(np.abs(slip).max()))
+    starts = np.asarray(cycle_starts, dtype=int)
+    revolution = np.searchsorted(starts, np.arange(len(rise)), side="right")
+    speed = largest_sliding / change
     fastest = np.array(
         [speed[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)]
     )
-    run, rounding = np.zeros(size), _ROUNDING * max(slips, default=0.0)
+    least_slip = _CREEP * fastest[revolution] * change
+    run = np.zeros(n_nodes)
     for steps in blocks:
-        sign, slip = moved(steps)
-        slip[np.abs(slip) <= rounding] = 0.0
+        sense, slip = sense_and_slip(steps)
+        slip[np.abs(slip) <= _ROUNDING * largest] = 0.0
         runs = slip.copy()
         for step in range(len(runs)):  # slip in one direction without a stop, open or closed
             runs[step] += np.where(run * runs[step] > 0, run, 0.0)
             run = runs[step]
-        normal, along = rise[steps, 0, None], rise[steps, 1, None]
+        view = reported[steps.start + 1 : steps.stop + 1]
+        rise_of_p, rise_of_q = rise[steps, 0, None], rise[steps, 1, None]
         if imposed is not None:
-            offsets = np.diff(
-                [state.imposed for state in states[steps.start : steps.stop + 1]], axis=0
-            )
-            sticks = seen[steps.start + 1 : steps.stop + 1] == STICK
-            ends = np.stack([np.argmax(sticks, axis=1), _last(sticks)], axis=1)
-            gap, shift = (offsets @ part.T for part in imposed)
-            gap, shift = (
-                part - np.take_along_axis(part, ends, axis=1).mean(axis=1, keepdims=True)
-                for part in (gap, shift)
-            )
-            held = sticks.any(axis=1, keepdims=True)
-            normal, along = normal - np.pi / 2 * gap * held, along + np.pi / 2 * shift * held
-        driven = sign * along > friction * normal
-        slides = driven | (
-            np.abs(slip) > (_CREEP * fastest[revolution[steps]] * change[steps])[:, None]
-        )
-        view = seen[steps.start + 1 : steps.stop + 1]
-        for sense in (1, -1):
-            moved_on = np.where(sign == sense, sense * runs, 0.0)
-            view[
-                (sign == sense)
-                & ~(slides & (moved_on > _MOVED * moved_on.max(axis=1, keepdims=True)))
-            ] = STICK
-    view = seen[:1]
-    view[slip_sign(view) != 0] = STICK  # of the first nothing has moved
-    return seen
+            block = states[steps.start : steps.stop + 1]
+            rise_of_imposed = np.diff([state.imposed for state in block], axis=0)
+            of_gap, of_slip = _about_stick_zone(rise_of_imposed, imposed, view == STICK)
+            rise_of_p = rise_of_p - np.pi / 2 * of_gap
+            rise_of_q = rise_of_q + np.pi / 2 * of_slip
+        driven = sense * rise_of_q > friction * rise_of_p
+        slides = driven | (np.abs(slip) > least_slip[steps, None])
+        for direction in (1, -1):
+            in_direction = sense == direction
+            distance = np.where(in_direction, direction * runs, 0.0)
+            moved_on = distance > _MOVED * distance.max(axis=1, keepdims=True)
+            view[in_direction & ~(slides & moved_on)] = STICK
+    at_rest = reported[:1]
+    at_rest[slip_sign(at_rest) != 0] = STICK  # of the first nothing has moved
+    return reported
+
+
+def _about_stick_zone(rise: Array, imposed: Array, sticks: Mask) -> tuple[Array, Array]:
+    """(k, n) gap and slip by a rise (k, 3) of bulk stresses and tilt, from the middle of the stick
+    zone on; 0 where nothing sticks.
+    """
+    ends = np.stack([np.argmax(sticks, axis=1), _last(sticks)], axis=1)
+    some_stick = sticks.any(axis=1, keepdims=True)
+    differences = []
+    for by_unit in imposed:
+        values = rise @ by_unit.T
+        at_middle = np.take_along_axis(values, ends, axis=1).mean(axis=1, keepdims=True)
+        differences.append((values - at_middle) * some_stick)
+    of_gap, of_slip = differences
+    return of_gap, of_slip
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
@@ -209,18 +216,23 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     ----------
     x : (n,) nodes in ascending order [length]
     pressure, gap, closed : (k, n); pressure of the closed nodes [stress], gap of the open ones
-    [length], both >= 0 modulus : E* [stress]
+        [length], both >= 0
+    modulus : E* [stress]
     """
     edges = np.empty((len(closed), 2))
-    for side, sign, x_out, (p, g, inside) in _sides(x, pressure, gap, closed):
+    for side in _sides(x):
+        p, g, inside = side.outwards(pressure, gap, closed)
         last = _last(inside)
         following = np.minimum(last + 1, len(x) - 1)
-        span, at_last, beyond = x_out[following] - x_out[last], _pick(p, last), _pick(g, following)
-        plain = (span > 0) & (at_last > 0) & (beyond > 0)
-        c = (3 * modulus * beyond[plain] / (4 * at_last[plain] * span[plain])) ** 2
-        share = np.where(at_last > 0, 0.0, 1.0)
-        share[plain] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
-        edges[:, side] = sign * (x_out[last] + span * (1 - share))
+        distance = side.x[following] - side.x[last]
+        pressure_of_last = _pick(p, last)
+        gap_of_following = _pick(g, following)
+        has_form = (distance > 0) & (pressure_of_last > 0) & (gap_of_following > 0)
+        ratio = gap_of_following[has_form] / (pressure_of_last * distance)[has_form]
+        c = (3 * modulus / 4 * ratio) ** 2
+        share = np.where(pressure_of_last > 0, 0.0, 1.0)
+        share[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
+        edges[:, side.column] = side.sign * (side.x[last] + distance * (1 - share))
     edges[~closed.any(axis=1)] = np.nan
     return edges
 
@@ -239,44 +251,60 @@ def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) 
     x, pressure, closed : as of `contact_edges`
     edges : (k, 2) by `contact_edges`
     """
-    found, n_half = edges.copy(), np.count_nonzero(closed, axis=1) // 2 - _RIM
-    for side, sign, x_out, (p, inside) in _sides(x, pressure, closed):
-        last, form = _last(inside), sign * edges[:, side]
-        element = 2 * _spacing(x_out, last)
-        left = np.ones(len(closed), dtype=bool)
-        for share in (1, 2, 4):
-            count = np.minimum(_SQUARES, n_half) // share
-            row = np.flatnonzero(left & (count >= _FEWEST))
-            nodes = last[row, None] - _RIM - np.arange(_SQUARES)
-            counts = np.arange(_SQUARES) < count[row, None]
-            nodes = np.where(counts, nodes, last[row, None])
-            square = np.take_along_axis(p[row], nodes, axis=1) ** 2
-            first = x_out[last[row] - _RIM]
-            away = (first[:, None] - x_out[nodes]) / element[row, None]
-            weight = np.where(counts & (square > 0), 1 / np.where(square > 0, square, 1.0), 0.0)
-            matrix = np.stack([weight, weight * away, weight * away**2], axis=2)
-            c, b, a = (np.linalg.pinv(matrix) @ (weight * square)[:, :, None])[:, :, 0].T
-            rough = np.sqrt(
-                np.mean(
-                    (
-                        ((c[:, None] + b[:, None] * away + a[:, None] * away**2) * weight - 1)
-                        * counts
-                    )
-                    ** 2,
-                    axis=1,
-                )
+    fitted = edges.copy()
+    n_behind_rim = np.count_nonzero(closed, axis=1) // 2 - _RIM
+    for side in _sides(x):
+        p, inside = side.outwards(pressure, closed)
+        last = _last(inside)
+        form = side.sign * edges[:, side.column]
+        element = 2 * _spacing(side.x, last)
+        unfitted = np.ones(len(closed), dtype=bool)
+        for divisor in (1, 2, 4):
+            n_fitted = np.minimum(_SQUARES, n_behind_rim) // divisor
+            row = np.flatnonzero(unfitted & (n_fitted >= _FEWEST))
+            zero, residual = _zero_of_parabola(
+                side.x, p[row], last[row], element[row], n_fitted[row]
             )
-            under = b**2 - 4 * a * c
-            zero = (
-                first
-                + 2
-                * c
-                / np.where((under > 0) & (b > 0), b + np.sqrt(np.maximum(under, 0.0)), np.nan)
-                * element[row]
-            )
-            good = (rough < _ROUGH) & (np.abs(zero - form[row]) <= _NEAR * element[row])
-            found[row[good], side], left[row[good]] = sign * zero[good], False
-    return found
+            is_near = np.abs(zero - form[row]) <= _NEAR * element[row]
+            smooth = (residual < _ROUGH) & is_near
+            fitted[row[smooth], side.column] = side.sign * zero[smooth]
+            unfitted[row[smooth]] = False
+    return fitted
+
+
+def _zero_of_parabola(
+    x: Array, pressure: Array, last: Indices, element: Array, n_fitted: Indices
+) -> tuple[Array, Array]:
+    """(k,) zero of the parabola through the squares of the pressure behind the rim, NaN without
+    one, and the root mean square of its relative residual.
+
+    Parameters
+    ----------
+    x : (n,) outwards
+    pressure : (k, n)
+    last : (k,) outermost closed node
+    element : (k,) size that distances are divided by
+    n_fitted : (k,) nodes that it is fitted to
+    """
+    number = np.arange(_SQUARES)
+    counts = number < n_fitted[:, None]
+    nodes = np.where(counts, last[:, None] - _RIM - number, last[:, None])
+    square = np.take_along_axis(pressure, nodes, axis=1) ** 2
+    behind_rim = x[last - _RIM]
+    distance = (behind_rim[:, None] - x[nodes]) / element[:, None]
+    has_weight = counts & (square > 0)
+    weight = np.where(has_weight, 1 / np.where(square > 0, square, 1.0), 0.0)
+    matrix = np.stack([weight, weight * distance, weight * distance**2], axis=2)
+    # p^2 = a d^2 + b d + c, relative errors weighing alike
+    coefficients = (np.linalg.pinv(matrix) @ (weight * square)[:, :, None])[:, :, 0]
+    c, b, a = coefficients.T
+    parabola = c[:, None] + b[:, None] * distance + a[:, None] * distance**2
+    relative = (parabola * weight - 1) * counts
+    residual = np.sqrt(np.mean(relative**2, axis=1))
+    discriminant = b**2 - 4 * a * c
+    divisor = b + np.sqrt(np.maximum(discriminant, 0.0))
+    divisor = np.where((discriminant > 0) & (b > 0), divisor, np.nan)
+    return behind_rim + 2 * c / divisor * element, residual
 
 
 def contact_uncertainty(
@@ -286,8 +314,8 @@ def contact_uncertainty(
 
     A share of the distance of the nodes around it, and how far the edge is from another estimate:
     the zero of a straight line through the squares of the pressure at the five nodes before the
-    last. With fewer nodes than that, the whole contact. Of a fitted edge the other estimate is that
-    of `contact_edges`.
+    last. With fewer nodes than that, the width of the contact. Of a fitted edge the other estimate
+    is that of `contact_edges`.
 
     Parameters
     ----------
@@ -296,22 +324,23 @@ def contact_uncertainty(
     form : the same by `contact_edges`, where they are fitted
     """
     form = contact if form is None else form
-    found = np.repeat(contact[:, 1:] - contact[:, :1], 2, axis=1)
-    many = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
-    for side, sign, x_out, (p, inside) in _sides(x, pressure[many], closed[many]):
+    width = contact[:, 1:] - contact[:, :1]
+    uncertainty = np.repeat(width, 2, axis=1)
+    row = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
+    for side in _sides(x):
+        p, inside = side.outwards(pressure[row], closed[row])
         last = _last(inside)
-        edge, farthest = sign * contact[many, side], x_out[last - _EXTRAPOLATED]
-        zero = _zero_of_squares(x_out, p, last, _EXTRAPOLATED)
-        other = np.where(np.isnan(zero), farthest, zero)
-        apart = np.where(
-            edge == sign * form[many, side],
-            np.minimum(np.abs(other - edge), np.abs(farthest - edge)),
-            0.0,
+        edge = side.sign * contact[row, side.column]
+        edge_by_form = side.sign * form[row, side.column]
+        farthest = side.x[last - _EXTRAPOLATED]
+        zero = _zero_of_squares(side.x, p, last, _EXTRAPOLATED)
+        zero = np.where(np.isnan(zero), farthest, zero)
+        to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
+        to_zero = np.where(edge == edge_by_form, to_zero, 0.0)
+        uncertainty[row, side.column] = (
+            _SHARE * _spacing(side.x, last) + to_zero + np.abs(edge - edge_by_form)
         )
-        found[many, side] = (
-            _SHARE * _spacing(x_out, last) + apart + np.abs(edge - sign * form[many, side])
-        )
-    return found
+    return uncertainty
 
 
 def stick_edges(
@@ -323,7 +352,7 @@ def stick_edges(
     shear: Array | None = None,
     anywhere: bool = False,
 ) -> Array:
-    """Ends of the stick zone; the contact edges where the whole contact sticks, NaN where nothing
+    """Ends of the stick zone; the contact edges where all of the contact sticks, NaN where nothing
     does.
 
     By node status the edge lies half-way between the last node of the stick zone and the first one
@@ -341,34 +370,33 @@ def stick_edges(
     anywhere : whether the stick zone need not hold the middle of the contact (bulk stress, tilt):
         then its own middle is the middle
     """
-    edges, nothing = np.empty((len(closed), 2)), np.zeros(len(closed), dtype=bool)
-    tractions = () if limit is None or shear is None else (limit, shear)
-    for side, sign, x_out, (sticks, inside, *limit_and_shear) in _sides(
-        x, stick, closed, *tractions
-    ):
-        half, end = (
-            _half(x_out, inside, sign, sticks if anywhere else None),
-            sign * contact[:, side],
-        )
+    edges = np.empty((len(closed), 2))
+    nothing_sticks = np.zeros(len(closed), dtype=bool)
+    for side in _sides(x):
+        sticks, inside = side.outwards(stick, closed)
+        half = _half(side, inside, sticks if anywhere else None)
+        contact_edge = side.sign * contact[:, side.column]
         last, n_stick, n_half = _last_sticking(sticks, half)
-        nothing |= (n_stick == 0) & (n_half > 0)
-        found = (x_out[last] + x_out[np.minimum(last + 1, len(x) - 1)]) / 2
+        nothing_sticks |= (n_stick == 0) & (n_half > 0)
+        edge = (side.x[last] + side.x[np.minimum(last + 1, len(x) - 1)]) / 2
         row = np.flatnonzero((n_stick > _FITTED[0]) & (n_stick < n_half))
-        if limit_and_shear and len(row):
-            top, q = (values[row] for values in limit_and_shear)
-            fitted, good = _fitted_stick_edge(
-                x_out, top - np.sign(_pick(q, last[row] + 1))[:, None] * q, last[row]
-            )
-            good &= fitted <= end[row]  # nothing sticks beyond the contact: a fit gone wrong
-            found[row[good]] = fitted[good]
-        edges[:, side] = sign * np.where(n_stick == n_half, end, found)
-    edges[nothing] = np.nan
+        if limit is not None and shear is not None and len(row):
+            limit_out, shear_out = side.outwards(limit[row], shear[row])
+            last_of_row = last[row]
+            sense = np.sign(_pick(shear_out, last_of_row + 1))[:, None]  # of slip beyond the edge
+            to_limit = limit_out - sense * shear_out
+            fitted, agrees = _fitted_stick_edge(side.x, to_limit, last_of_row)
+            # nothing sticks beyond the contact: a fit gone wrong
+            accepted = agrees & (fitted <= contact_edge[row])
+            edge[row[accepted]] = fitted[accepted]
+        edges[:, side.column] = side.sign * np.where(n_stick == n_half, contact_edge, edge)
+    edges[nothing_sticks] = np.nan
     return edges
 
 
 def stick_uncertainty(
     x: Array,
-    seen: tuple[Mask, Mask],
+    sticking: tuple[Mask, Mask],
     closed: Mask,
     contact: Array,
     edges: Array,
@@ -380,44 +408,62 @@ def stick_uncertainty(
     The distance of the nodes around the edge (a share of it where the edge is fitted), and how far
     the edge is from where it would be by another reading of the states: node status for a fitted
     one, and creeping nodes counted as sliding. A slip zone of a few nodes may be none at all:
-    there, at least the distance to the contact edge, and its uncertainty. Where the whole contact
+    there, at least the distance to the contact edge, and its uncertainty. Where all of the contact
     sticks, a slip zone narrower than an element of two nodes may be there unseen.
 
     Parameters
     ----------
     x, closed : as of `contact_uncertainty`
-    seen : (k, n) nodes that stick, as the reader sees them and by the law alone
+    sticking : (k, n) nodes that stick, as they are reported and by the law alone
     contact, edges : contact and stick edges as answered
     of_contact : uncertainty of the contact edges
     anywhere : as of `stick_edges`
     """
     by_status, by_law = (
-        stick_edges(x, sticking, closed, contact, anywhere=anywhere) for sticking in seen
+        stick_edges(x, sticks, closed, contact, anywhere=anywhere) for sticks in sticking
     )
-    apart = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
+    difference = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
     after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
-    spacing = _spacing(
-        x, np.where(np.abs(x[after - 1] - edges) <= np.abs(x[after] - edges), after - 1, after)
+    before = after - 1
+    before_is_nearer = np.abs(x[before] - edges) <= np.abs(x[after] - edges)
+    spacing = _spacing(x, np.where(before_is_nearer, before, after))
+    n_beyond = np.empty(edges.shape, dtype=np.int64)
+    for side in _sides(x):
+        inside, sticks = side.outwards(closed, sticking[0])
+        half = _half(side, inside, sticks if anywhere else None)
+        beyond = side.x > side.sign * edges[:, [side.column]]
+        n_beyond[:, side.column] = np.count_nonzero(half & beyond, axis=1)
+    of_narrow_slip_zone = np.where(
+        n_beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0
     )
-    beyond = np.empty(edges.shape, dtype=np.int64)
-    for side, sign, x_out, (inside, sticks) in _sides(x, closed, seen[0]):
-        half = _half(x_out, inside, sign, sticks if anywhere else None)
-        beyond[:, side] = np.count_nonzero(half & (x_out > sign * edges[:, [side]]), axis=1)
-    narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
     share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
-    unseen = np.where(edges == contact, _UNSEEN * spacing, 0.0)
-    return np.maximum(np.maximum(share * spacing + apart, narrow), unseen)
+    of_unseen_slip_zone = np.where(edges == contact, _UNSEEN * spacing, 0.0)
+    of_edge = share * spacing + difference
+    return np.maximum(np.maximum(of_edge, of_narrow_slip_zone), of_unseen_slip_zone)
 
 
-Side = tuple[int, float, Array, tuple[NDArray, ...]]
+class _Side(NamedTuple):
+    """One side of the contact, read outwards; the left one is reflected.
 
-
-def _sides(x: Array, *rows: NDArray) -> Iterator[Side]:
-    """Left and right side, the left one reflected: column, sign, x outwards (n,), and the rows
-    likewise.
+    Attributes
+    ----------
+    column : 0 of the left, 1 of the right
+    sign : of x outwards
+    x : (n,) nodes outwards [length]
     """
-    yield 0, -1.0, -x[::-1], tuple(row[:, ::-1] for row in rows)
-    yield 1, 1.0, x, rows
+
+    column: int
+    sign: float
+    x: Array
+
+    def outwards(self, *rows: NDArray) -> tuple[NDArray, ...]:
+        """Rows (k, n) of values at the nodes, read outwards."""
+        return rows if self.column == 1 else tuple(row[:, ::-1] for row in rows)
+
+
+def _sides(x: Array) -> tuple[_Side, _Side]:
+    """The left and the right side."""
+    return _Side(0, -1.0, -x[::-1]), _Side(1, 1.0, x)
 
 
 def _pick(rows: NDArray, index: Indices) -> NDArray:
@@ -430,21 +476,24 @@ def _last(inside: Mask) -> Indices:
     return np.asarray(inside.shape[1] - 1 - np.argmax(inside[:, ::-1], axis=1))
 
 
-def _half(x_out: Array, closed: Mask, sign: float, stick: Mask | None = None) -> Mask:
+def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
     """(k, n) closed nodes outwards of the middle of the contact; one in the middle belongs to the
     right side.
 
     Where `stick` is given, of the middle one of the sticking nodes, if there are any.
     """
-    middle = ((x_out[np.argmax(closed, axis=1)] + x_out[_last(closed)]) / 2)[:, None]
+    is_right = side.sign > 0
+    innermost, outermost = side.x[np.argmax(closed, axis=1)], side.x[_last(closed)]
+    middle = ((innermost + outermost) / 2)[:, None]
     if stick is not None:
-        there, rank = stick & closed, np.cumsum(stick & closed, axis=1)
+        sticking = stick & closed
+        rank = np.cumsum(sticking, axis=1)
+        n_sticking = rank[:, -1:]
         # Counted from the left whichever side looks, so that both have one middle.
-        number = (rank[:, -1:] + 1) // 2 if sign > 0 else rank[:, -1:] // 2 + 1
-        middle = np.where(
-            rank[:, -1:] > 0, x_out[np.argmax(there & (rank == number), axis=1)][:, None], middle
-        )
-    return np.asarray(closed & ((x_out >= middle) if sign > 0 else (x_out > middle)))
+        middle_rank = (n_sticking + 1) // 2 if is_right else n_sticking // 2 + 1
+        middle_node = np.argmax(sticking & (rank == middle_rank), axis=1)
+        middle = np.where(n_sticking > 0, side.x[middle_node][:, None], middle)
+    return np.asarray(closed & ((side.x >= middle) if is_right else (side.x > middle)))
 
 
 def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
@@ -454,51 +503,63 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
     tie. Without nodes the last of them says nothing.
     """
-    sticking, rank = (np.cumsum(nodes, axis=1, dtype=np.int32) for nodes in (stick & half, half))
-    # Sliding nodes up to this one, and sticking ones behind it.
-    wrong = np.where(half, rank - 2 * sticking, half.shape[1] + 1)
-    last: Indices = half.shape[1] - 1 - np.argmin(wrong[:, ::-1], axis=1)
-    n_stick: Indices = np.where(_pick(wrong, last) <= 0, _pick(rank, last), 0)
+    """(k,) last node of the stick zone on a side, how many nodes the zone has there, and how many
+    the side.
+
+    Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
+    tie. Without nodes the last of them says nothing.
+    """
+    rank_of_sticking = np.cumsum(stick & half, axis=1, dtype=np.int32)
+    rank = np.cumsum(half, axis=1, dtype=np.int32)
+    # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
+    # for all.
+    misplaced = np.where(half, rank - 2 * rank_of_sticking, half.shape[1] + 1)
+    last: Indices = half.shape[1] - 1 - np.argmin(misplaced[:, ::-1], axis=1)
+    n_stick: Indices = np.where(_pick(misplaced, last) <= 0, _pick(rank, last), 0)
     return last, n_stick, rank[:, -1].astype(np.int64)
 
 
 def _spacing(x: Array, node: Indices) -> Array:
     """The larger distance of nodes from their neighbours."""
-    apart = np.concatenate([[0.0], np.diff(x), [0.0]])
-    return np.maximum(apart[node], apart[node + 1])
+    """The larger distance of nodes from their neighbours."""
+    distances = np.concatenate([[0.0], np.diff(x), [0.0]])
+    return np.maximum(distances[node], distances[node + 1])
 
 
 def _zero_of_squares(x_out: Array, values: Array, last: Indices, count: int) -> Array:
     """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
     last; NaN unless it falls.
     """
+    """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
+    last; NaN unless it falls.
+    """
     nodes = last[:, None] - np.arange(1, count + 1)
-    away, squares = (
-        x_out[nodes] - x_out[last][:, None],
-        np.take_along_axis(values, nodes, axis=1) ** 2,
-    )
-    mean, height = away.mean(axis=1, keepdims=True), squares.mean(axis=1)
-    slope = ((away - mean) * squares).sum(axis=1) / ((away - mean) ** 2).sum(axis=1)
-    return x_out[last] + mean[:, 0] - height / np.where(slope < 0, slope, np.nan)
+    distance = x_out[nodes] - x_out[last][:, None]
+    squares = np.take_along_axis(values, nodes, axis=1) ** 2
+    mean_distance = distance.mean(axis=1, keepdims=True)
+    from_mean = distance - mean_distance
+    slope = (from_mean * squares).sum(axis=1) / (from_mean**2).sum(axis=1)
+    falling = np.where(slope < 0, slope, np.nan)
+    return x_out[last] + mean_distance[:, 0] - squares.mean(axis=1) / falling
 
 
-def _fitted_stick_edge(x_out: Array, room: Array, last: Indices) -> tuple[Array, Mask]:
+def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> tuple[Array, Mask]:
     """(k,) edge of the stick zone from the shear inside it: f p -+ q falls to zero as the square
     root of the distance.
 
     Parameters
     ----------
-    room : (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
+    to_limit : (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
     last : (k,) last node of the stick zone by its status, at least seven nodes before it
 
     Returns
     -------
-    The zero of a straight line through the squares of `room` at seven nodes; and whether it is one:
+    The zero of a straight line through the squares of `to_limit` at seven nodes; and whether it is one:
     False where they do not fall towards the edge, where the line through the next four says
     something else (an older stick edge is near), or where the zero is not near the last node.
     """
     element = x_out[last] - x_out[last - 2]
-    found, other = (_zero_of_squares(x_out, room, last, count) for count in _FITTED)
-    return found, (np.abs(found - other) <= _AGREE * element) & (
-        np.abs(found - x_out[last]) <= element
-    )
+    edge, edge_further_in = (_zero_of_squares(x_out, to_limit, last, count) for count in _FITTED)
+    agree = np.abs(edge - edge_further_in) <= _AGREE * element
+    is_near = np.abs(edge - x_out[last]) <= element
+    return edge, agree & is_near
