@@ -93,7 +93,7 @@ def answer_arrays(
     surface_states = all_states[run.stored]
     edges = _edges_of_all(problem, states, surface_states, scene.unsymmetric)
     permanent = _permanent_stick(scene, problem, run, all_states, edges["stick_edges"])
-    edges = {name: both * scales.half_width for name, both in edges.items()}
+    edges = {name: values * scales.half_width for name, values in edges.items()}
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
     np.multiply(pressure, scales.load / weights, out=pressure)
     np.multiply(shear, scales.load / weights, out=shear)
@@ -123,7 +123,7 @@ def answer_arrays(
         "shear": shear,
         "slip": slip,
         "state": freeze(surface_states, np.int8),
-        **{name: freeze(both) for name, both in edges.items()},
+        **{name: freeze(values) for name, values in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
         "dissipation_density": freeze(dissipation_density),
@@ -159,7 +159,10 @@ def _edges_of_all(
     for first in range(0, len(states), _AT_ONCE):
         block = slice(first, first + _AT_ONCE)
         blocks.append(_edges(problem, states[block], surface_states[block], anywhere))
-    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    edges: dict[str, Array] = {}
+    for name in blocks[0]:
+        edges[name] = np.concatenate([block[name] for block in blocks])
+    return edges
 
 
 def _edges(

@@ -46,15 +46,18 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
 
-# D and V: least squares on Hertz' compression pressed through 40 elements. rms of g over the edge's
-# places.
-_WAY, _APART, _RMS = 0.566, 0.0335, 0.0155
+# D and V: least squares on Hertz' compression pressed through 40 elements.
+_D = 0.566
+_V = 0.0335
+# rms of g over the edge's places.
+_RMS = 0.0155
 # Weight of a mid-side node over that of its neighbours, in elements of one size: 2, from one size
 # to the next more or less.
 _SIMPSON = (1.8, 2.2)
-# Slip of a node over the largest of the revolution below which it sticks; share of its own within
-# which it has turned round.
-_STUCK, _TURNED = 1e-6, 1e-6
+# Range of slip of a node over the largest of the revolution below which it sticks.
+_STUCK = 1e-6
+# Share of its own range within which a node has turned round.
+_TURNED = 1e-6
 # Nodes of a zone below which its edge is not far from another one.
 _ZONE = 3
 
@@ -84,136 +87,164 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     nothing = Excess(0.0, 0.0, 0)
     if not problem.tangential:
         return nothing
-    slip, law = np.stack([one.slip for one in states]), np.stack([one.state for one in states])
-    moved, closed = np.ptp(slip, axis=0), law != OPEN
-    sticks = closed.all(axis=0) & (
-        moved <= _STUCK * np.max(moved, where=closed.any(axis=0), initial=0.0)
-    )
-    stuck = np.flatnonzero(sticks)
-    if len(stuck) < _ZONE or np.diff(stuck).max() > 1:
+    slip = np.stack([state.slip for state in states])
+    slip_range = np.ptp(slip, axis=0)
+    closed = np.stack([state.closed for state in states])
+    largest_range = np.max(slip_range, where=closed.any(axis=0), initial=0.0)
+    sticks = closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
+    stick_zone = np.flatnonzero(sticks)
+    if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return nothing
-    value, scatter, edges = 0.0, [0.0, 0.0], 0
+    at_stick_edges: list[_EdgeWork] = []
+    at_contact_edges: list[_EdgeWork] = []
     for side in (1, -1):
-        found = [_at_stick_edge(problem, states, slip, law, sticks, side)]
-        if found[0] is not None:
-            found.append(_at_contact_edge(problem, states, slip, side))
-        for number, one in enumerate(found):
-            if one is not None:  # the two edges of a zone mostly stand alike in their elements
-                value, scatter[number], edges = value + one[0], scatter[number] + one[1], edges + 1
-    problem.work["edges between nodes, taken off the dissipation"] += edges
-    return Excess(value, math.hypot(*scatter), edges)
+        at_stick_edge = _at_stick_edge(problem, states, slip, sticks, side)
+        if at_stick_edge is None:
+            continue
+        at_stick_edges.append(at_stick_edge)
+        at_contact_edge = _at_contact_edge(problem, states, slip, side)
+        if at_contact_edge is not None:
+            at_contact_edges.append(at_contact_edge)
+    edges = at_stick_edges + at_contact_edges
+    problem.work["edges between nodes, taken off the dissipation"] += len(edges)
+    # the two edges of a zone mostly stand alike in their elements: their scatters add up
+    scatter = math.hypot(
+        sum(edge.scatter for edge in at_stick_edges),
+        sum(edge.scatter for edge in at_contact_edges),
+    )
+    return Excess(sum(edge.work for edge in edges), scatter, len(edges))
+
+
+class _EdgeWork(NamedTuple):
+    """Work in excess at an edge, and its rms over where the edge stands."""
+
+    work: float
+    scatter: float
 
 
 def _at_stick_edge(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     slip: Array,
-    law: States,
     sticks: Mask,
     side: int,
-) -> tuple[float, float] | None:
-    """Work in excess and its rms over places, at the edge of permanent stick on that side of x = 0.
+) -> _EdgeWork | None:
+    """At the edge of permanent stick on that side of x = 0; None where it does not count.
 
     Locked-in shear brings a node beside the edge nearer to the cone at one turn, and further from
     it at the other. So its distances at both turns are added.
     """
-    first, last = (
-        int(np.flatnonzero(sticks)[number]) for number in ((0, -1) if side > 0 else (-1, 0))
-    )
-    node, opposite = last + side, first - side
+    left, right = np.flatnonzero(sticks)[[0, -1]].tolist()
+    last = right if side > 0 else left
+    first = left if side > 0 else right
+    node = last + side
+    opposite = first - side
     if not _regular(problem, node):
         return None
-    moved, turns = float(np.ptp(slip[:, node])), {}
+    slip_of_node = slip[:, node]
+    slip_range = float(np.ptp(slip_of_node))
+    signs = slip_sign(np.array([state.state[node] for state in states]))
+    turns: dict[int, InterfaceState] = {}
     for sign in (1, -1):
-        ends = (slip_sign(law[:, node]) == sign) & (
-            sign * slip[:, node] >= np.max(sign * slip[:, node]) - _TURNED * moved
-        )
-        if not ends.any():
+        at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
+        instants = np.flatnonzero((signs == sign) & at_turn)
+        if not len(instants) or not states[instants[-1]].is_complete:
             return None
-        turns[sign] = states[int(np.flatnonzero(ends)[-1])]
-        if not turns[sign].is_complete:
-            return None
-    lacks = sum(
+        turns[sign] = states[instants[-1]]
+    to_cone = sum(
         problem.friction * turn.pressure[last] - sign * turn.shear[last]
         for sign, turn in turns.items()
     )
-    value, scatter, loads = 0.0, 0.0, states[0].loads
+    work_in_excess = 0.0
+    scatter = 0.0
+    n_loads = len(states[0].loads)
     for sign, turn in turns.items():
         # Nodes that have only reached the cone stick.
-        slides = np.where(sticks & (turn.state != OPEN), STICK, turn.state).astype(np.int8)
-        beyond = slip_sign(slides) == sign
-        if np.count_nonzero(beyond[node:] if side > 0 else beyond[: node + 1]) < _ZONE - 1:
+        states_at_turn = np.where(sticks & (turn.state != OPEN), STICK, turn.state).astype(np.int8)
+        slides = slip_sign(states_at_turn) == sign
+        slides_beyond = slides[node:] if side > 0 else slides[: node + 1]
+        if np.count_nonzero(slides_beyond) < _ZONE - 1:
             return None
-        by_load = nodal(problem.rates(slides, len(loads))[1])
-        way = (
-            _way(moved, by_load[0][node]),
-            _way(lacks, problem.friction * by_load[1][last] - sign * by_load[2][last]),
+        slip_rates, pressure_rates, shear_rates, _ = nodal(
+            problem.rates(states_at_turn, n_loads)[1]
         )
-        if not 0 < sum(way) < math.inf:
+        cone_rate = problem.friction * pressure_rates[last] - sign * shear_rates[last]
+        from_node = _load_to(slip_range, slip_rates[node])
+        distance = from_node + _load_to(to_cone, cone_rate)
+        if not 0 < distance < math.inf:
             return None
-        share, unit = _chord(problem, node, True, way[0] / sum(way), sum(way))
-        both = (node, opposite) if 0 <= opposite < len(beyond) and beyond[opposite] else (node,)
-        jump = _jump(lambda one: nodal(problem.rates(one, len(loads))[1])[0], slides, both, STICK)
+        g, unit = _chord(problem, node, True, from_node / distance, distance)
+        opposite_slides = 0 <= opposite < len(slides) and bool(slides[opposite])
+        nodes = (node, opposite) if opposite_slides else (node,)
+
+        def slip_by_load(states: States) -> Array:
+            return np.asarray(nodal(problem.rates(states, n_loads)[1])[0])
+
+        jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
         work = problem.friction * float(turn.pressure @ jump) * unit
-        value, scatter = value - work * float(share), scatter + abs(work) * _RMS
-    return value, scatter
+        work_in_excess -= work * float(g)
+        scatter += abs(work) * _RMS
+    return _EdgeWork(work_in_excess, scatter)
 
 
 def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
-) -> tuple[float, float] | None:
+) -> _EdgeWork | None:
     """The same at the edge of contact, on its way: along each increment p is linear in P, and no
     node touches or lets go.
     """
+    n_loads = len(states[0].loads)
     rates: dict[bytes, Array] = {}
 
-    def by_load(state: States) -> Array:
+    def rates_by_load(state: States) -> Array:
         """(4, n) rates by P: of like bodies they depend on what is closed alone, of others they are
         those of full stick.
         """
         if problem.interface.coupling is not None:
             state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
-        return rates.setdefault(
-            (state != OPEN).tobytes(), nodal(problem.rates(state, len(states[0].loads))[0])
-        )
+        key = (state != OPEN).tobytes()
+        if key not in rates:
+            rates[key] = nodal(problem.rates(state, n_loads)[0])
+        return rates[key]
 
-    value, works = 0.0, dict[int, float]()
-    for one in states:
-        by_load(one.state)
-    for one, other, moved in zip(
-        states[:-1], states[1:], np.abs(np.diff(slip, axis=0)), strict=True
-    ):
-        closed = np.flatnonzero(one.closed)
+    def pressure_by_load(state: States) -> Array:
+        return np.asarray(rates_by_load(state)[1])
+
+    for state in states:
+        rates_by_load(state.state)
+    work_in_excess = 0.0
+    work_of_stays: dict[int, float] = {}  # by the node that the edge stands at
+    slips = np.abs(np.diff(slip, axis=0))
+    for start, end, slip_increment in zip(states[:-1], states[1:], slips, strict=True):
+        closed = np.flatnonzero(start.closed)
         node = int(closed[-1 if side > 0 else 0])
-        after = node + side
-        if not moved.any():
-            continue
-        if not one.is_complete or not _regular(problem, node) or not 0 <= after < len(moved):
-            return None
-        _, pressed, _, opened = by_load(one.state)
-        way = _way(one.pressure[node], pressed[node]), _way(one.gap[after], opened[after])
-        if not 0 < sum(way) < math.inf:
-            return None
-        ends = np.array([way[0], way[0] + other.normal_load - one.normal_load]).clip(
-            0.0, sum(way)
-        ) / sum(way)
-        share, unit = _chord(
-            problem, node, False, np.array([ends[0], ends.mean(), ends[1]]), sum(way)
-        )
         opposite = int(closed[0 if side > 0 else -1])
-        both = (node, opposite) if _regular(problem, opposite) else (node,)
-        work = (
-            problem.friction
-            * float(moved @ _jump(lambda state: by_load(state)[1], one.state, both, OPEN))
-            * unit
-        )
-        value -= work * float(share @ [1, 4, 1]) / 6
-        works[node] = works.get(node, 0.0) + abs(work)
+        following = node + side
+        if not slip_increment.any():
+            continue
+        if not start.is_complete or not _regular(problem, node):
+            return None
+        if not 0 <= following < len(slip_increment):
+            return None
+        _, pressure_rates, _, gap_rates = rates_by_load(start.state)
+        from_node = _load_to(start.pressure[node], pressure_rates[node])
+        distance = from_node + _load_to(start.gap[following], gap_rates[following])
+        if not 0 < distance < math.inf:
+            return None
+        load_at_end = from_node + end.normal_load - start.normal_load
+        share_at_start, share_at_end = np.clip([from_node, load_at_end], 0.0, distance) / distance
+        shares = np.array([share_at_start, (share_at_start + share_at_end) / 2, share_at_end])
+        g, unit = _chord(problem, node, False, shares, distance)
+        nodes = (node, opposite) if _regular(problem, opposite) else (node,)
+        jump = _jump(pressure_by_load, start.state, nodes, OPEN)
+        work = problem.friction * float(slip_increment @ jump) * unit
+        work_in_excess -= work * float(g @ [1, 4, 1]) / 6  # Simpson's rule along the increment
+        work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(work)
     # The way from node to node has no mean: what counts is the longest stay between two.
-    return value, max(works.values(), default=0.0) * _RMS
+    return _EdgeWork(work_in_excess, max(work_of_stays.values(), default=0.0) * _RMS)
 
 
-def _way(distance: float, rate: float) -> float:
+def _load_to(distance: float, rate: float) -> float:
     """How much load takes a node that far; infinite where load does not move it."""
     return float(distance) / abs(float(rate)) if rate else math.inf
 
@@ -224,41 +255,56 @@ def _jump(
     """What the first of some nodes made of the rates when it left the state `back`, as a mean over
     both orders of two nodes.
     """
-    changes = []
-    for others in {(), nodes[1:]}:
+    """What the first of some nodes made of the rates when it left the state `back`, as a mean over
+    both orders of two nodes.
+    """
+    node, *second_node = nodes
+    jumps = []
+    for nodes_back in {(), tuple(second_node)}:
         after = state.copy()
-        after[list(others)] = back
+        after[list(nodes_back)] = back
         before = after.copy()
-        before[nodes[0]] = back
-        changes.append(rates(after) - rates(before))
-    return np.asarray(sum(changes) / len(changes))
+        before[node] = back
+        jumps.append(rates(after) - rates(before))
+    return np.asarray(sum(jumps) / len(jumps))
 
 
 def _regular(problem: ContactProblem, node: int) -> bool:
     """Whether quadratic elements of one size are around a node, and its neighbours on both sides
     may touch.
     """
+    """Whether quadratic elements of one size are around a node, and its neighbours on both sides
+    may touch.
+    """
     weights = problem.interface.weights
     if not 2 <= node < len(weights) - 2:
         return False
-    corners, middles = sorted(
-        (weights[node - 2 : node + 3 : 2].tolist(), weights[node - 1 : node + 2 : 2].tolist()),
-        key=max,
-    )
-    return _SIMPSON[0] * max(corners) <= min(middles) and max(middles) <= _SIMPSON[1] * min(corners)
+    like_node = weights[node - 2 : node + 3 : 2].tolist()
+    neighbours = weights[node - 1 : node + 2 : 2].tolist()
+    corners, middles = sorted((like_node, neighbours), key=max)
+    least, most = _SIMPSON
+    return least * max(corners) <= min(middles) and max(middles) <= most * min(corners)
 
 
 def _chord(
-    problem: ContactProblem, node: int, inwards: bool, share: Array | float, way: float
+    problem: ContactProblem, node: int, inwards: bool, share: Array | float, distance: float
 ) -> tuple[Array, float]:
     """g at an edge that is shares t of the way between a node and the next, inwards or outwards; A
     over the jump of the rates.
+
+    Parameters
+    ----------
+    distance : load that takes the edge from the one node to the next
     """
-    corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
-    both = (_WAY**3 + (1 - _WAY) ** 3) / 6
-    of_corner, of_middle = (both - _APART) / 2, (both + _APART) / 2
-    jump = 0.5 + _APART * (1 / _WAY + 1 / (1 - _WAY))
-    along = _WAY if corner == inwards else 1 - _WAY
-    here, there, jump = (of_corner, of_middle, 1 - jump) if corner else (of_middle, of_corner, jump)
+    is_corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
+    v_of_both = (_D**3 + (1 - _D) ** 3) / 6
+    v_of_corner = (v_of_both - _V) / 2
+    v_of_middle = (v_of_both + _V) / 2
+    jump_of_middle = 0.5 + _V * (1 / _D + 1 / (1 - _D))
+    d = _D if is_corner == inwards else 1 - _D
+    v_of_node = v_of_corner if is_corner else v_of_middle
+    v_of_next = v_of_middle if is_corner else v_of_corner
+    jump = 1 - jump_of_middle if is_corner else jump_of_middle
     t = np.asarray(share)
-    return here + (there - here) * t - along**2 * t * (1 - t) / 2, way / (along * jump)
+    g = v_of_node + (v_of_next - v_of_node) * t - d**2 * t * (1 - t) / 2
+    return g, distance / (d * jump)

@@ -40,7 +40,8 @@ def dundurs(material: Materials) -> Dundurs:
     [1.0, 0.333333]
     """
     # notation: G, shear modulus; 1 the upper body, 2 the lower one
-    nu1, nu2 = material.upper.poisson_ratio, material.lower.poisson_ratio
+    nu1 = material.upper.poisson_ratio
+    nu2 = material.lower.poisson_ratio
     shear1, shear2 = (
         body.young_modulus / (2 * (1 + body.poisson_ratio))
         for body in (material.upper, material.lower)

@@ -170,7 +170,8 @@ def visible_states(
             runs[step] += np.where(run * runs[step] > 0, run, 0.0)
             run = runs[step]
         view = reported[steps.start + 1 : steps.stop + 1]
-        rise_of_p, rise_of_q = rise[steps, 0, None], rise[steps, 1, None]
+        rise_of_p = rise[steps, 0, None]
+        rise_of_q = rise[steps, 1, None]
         if imposed is not None:
             block = states[steps.start : steps.stop + 1]
             rise_of_imposed = np.diff([state.imposed for state in block], axis=0)
@@ -483,7 +484,8 @@ def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
     Where `stick` is given, of the middle one of the sticking nodes, if there are any.
     """
     is_right = side.sign > 0
-    innermost, outermost = side.x[np.argmax(closed, axis=1)], side.x[_last(closed)]
+    innermost = side.x[np.argmax(closed, axis=1)]
+    outermost = side.x[_last(closed)]
     middle = ((innermost + outermost) / 2)[:, None]
     if stick is not None:
         sticking = stick & closed

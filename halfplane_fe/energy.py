@@ -213,7 +213,8 @@ def _work_by_curve(
         return of_nodes, of_loop
     rates = np.array([problem.rates(states, n_loads) for states in node_states])
     for i, j in pairs:
-        by_i, by_j = rates[:, i], rates[:, j]
+        by_i = rates[:, i]
+        by_j = rates[:, j]
         slip_by_i, p_by_i, _, _ = nodal(by_i)
         slip_by_j, p_by_j, _, _ = nodal(by_j)
         area = areas[i, j]
@@ -265,7 +266,8 @@ def _kinked_work(
     """
     friction = problem.friction
     slip = increments.slip[rows]
-    p_at_start, p_at_end = increments.p[rows], increments.p[rows + 1]
+    p_at_start = increments.p[rows]
+    p_at_end = increments.p[rows + 1]
     after = increments.after[rows]
     before = _states_with_rates(increments.before[rows], after, p_at_start)
     sign = slip_sign(after)
@@ -327,7 +329,8 @@ def _normal_work(problem: ContactProblem, i: int, j: int, by_i: Array, by_j: Arr
     `by_i` and `by_j` (m, 3 + 4 n) are the derivatives of the values by the two loads.
     """
     _, p, q, _ = nodal(by_i)
-    approach, tilt = by_j[:, 0], by_j[:, 2]
+    approach = by_j[:, 0]
+    tilt = by_j[:, 2]
     moment = problem.interface.work_of_imposed(p, q)[..., 2]
     work = (i == 0) * approach + moment * tilt
     if j in (2, 3):  # a bulk stress
@@ -352,7 +355,10 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     loads = np.array([state.loads for state in states])[1:]
     slip, pressure, shear, gap = nodal(values)
     slip_increment = np.diff(slip, axis=0)
-    pressure, shear, gap = pressure[1:], shear[1:], gap[1:]
+    # the first state is where the increments start
+    pressure = pressure[1:]
+    shear = shear[1:]
+    gap = gap[1:]
     force = np.maximum(pressure.max(axis=1), 0.1 / pressure.shape[1])
     of_law = violations(gap, pressure, shear, slip_increment, problem.friction)
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):

@@ -263,7 +263,8 @@ def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> T
     theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
     places = middle - half_width * np.cos(theta)
     behind_rims = slice(None) if rough else slice(fit.rim, -fit.rim)
-    nodes, pressure = x[behind_rims], p[behind_rims]
+    nodes = x[behind_rims]
+    pressure = p[behind_rims]
     inside = np.abs(nodes - middle) < half_width
     angle = np.arccos((middle - nodes[inside]) / half_width)
     smooth = np.interp(theta, angle, pressure[inside] / np.sin(angle)) * np.sin(theta)

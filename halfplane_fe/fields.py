@@ -391,7 +391,7 @@ def stress(
     stress[..., :3] = np.moveaxis(of_half_plane, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk[:, None]
-    elif any(one is not None for one in series):
+    elif any(step is not None for step in series):
         nodal = _nodal_fields(solution, number, steps, bulk)
         near = _near_contact(solution, number, nodal, series)
         size_effect = None if near is None else near.size_effect
@@ -609,7 +609,7 @@ def _near_contact(
     series : (k,) tractions on the lower body
     """
     shape = getattr(solution.scene.bodies, _BODIES[number])
-    half_widths = [one.half_width for one in series if one is not None]
+    half_widths = [step.half_width for step in series if step is not None]
     if not half_widths:
         return None
     half_width = max(half_widths)
@@ -624,9 +624,10 @@ def _near_contact(
     on_body = _on_body(series, number)
     size_effect = None
     if not isinstance(shape, HalfPlane):
-        beside = (np.abs(x) > _BESIDE * half_width) & (y < 0)
-        accurate = (y < -_BELOW * half_width) | beside
-        x_fitted, y_fitted = x[accurate], y[accurate]
+        beside_contact = (np.abs(x) > _BESIDE * half_width) & (y < 0)
+        accurate = (y < -_BELOW * half_width) | beside_contact
+        x_fitted = x[accurate]
+        y_fitted = y[accurate]
         beyond = nodal.stress[nodes][accurate, :3] - _stress_of_tractions(
             on_body, x_fitted, y_fitted
         )
@@ -638,13 +639,13 @@ def _near_contact(
 def _on_body(series: Sequence[Tractions | None], number: int) -> list[Tractions | None]:
     """Tractions on the lower body as the body with this number has them in its own frame."""
     sign = _sign_of_y(number)
-    return [None if one is None else replace(one, shear=sign * one.shear) for one in series]
+    return [None if step is None else replace(step, shear=sign * step.shear) for step in series]
 
 
 def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array) -> Array:
     """(n, 3, k) s_xx, s_yy, s_xy of a half-plane y <= 0 at (n,) places; 0 out of contact."""
     none = np.zeros((len(x), 3))
-    return np.stack([none if one is None else one.stress(x, y) for one in series], axis=-1)
+    return np.stack([none if step is None else step.stress(x, y) for step in series], axis=-1)
 
 
 def _joined_stress(nodal: _NodalFields, near: _NearContact, material: Elastic) -> Array:
@@ -684,7 +685,8 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
     n_corners = 3 if cells.shape[1] in (3, 6) else 4
     corners = points[cells[:, :n_corners]]
     following = np.roll(corners, -1, axis=1)
-    x, y = corners[..., 0], corners[..., 1]
+    x = corners[..., 0]
+    y = corners[..., 1]
     twice_area = (x * following[..., 1] - following[..., 0] * y).sum(axis=1)
     return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
 

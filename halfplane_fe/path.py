@@ -205,10 +205,10 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
         since_start = load.segment.change_of(load.combination, instants, start)
         in_all = load.segment.change_of(load.combination, end, start)
         from_middle = since_start - in_all / 2
-        for j, other in enumerate(loads[:i]):
-            if other.segment is None:
+        for j, earlier_load in enumerate(loads[:i]):
+            if earlier_load.segment is None:
                 continue
-            rate = other.segment.rate_of(other.combination, instants)
+            rate = earlier_load.segment.rate_of(earlier_load.combination, instants)
             areas[i, j] = (durations * from_middle * rate).sum(axis=1)
             areas[j, i] = -areas[i, j]
     return areas

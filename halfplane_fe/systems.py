@@ -218,8 +218,9 @@ class Systems:
         n = len(faces.x)
         n_x, n_y = faces.normals
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
-        gap, slip = slice(0, n), slice(n, 2 * n)  # as rows
-        pressure, shear = gap, slip  # as columns
+        # rows; as columns those of pressure and shear
+        gap = pressure = slice(0, n)
+        slip = shear = slice(n, 2 * n)
         matrix[gap, pressure] = self.normal
         matrix[slip, shear] = -self.tangential
         if faces.coupling is not None:
@@ -393,7 +394,7 @@ class Systems:
         base = next((base for base in self._bases if key in base.met), None)
         for candidates in (self._bases[-1:], self._bases):
             if base is None and candidates:
-                rows_apart = [np.count_nonzero(other.kinds != kinds) for other in candidates]
+                rows_apart = [np.count_nonzero(base.kinds != kinds) for base in candidates]
                 nearest = int(np.argmin(rows_apart))
                 if rows_apart[nearest] <= _MOST_ROWS:
                     base = candidates[nearest]
