@@ -51,9 +51,7 @@ def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(condensed_bodies.BODIES, "bound_bytes", LARGE)
-    monkeypatch.setattr(
-        condensed_bodies.BODIES, "_cached", type(condensed_bodies.BODIES._cached)()
-    )
+    monkeypatch.setattr(condensed_bodies.BODIES, "_cached", type(condensed_bodies.BODIES._cached)())
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
     first, second = (
         halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH, settings) for _ in range(2)
