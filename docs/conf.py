@@ -16,9 +16,9 @@ version = release = installed_version("halfplane")
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
-    # beside this file: formulas as MathML, numbers from a file, docstrings as this project writes
-    # them
+    # beside this file: formulas as MathML, signs in docstrings, published pages
     "sphinx_parts",
 ]
 exclude_patterns = ["_build"]
@@ -35,6 +35,9 @@ autodoc_type_aliases = {
     for name in ("Array", "ArrayLike", "Integers", "Profile", "LoadPath", "Shape", "Table")
 }
 autodoc_default_options = {"exclude-members": "model_config, model_post_init"}
+default_role = "code"  # `name` in a docstring
+napoleon_google_docstring = False
+napoleon_use_ivar = True  # attributes as a list, not as entries of their own
 python_maximum_signature_line_length = 100
 viewcode_line_numbers = True
 

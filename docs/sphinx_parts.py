@@ -1,16 +1,19 @@
 r"""What the pages need of Sphinx beyond its own extensions.
 
 - formulas become MathML, which browsers draw by themselves: pages need neither a network nor a
-  script
-- docstrings are prose with `code` and |Q|, not reStructuredText: marks that would mean something
-  there are escaped
+  script. Sphinx has MathJax (a script from the network) and pictures (LaTeX); docutils has the
+  conversion
+- napoleon reads docstrings in numpydoc form; their prose holds |Q| and a_, which reStructuredText
+  would read as marks: they are escaped
+- classes show their fields without types, which are long unions in a scene, and types have the
+  names of the source
+- each page of reports/published has a place among the pages
 """
 
 from __future__ import annotations
 
+import inspect
 import re
-from collections.abc import Iterator
-from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +21,11 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
-_TITLES = (
-    "Attributes",
-    "Parameters",
-    "Returns",
-    "Yields",
-    "Raises",
-    "Notes",
-    "Examples",
-    "See Also",
-    "Warns",
-    "References",
-)
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
-_LISTS = ("Attributes", "Parameters", "Raises")
-_CODE = re.compile(r"(``.+?``|`[^`\n]+`|:\w+:`[^`]+`)")
+SHARED = re.compile(r"\w+(, \w+)+")
+CODE = re.compile(r"(`+[^`]+`+)")
+ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
+MARK = re.compile(r"(?<!\\)([*|])|(?<=\w)_(?=\W|$)")
 
 
 def inline_math(translator: Any, node: nodes.math) -> None:
@@ -50,122 +43,44 @@ def block_math(translator: Any, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
-def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests
-    stay as they are.
+def escape_prose(
+    _app: Sphinx, _what: str, _name: str, _obj: Any, _options: Any, lines: list[str]
+) -> None:
+    """Escape what would be marks of reStructuredText in a docstring, beside `code` and doctests.
+
+    Of attributes that share a description napoleon would take the first for a type, but for the
+    blank between them.
     """
-    lines[:] = [
-        *_sections([_prose(line) for line in _example_first(lines)]),
-        *(_fields(obj) if what == "class" and hasattr(obj, "model_fields") else ()),
-    ]
-
-
-def _example_first(lines: list[str]) -> list[str]:
-    """The doctests of a docstring behind its first paragraph, so that they are on the first
-    screen.
-    """
-    paragraphs = [part.split("\n") for part in re.split(r"\n\s*\n", "\n".join(lines).strip("\n"))]
-    examples = [part for part in paragraphs[1:] if part[0].startswith(">>>")]
-    ordered = [
-        *paragraphs[:1],
-        *examples,
-        *(part for part in paragraphs[1:] if part not in examples),
-    ]
-    return [line for part in ordered for line in (*part, "")]
-
-
-def _prose(line: str) -> str:
-    if line.lstrip().startswith((">>>", "...", "..", ":")):
-        return line
-    return "".join(
-        _as_code(part) if part.startswith("`") else part if part.startswith(":") else _escaped(part)
-        for part in _CODE.split(line)
-    )
-
-
-def _fields(model: Any) -> Iterator[str]:
-    """The keys of a part of a scene, with the words that its JSON schema has for them."""
-    yield from ("", ".. rubric:: Keys", "")
-    for name, field in model.model_fields.items():
-        default = (
-            ""
-            if field.is_required() or field.default_factory
-            else f" (default ``{field.default!r}``)"
-        )
-        yield _prose(
-            f"- **{name}**{default}" + (f": {field.description}" if field.description else "")
-        ).replace("\\*\\*", "**")
-    yield ""
-
-
-def _sections(lines: list[str]) -> Iterator[str]:
-    """Under a title with a line of dashes that announces items each unindented line starts one:
-    `names : what they are`.
-    """
-    title, doctest = "", False
+    in_doctest = False
     for index, line in enumerate(lines):
-        after = lines[index + 1] if index + 1 < len(lines) else ""
-        if line in _TITLES and after and set(after) == {"-"}:
-            title = line
-            yield from ("", f".. rubric:: {line}", "")
-        elif not (line and set(line) == {"-"} and lines[index - 1] in _TITLES):
-            doctest = line.startswith(">>>") or (doctest and bool(line.strip()))
-            yield from (
-                _items(line, title) if title in _LISTS and line.strip() and not doctest else (line,)
-            )
-
-
-def _items(line: str, title: str) -> Iterator[str]:
-    """One line may hold several items: `key : short name; where : place in the paper`. An indented
-    one goes on with the last.
-    """
-    if line.startswith(" "):
-        yield f"  {line.strip()}"
-        return
-    for item in re.split(r"; (?=\w+(?:, \w+)* : )", line):
-        names, colon, rest = item.partition(" : ")
-        yield f"- **{names}**: {rest}" if colon or title == "Raises" else f"- {item}"
-
-
-def _as_code(part: str) -> str:
-    return part if part.startswith("``") else f"`{part}`"
-
-
-def _escaped(text: str) -> str:
-    return re.sub(r"(?<!\\)([*|])", r"\\\1", re.sub(r"(\w)_(?=\W|$)", r"\1\\_", text))
+        if SHARED.fullmatch(line) and lines[index + 1].startswith("    "):
+            lines[index] = line.replace(", ", ",")
+            continue
+        in_doctest = line.lstrip().startswith(">>>") or (in_doctest and bool(line.strip()))
+        if not in_doctest:
+            parts = CODE.split(line)
+            parts[::2] = [MARK.sub(r"\\\g<0>", part) for part in parts[::2]]
+            lines[index] = "".join(parts)
 
 
 def signature(
     _app: Sphinx,
     what: str,
-    name: str,
+    _name: str,
     obj: Any,
-    options: Any,
+    _options: Any,
     arguments: str | None,
     result: str | None,
-) -> Any:
-    """Names of types as they stand in the source; of a scene's parts and of results the fields
-    alone, explained below.
-    """
-    if what == "class" and hasattr(obj, "model_fields"):
-        keys = (
-            name if field.is_required() else f"{name}=..."
-            for name, field in obj.model_fields.items()
-        )
-        return f"(*, {', '.join(keys)})", ""
-    if what == "class" and is_dataclass(obj):
-        return f"({', '.join(_field(one) for one in fields(obj) if one.init)})", ""
-    return tuple(
-        re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) if text else text
-        for text in (arguments, result)
-    )
-
-
-def _field(one: Field[Any]) -> str:
-    if one.default is MISSING and one.default_factory is MISSING:
-        return one.name
-    shown = f"{one.default:.4g}" if isinstance(one.default, float) else repr(one.default)
-    return f"{one.name}={shown if isinstance(one.default, str | int | float | None) else '...'}"
+) -> tuple[str, str] | None:
+    """The signature of a class without types, that of a function with the names of types."""
+    if what == "class" and arguments:
+        parameters = inspect.signature(obj).parameters.values()
+        plain = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
+        return str(inspect.Signature(plain)), ""
+    if arguments is None:
+        return None
+    names = [ALIAS.sub(r"\1", text or "") for text in (arguments, result)]
+    return names[0], names[1]
 
 
 def published_pages(app: Sphinx) -> None:
@@ -206,5 +121,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-signature", signature)
     app.connect("builder-inited", published_pages)
     app.connect("source-read", links)
-    app.connect("autodoc-process-docstring", plain, priority=100)
+    app.connect("autodoc-process-docstring", escape_prose, priority=100)  # before napoleon
     return {"parallel_read_safe": True, "parallel_write_safe": True}
