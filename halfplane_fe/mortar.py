@@ -35,9 +35,11 @@ class Side:
 
     Attributes
     ----------
-    x, y : (n,) nodes in ascending order of x, mid-side nodes included, at the mean x of their
+    x, y
+        (n,) nodes in ascending order of x, mid-side nodes included, at the mean x of their
         element's ends [length]
-    order : of the elements
+    order
+        of the elements
     """
 
     x: Array
@@ -52,14 +54,19 @@ class Mortar:
 
     Attributes
     ----------
-    weights : (n,) D_j [length]
-    normals : (2, n) weighted mean of n; the tangent is (n_y, -n_x)
-    gap : (n,) weighted initial distance along n [length]
-    nearest : x and distance where the sides are nearest to each other, of all points of integration
+    weights
+        (n,) D_j [length]
+    normals
+        (2, n) weighted mean of n; the tangent is (n_y, -n_x)
+    gap
+        (n,) weighted initial distance along n [length]
+    nearest
+        x and distance where the sides are nearest to each other, of all points of integration
         [length]
-    lower, upper : (2, n, 2, m) along the normal (0) or the tangent (1), multiplier, component (x,
-        y), node of that side: the weighted mean of the displacement; transposed, the nodal forces
-        of a multiplier's unit force
+    lower, upper
+        (2, n, 2, m) along the normal (0) or the tangent (1), multiplier, component (x, y), node
+        of that side: the weighted mean of the displacement; transposed, the nodal forces of a
+        multiplier's unit force
     """
 
     weights: Array
@@ -78,6 +85,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     ValueError
         If they do not begin and end together.
 
+    Examples
+    --------
     >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
     >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
     >>> (coupled.upper[0, :, 1] @ np.array([0.0, 0.3, 1.0])).round(
@@ -168,9 +177,12 @@ class _SideAtPoints(NamedTuple):
 
     Attributes
     ----------
-    nodes : (s, k) of the element that holds the segment
-    shapes : (s, k, m) shape functions
-    y, slope : (s, m)
+    nodes
+        (s, k) of the element that holds the segment
+    shapes
+        (s, k, m) shape functions
+    y, slope
+        (s, m)
     """
 
     nodes: Indices

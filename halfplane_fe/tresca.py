@@ -31,9 +31,13 @@ def pressure_at_known_shear(
 
     Parameters
     ----------
-    height : (n,) initial gap with the parts of the known shear and shift in it
-    closed : where to start
+    height
+        (n,) initial gap with the parts of the known shear and shift in it
+    closed
+        where to start
 
+    Examples
+    --------
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
     >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own

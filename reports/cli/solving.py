@@ -74,16 +74,17 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
-        source, stages, found = scene, Stages(options.quiet), read(scene)
-        folder = options.out or default_folder(found.name)
-        folder = claim(folder, _written_by(work.__name__, found))
+        problem = read(scene)
+        folder = claim(
+            options.out or default_folder(problem.name), _written_by(work.__name__, problem)
+        )
         try:
-            return work(Job(source, found, options, folder, stages))
+            return work(Job(scene, problem, options, folder, Stages(options.quiet)))
         except InputError as fault:
             # One about an option or the file names that already, one of an engine does not.
-            if str(fault).startswith((source, "--")):
+            if str(fault).startswith((scene, "--")):
                 raise
-            named = InputError(f"{source}: {fault}")
+            named = InputError(f"{scene}: {fault}")
             for note in getattr(fault, "__notes__", ()):  # of what was saved
                 named.add_note(note)
             raise named from fault
@@ -98,26 +99,20 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             )
             return Answer(INTERRUPTED)
         except ConvergenceError as failure:
-            complain(f"halfplane: {found.name}: not converged: {failure}")
-            sentence, shown, file = str(failure), list[Part](), None
+            complain(f"halfplane: {problem.name}: not converged: {failure}")
+            content = {"passed": False, "error": str(failure), "file": None}
+            parts: list[Part] = []
             if failure.partial is not None:
-                file = str(write_solution(failure.partial, folder, name="partial"))
-                shown = [
-                    Sheet(
-                        "Steps solved before it failed",
-                        ("quantity", "value"),
-                        summary_rows(failure.partial),
-                    ),
-                    file,
+                path = write_solution(failure.partial, folder, name="partial")
+                content["file"] = str(path)
+                rows = summary_rows(failure.partial)
+                parts = [
+                    Sheet("Steps solved before it failed", ("quantity", "value"), rows),
+                    str(path),
                 ]
             elif not options.json:
                 complain("halfplane: no step was solved, so nothing was written")
-            return Answer(
-                NOT_CONVERGED,
-                shown,
-                lambda: {"passed": False, "error": sentence, "file": file},
-                found.name,
-            )
+            return Answer(NOT_CONVERGED, parts, lambda: content, problem.name)
 
     return command
 
@@ -177,9 +172,9 @@ def require_drawing(stages: Stages) -> None:
     from scenes import InputError
 
     with stages.stage("can pictures be drawn?"):
-        good, found = drawing()
-    if not good:
-        raise InputError(f"pictures can't be drawn here: {found}; --no-pictures leaves them out")
+        can_draw, reason = drawing()
+    if not can_draw:
+        raise InputError(f"pictures can't be drawn here: {reason}; --no-pictures leaves them out")
 
 
 def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
@@ -239,32 +234,42 @@ def run(job: Job) -> Answer:
     A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
     """
     from reports.checking import engines_for
-    from scenes import InputError
 
-    options, scene, source = job.options, job.scene, job.source
+    options = job.options
     tolerances = requested_tolerances(options.tolerance)
-    require_times(options.vtu, "--vtu", scene)
-    require_times(options.stress, "--stress", scene)
+    require_times(options.vtu, "--vtu", job.scene)
+    require_times(options.stress, "--stress", job.scene)
     if options.stress:
         require_drawing(job.stages)
     load_engines(job.stages)
-    taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
+    # What theory refuses is known before the finite elements are solved.
+    engines = engines_for(job.scene, job.source)
     options.settings()
-    if alone := taken.in_words(source):
-        for name in ("tolerance", "budget", "vtu", "stress", "third"):
-            if getattr(options, name):
-                raise InputError(
-                    f"{source}: --{name} goes with a comparison of both engines: leave it out."
-                    f" {alone}"
-                )
-        complain(f"halfplane: {scene.name}: no comparison. {alone}")
-        solve, name = (
-            (solve_finite_elements, "fe") if taken.half_plane else (_solve_half_plane, "exact")
-        )
-        return replace(_answer_alone(job, solve(job), alone), command=name)
+    if no_comparison := engines.in_words(job.source):
+        _require_no_option_of_both(job, no_comparison)
+        complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
+        if engines.half_plane:  # the reason why theory does not take it
+            solution = solve_finite_elements(job)
+            command = "fe"
+        else:
+            solution = _solve_half_plane(job)
+            command = "exact"
+        return replace(_answer_alone(job, solution, no_comparison), command=command)
     if options.third:
         _third_solver(options.third).require()
     return _answer_of_both(_compared(job, tolerances), job.folder / "report.html", job.stages)
+
+
+def _require_no_option_of_both(job: Job, no_comparison: str) -> None:
+    """InputError for an option that goes with a comparison, of a scene that one engine takes."""
+    from scenes import InputError
+
+    for name in ("tolerance", "budget", "vtu", "stress", "third"):
+        if getattr(job.options, name):
+            raise InputError(
+                f"{job.source}: --{name} goes with a comparison of both engines: leave it out."
+                f" {no_comparison}"
+            )
 
 
 # Third solvers by the name that --third takes: modules of studies, loaded when they are asked for.
@@ -282,70 +287,94 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
     """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked,
     and write the page.
     """
-    from reports.comparison.budget import climb, error_budget, theory_on_steps, with_budget
     from reports.comparison.pairs import are_half_planes
 
-    scene, options, stages, command = job.scene, job.options, job.stages, job.command("run")
-    # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser
-    # meshes measure that.
-    measured, left_out = bool(options.budget), ""
-    if options.budget is None and not are_half_planes(scene):
-        left_out = _reason_for_no_budget(scene)
-        measured = not left_out
-    if left_out:
-        stages.remark(left_out)
+    # Of real bodies theory is wrong by some amount, which is worth its uncertainty.
+    wants_budget = bool(job.options.budget)
+    reason_for_none = ""
+    if job.options.budget is None and not are_half_planes(job.scene):
+        reason_for_none = _reason_for_no_budget(job.scene)
+        wants_budget = not reason_for_none
+    if reason_for_none:
+        job.stages.remark(reason_for_none)
     begun = time.process_time()
-    result = solve_finite_elements(job)
-    with _kept_if_interrupted(result):
-        with _saved_if_it_fails(result, job.folder):
-            reference = _solve_half_plane(job, x=result.x, time=result.time)
-            # Of a thinned answer the steps are those of the path itself.
-            polygon: ContactSolution | None = reference
-            if not result.thinned:
-                with stages.stage("half-plane theory, on the polygon of the steps"):
-                    polygon = theory_on_steps(result)
-            with stages.stage("comparison"):
-                from reports.comparison import Report, compare
-
-                found = compare(reference, result, polygon_reference=polygon, tolerances=tolerances)
-                report = Report(
-                    replace(found, notes=(*found.notes, f"{left_out[:1].upper()}{left_out[1:]}."))
-                    if left_out
-                    else found
-                )
-            if measured:
-                plain = time.process_time() - begun
-                # Every run is a stage of its own.
-                refinements = climb(
-                    found, *options.settings(), stages.stage, 3 if options.budget else 2
-                )
-                report = with_budget(
-                    report.comparison, error_budget(report.comparison, refinements, plain)
-                )
-            if options.third:
-                report = replace(report, third=_third_solver(options.third).answer(job, result))
-        with stages.stage("report"):
-            from reports.field_output.files import instants_of
-            from reports.page.writing import write
-
-            write(
-                report,
-                job.folder,
-                vtu_instants=[
-                    instant.time for instant in instants_of(options.vtu, result, "--vtu")
-                ],
-                command=command,
-                seconds=dict(stages.seconds),
-                stress_instants=instants_of(options.stress, result, "--stress"),
-                log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
-            )
+    fe = solve_finite_elements(job)
+    with _kept_if_interrupted(fe):
+        with _saved_if_it_fails(fe, job.folder):
+            comparison = _comparison_with_theory(job, fe, tolerances)
+            if reason_for_none:
+                note = f"{reason_for_none[:1].upper()}{reason_for_none[1:]}."
+                comparison = replace(comparison, notes=(*comparison.notes, note))
+            report = _measured(job, comparison, begun if wants_budget else None)
+            if job.options.third:
+                third = _third_solver(job.options.third).answer(job, fe)
+                report = replace(report, third=third)
+        _write_page(job, report)
     return report
 
 
+def _comparison_with_theory(
+    job: Job, fe: ContactSolution, tolerances: dict[str, float]
+) -> Comparison:
+    """Half-plane theory at the points and instants of the finite elements, beside them."""
+    from reports.comparison.budget import theory_on_steps
+
+    reference = _solve_half_plane(job, x=fe.x, time=fe.time)
+    # Of a thinned answer the steps are those of the path itself.
+    polygon: ContactSolution | None = reference
+    if not fe.thinned:
+        with job.stages.stage("half-plane theory, on the polygon of the steps"):
+            polygon = theory_on_steps(fe)
+    with job.stages.stage("comparison"):
+        from reports.comparison import compare
+
+        return compare(reference, fe, polygon_reference=polygon, tolerances=tolerances)
+
+
+def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
+    """The report on a comparison, with its budget of errors if it is to be measured.
+
+    `begun` is the processor time before the finite elements were solved, by which the cost of the
+    budget is stated; None without a budget.
+    """
+    from reports.comparison import Report
+    from reports.comparison.budget import climb, error_budget, with_budget
+
+    if begun is None:
+        return Report(comparison)
+    cost = time.process_time() - begun
+    # Two coarser meshes show an order; three where the budget was asked for.
+    meshes = 3 if job.options.budget else 2
+    mesh, settings = job.options.settings()
+    # Every run is a stage of its own.
+    refinements = climb(comparison, mesh, settings, job.stages.stage, meshes)
+    return with_budget(comparison, error_budget(comparison, refinements, cost))
+
+
+def _write_page(job: Job, report: Report) -> None:
+    """The page of a run with its files, as the last stage."""
+    fe = report.comparison.result
+    command = job.command("run")
+    with job.stages.stage("report"):
+        from reports.field_output.files import instants_of
+        from reports.page.writing import write
+
+        vtu_times = [instant.time for instant in instants_of(job.options.vtu, fe, "--vtu")]
+        write(
+            report,
+            job.folder,
+            vtu_instants=vtu_times,
+            command=command,
+            seconds=dict(job.stages.seconds),
+            stress_instants=instants_of(job.options.stress, fe, "--stress"),
+            log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *job.stages.log),
+        )
+
+
 @contextmanager
-def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]:
-    """Ctrl-C after the finite elements are solved hands on what they found, but where the whole
-    report was written already.
+def _kept_if_interrupted(solution: ContactSolution) -> Generator[None, None, None]:
+    """Ctrl-C after the finite elements are solved hands on their solution, unless the whole report
+    was written already.
     """
     from reports.folder import FilledBefore
     from scenes import Interrupted
@@ -355,21 +384,20 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
     except FilledBefore:
         raise
     except KeyboardInterrupt as stop:
-        raise Interrupted("interrupted after the finite elements were solved", result) from stop
+        raise Interrupted("interrupted after the finite elements were solved", solution) from stop
 
 
 @contextmanager
-def _saved_if_it_fails(result: ContactSolution, folder: Path) -> Generator[None, None, None]:
-    """After a fault between the finite elements and the report their answer is saved, and a note of
-    the fault names its file.
+def _saved_if_it_fails(solution: ContactSolution, folder: Path) -> Generator[None, None, None]:
+    """After a fault between the finite elements and the report their solution is saved, and a note
+    of the fault names its file.
     """
     try:
         yield
     except Exception as fault:
         with suppress(Exception):  # the fault itself is what has to be said
-            fault.add_note(
-                f"the finite elements' answer is saved: {write_solution(result, folder)}"
-            )
+            path = write_solution(solution, folder)
+            fault.add_note(f"the finite elements' answer is saved: {path}")
         raise
 
 
@@ -381,51 +409,49 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
     from reports.comparison import laws
     from reports.comparison.words import lead, whole_content
 
-    comparison, third = report.comparison, report.third
+    comparison = report.comparison
+    third = report.third
     scene = comparison.scene
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third is not None and third.failure:
         complain(f"halfplane: {scene.name}: {third.failure}")
         code = NOT_CONVERGED
     else:
-        code = max(
-            exit_code(comparison), WITHIN if all(finding.met for finding in findings) else OUTSIDE
-        )
+        code = exit_code(comparison)
+        if not all(finding.met for finding in findings):
+            code = OUTSIDE
 
-    def shown() -> Iterator[Part]:
+    def parts() -> Iterator[Part]:
         yield from verdict_shown(report)
         yield from _uncertainty_shown(report)
         if third is not None:
             yield Sheet("A third solver", third.heads, third.rows(comparison), (1, 2, 3))
             yield from third.sentences
         yield from _expected_shown(findings)
-        yield Sheet(
-            "Time",
-            ("stage", "seconds"),
-            [(name, f"{t:.2f}") for name, t in stages.seconds.items()],
-            (1,),
-        )
+        times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
+        yield Sheet("Time", ("stage", "seconds"), times, (1,))
         yield str(page)
 
-    def result() -> dict[str, Any]:
-        whole = whole_content(report, "", stages.seconds)
+    def content() -> dict[str, Any]:
+        of_report = whole_content(report, "", stages.seconds)
+        of_fe = of_report["result"]
+        metrics: dict[str, Any] = {}
+        for key, metric in of_report["metrics"].items():
+            metrics[key] = {name: metric[name] for name in _OF_A_METRIC}
+        work = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
+        last = ("expected", "profile_fit", "notes", "seconds")
         return {
-            **{name: whole[name] for name in ("headline", "table")},
-            **whole["verdict"],
+            "headline": of_report["headline"],
+            "table": of_report["table"],
+            **of_report["verdict"],
             "lead": lead(report),
-            "metrics": {
-                key: {name: metric[name] for name in _OF_A_METRIC}
-                for key, metric in whole["metrics"].items()
-            },
-            **{
-                name: whole["result"][name]
-                for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")
-            },
-            **{name: whole[name] for name in ("expected", "profile_fit", "notes", "seconds")},
+            "metrics": metrics,
+            **{name: of_fe[name] for name in work},
+            **{name: of_report[name] for name in last},
             "page": str(page),
         }
 
-    return Answer(code, shown(), result, scene.name)
+    return Answer(code, parts(), content, scene.name)
 
 
 def verdict_shown(report: Report) -> Iterator[Part]:
@@ -451,21 +477,20 @@ def _uncertainty_shown(report: Report) -> Iterator[Part]:
     from reports.comparison.words import budget_table, cost, uncertain_work
     from reports.measured import check_record, record_in_words
 
-    scene, budget = report.comparison.scene, report.budget
+    scene = report.comparison.scene
     if words := uncertain_work(report.comparison):
         yield words
-    yield from (f"Note: {note}." for note in report.comparison.result.record.notes)
+    for note in report.comparison.result.record.notes:
+        yield f"Note: {note}."
     if record := check_record(scene):
-        yield from (
-            f"{'Warning' if warning else 'Note'}: {said}"
-            for said, warning in record_in_words(scene, record)
-        )
-    if budget is not None:
+        for sentence, is_warning in record_in_words(scene, record):
+            yield f"{'Warning' if is_warning else 'Note'}: {sentence}"
+    if report.budget is not None:
         # Without what is nothing but bounds of rounding in nearly every run.
-        heads, rows, _ = budget_table(budget, without=("solver", "half-plane theory"))
+        heads, rows, _ = budget_table(report.budget, without=("solver", "half-plane theory"))
         yield Sheet("Where the difference comes from", heads, rows, range(1, len(heads) - 1))
         yield f"Covered by the stated uncertainty: {report.honest}"
-        yield cost(budget)
+        yield cost(report.budget)
 
 
 def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
@@ -474,12 +499,11 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
 
     if findings:
         yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
-        missed, of = sum(not finding.met for finding in findings), len(findings)
-        yield (
-            f"{missed} of {of} expected numbers are missed."
-            if missed
-            else f"All {of} expected numbers are met."
-        )
+        missed = sum(not finding.met for finding in findings)
+        if missed:
+            yield f"{missed} of {len(findings)} expected numbers are missed."
+        else:
+            yield f"All {len(findings)} expected numbers are met."
 
 
 def exit_code(comparison: Comparison) -> int:
@@ -523,25 +547,23 @@ def fe(job: Job) -> Answer:
 
 
 _OF_ONE_ENGINE = (
-    *(
-        "engine",
-        "converged",
-        "message",
-        "notes",
-        "dissipation",
-        "dissipation_uncertainty",
-        "dissipation_drift",
-    ),
-    *(
-        "loop_work",
-        "load_cycles",
-        "permanent_stick_half_width",
-        "largest_half_width",
-        "largest_pressure",
-        "certificates",
-        "counts",
-    ),
-    *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
+    "engine",
+    "converged",
+    "message",
+    "notes",
+    "dissipation",
+    "dissipation_uncertainty",
+    "dissipation_drift",
+    "loop_work",
+    "load_cycles",
+    "permanent_stick_half_width",
+    "largest_half_width",
+    "largest_pressure",
+    "certificates",
+    "counts",
+    "bulk_work",
+    "permanent_stick_left",
+    "permanent_stick_right",
 )
 
 
@@ -552,40 +574,44 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
     from reports.comparison.words import solution_content, summary_rows
 
     if note:
-        solution = replace(
-            solution, record=replace(solution.record, notes=(*solution.record.notes, note))
-        )
-    scene, path = solution.scene, str(write_solution(solution, job.folder))
-    findings, checks = list(expected_numbers(scene, (solution,))), certificates(solution)
-    admissible = solution.record.converged and all(check.holds for check in checks)
+        record = replace(solution.record, notes=(*solution.record.notes, note))
+        solution = replace(solution, record=record)
+    scene = solution.scene
+    path = str(write_solution(solution, job.folder))
+    findings = list(expected_numbers(scene, (solution,)))
+    laws = certificates(solution)
+    admissible = solution.record.converged and all(law.holds for law in laws)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
 
-    def shown() -> Iterator[Part]:
+    def parts() -> Iterator[Part]:
         yield Sheet(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
         yield from profile_fit.findings(scene)[0]
         yield from _expected_shown(findings)
         yield path
 
-    def result() -> dict[str, Any]:
-        whole = solution_content(solution, checks)
-        content = {
+    def content() -> dict[str, Any]:
+        of_solution = solution_content(solution, laws)
+        return {
             "passed": code == WITHIN,
             "admissible": admissible,
-            **{k: whole[k] for k in _OF_ONE_ENGINE if k in whole},
-        }
-        content |= {
+            **{name: of_solution[name] for name in _OF_ONE_ENGINE if name in of_solution},
             "expected": expected_content(findings),
             "file": path,
             "seconds": job.stages.seconds,
+            "profile_fit": profile_fit.content(scene),
         }
-        return content | {"profile_fit": profile_fit.content(scene)}
 
-    return Answer(code, shown(), result, scene.name)
+    return Answer(code, parts(), content, scene.name)
 
 
 _INSTANTS = (
-    *("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"),
-    *("tangential_displacement", "normal_approach"),
+    "time",
+    "normal_load",
+    "tangential_load",
+    "contact_half_width",
+    "stick_half_width",
+    "tangential_displacement",
+    "normal_approach",
 )
 
 
@@ -608,21 +634,18 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
             **solution_content(solution, certificates(solution)),
             "scene": solution.scene.model_dump(mode="json"),
         }
-        (folder / f"{stem}.json").write_text(
-            json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8"
-        )
-        columns = {name: getattr(solution, name) for name in _INSTANTS} | {
-            "iterations": solution.record.iterations
-        }
+        summary = json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
+        (folder / f"{stem}.json").write_text(summary, encoding="utf-8")
+        columns = {name: getattr(solution, name) for name in _INSTANTS}
+        columns["iterations"] = solution.record.iterations
         if solution.tilt is not None:
             columns |= {name: getattr(solution, name) for name in OF_BULK}
-            for kind, edges in (
+            for zone, edges in (
                 ("contact", solution.contact_edges),
                 ("stick", solution.stick_edges),
             ):
-                columns |= {f"{kind}_left": edges[:, 0], f"{kind}_right": edges[:, 1]}
+                columns |= {f"{zone}_left": edges[:, 0], f"{zone}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
-        (folder / "scene.json").write_text(
-            solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8"
-        )
+        scene = solution.scene.model_dump_json(indent=1) + "\n"
+        (folder / "scene.json").write_text(scene, encoding="utf-8")
     return out / f"{stem}.nc"
