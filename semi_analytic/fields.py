@@ -32,6 +32,7 @@ beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends ta
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import takewhile
@@ -43,7 +44,7 @@ from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, LoadSegment
 from scenes.chebyshev import DEGREE, NODES, series, tail
-from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
+from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic.quadrature import gauss, graded
@@ -415,10 +416,10 @@ class Integrals:
     contact: Contact
     x: Array
     kernel: Kernel
-    _known: dict[int, tuple[Piece, Array]] = field(default_factory=dict)
+    _known: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
-    def whole(self, curve: Curve) -> Array:
+    def whole(self, curve: CurvePart | None) -> Array:
         """Over a whole curve: shape (k,).
 
         >>> from scenes.segments import straight_segments
@@ -464,7 +465,7 @@ class Integrals:
         )
         groups = list(snapshot.groups())
         for piece, here in groups:
-            slopes[here], bottoms[here] = _slope(piece), piece.bottom
+            slopes[here], bottoms[here] = piece.straight_slope, piece.bottom
         slip_line = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
         total = self._line(slip_line, front, snapshot.load) + self._line(slopes, bottoms, front)
         self._remember([piece.below for piece, _ in groups])
@@ -473,11 +474,11 @@ class Integrals:
             total[here] += self.whole(piece.below) + arc
         return total
 
-    def _remember(self, curves: list[Curve]) -> None:
+    def _remember(self, curves: Sequence[CurvePart | None]) -> None:
         """Sum the curves that are not known yet, each from the first known piece up."""
-        new: dict[int, Piece] = {}
+        new: dict[int, CurvePart] = {}
 
-        def unknown(piece: Piece) -> bool:
+        def unknown(piece: CurvePart) -> bool:
             return id(piece) not in self._known and id(piece) not in new
 
         for curve in curves:
@@ -487,7 +488,7 @@ class Integrals:
         if not new:
             return
         lines = self._line(
-            *np.array([(_slope(piece), piece.bottom, piece.top) for piece in new.values()]).T
+            *np.array([(piece.straight_slope, piece.bottom, piece.top) for piece in new.values()]).T
         )
         curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
         for piece, line, arc in zip(new.values(), lines, curved, strict=True):
@@ -545,37 +546,32 @@ class Integrals:
             result[row, point] = np.sum(weight * reach * 2 * v * root * ratio, axis=1)
         return result
 
-    def _curved(self, fronts: list[tuple[Piece, Array]]) -> list[Array | float]:
+    def _curved(self, fronts: Sequence[tuple[CurvePart, Array]]) -> list[Array | float]:
         """What each piece from its lower end to the loads of its front (n,) has beyond its straight
         part: shape (n, k), or 0.
 
         Pieces that are cut from one arc are integrated together.
         """
-        found: list[Array | float] = [0.0] * len(fronts)
-        alike: dict[tuple[int, float, float], list[int]] = {}
+        integrals: list[Array | float] = [0.0] * len(fronts)
+        pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for number, (piece, front) in enumerate(fronts):
-            if piece.arc is not None:
-                alike.setdefault(
-                    (id(piece.anchor.leg), piece.arc[0], piece.anchor.time), []
-                ).append(number)
+            if isinstance(piece, Piece) and piece.arc is not None:
+                key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
+                pieces_of_arc.setdefault(key, []).append((number, piece))
             elif piece.bend:
-                found[number] = (
-                    2
-                    * piece.bend
-                    * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
-                )
-        for key, numbers in alike.items():
-            piece = fronts[numbers[0]][0]
+                moments = self.moment(1, front) - self.moment(1, np.array([piece.bottom]))
+                integrals[number] = 2 * piece.bend * moments
+        for key, numbered_pieces in pieces_of_arc.items():
+            _, piece = numbered_pieces[0]
             if key not in self._arcs:
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
-            loads = [fronts[number][1] for number in numbers]
+            loads = [fronts[number][1] for number, _ in numbered_pieces]
             times = front_time(piece, np.concatenate(loads))
-            values = np.split(
-                self._arcs[key][1].up_to(times), np.cumsum([len(part) for part in loads])[:-1]
-            )
-            for number, value in zip(numbers, values, strict=True):
-                found[number] = value
-        return found
+            bounds = np.cumsum([len(part) for part in loads])[:-1]
+            of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
+            for (number, _), integral in zip(numbered_pieces, of_pieces, strict=True):
+                integrals[number] = integral
+        return integrals
 
     @property
     def arc_error(self) -> float:
@@ -592,8 +588,3 @@ class Integrals:
             # All moments are taken as differences between two loads.
             return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
         return (contact.slip_integral, contact.slip_integral_moment)[order](self.x, column)
-
-
-def _slope(piece: Piece) -> float:
-    """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
-    return piece.slope - 2 * piece.bend * piece.anchor.normal if piece.arc is None else 0.0

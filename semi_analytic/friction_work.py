@@ -30,7 +30,7 @@ from scenes import NORMAL_LOAD, Combination, NotFoundError
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, take
-from semi_analytic.load_series import Block, Records
+from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
@@ -489,10 +489,10 @@ class Loop:
             2 * abs(float(self._contact.log_distance(largest))),
         )
 
-    def add(self, block: Block) -> None:
+    def add(self, block: StepBlock) -> None:
         """The records of the next block."""
         contact, records = self._contact, block.records
-        slope = block.ends[3] / block.ends[2]
+        slope = block.line_table.slope
         limit, growth = records.direction * self._friction, records.load_after - records.load
 
         def moved(which: Indices, load: Array, slipped: Array) -> Array:

@@ -18,12 +18,11 @@ from __future__ import annotations
 
 import gc
 from array import array
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +37,7 @@ from scenes import (
     TimeSeriesLoad,
 )
 from semi_analytic.history import SLACK, check, evenly, turns_of, within
-from semi_analytic.memory import Curve, Instant, Snapshot, repeats_within
+from semi_analytic.memory import Snapshot, repeats_within
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -49,14 +48,15 @@ _NOISE = 1e-14
 _LAST_DIGITS = 4e-15
 # Share of f P within which a path runs along the curve that it unloads, and share within which a
 # line goes straight on.
-_ALONG, _STRAIGHT_ON = 8e-15, 1e-15
+_ALONG = 8e-15
+_STRAIGHT_ON = 1e-15
 # Steps that are followed at a time.
 _BLOCK = 10_000
 # Rows beyond which a path is answered at its rows, with pointwise fields at about so many of them.
-_MANY, _FEW = 1000, 400
+_MANY = 1000
+_FEW = 400
 # Share of a step within which somebody else's instant is a row.
 _SLACK_OF_STEP = 1e-6
-_NO_LEG = StraightSegment(0.0, 1.0, (0.0, 0.0), (0.0, 0.0))
 
 
 # --------------------------------------------------------------------------- the curve and one step
@@ -65,7 +65,7 @@ class Knot(NamedTuple):
     contact.
 
     `top` and `force` are eta and M at its upper end, `length` and `rise` their growth along it,
-    `depth` is the number of lines. Fields read it as a `memory.Piece` that is straight.
+    `depth` is the number of lines. A `memory.CurvePart` that is straight.
     """
 
     below: Knot | None
@@ -81,16 +81,6 @@ class Knot(NamedTuple):
         return self.below.top if self.below is not None else 0.0
 
     @property
-    def slope(self) -> float:
-        """dM/d eta."""
-        return self.rise / self.length
-
-    @property
-    def anchor(self) -> Instant:
-        """The upper end; plays no part."""
-        return Instant(_NO_LEG, 0.0, self.top, self.force)
-
-    @property
     def bend(self) -> float:
         """None."""
         return 0.0
@@ -100,15 +90,117 @@ class Knot(NamedTuple):
         """None."""
         return
 
+    @property
+    def straight_slope(self) -> float:
+        """dM/d eta."""
+        return self.rise / self.length
+
+    def slope_at(self, eta: Array) -> Array:
+        """dM/d eta at loads (n,): (n,)."""
+        return np.full(eta.shape, self.straight_slope)
+
 
 _knot = tuple.__new__  # half the time of the class, a million times
 _OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
 Station = tuple[float, float, float]
 """P, Q and the share of the step that is over."""
-Rows = tuple[Callable[["Knot | None"], None], Callable[[Iterable[float]], None]]
-"""Where records go while steps are followed: the line of the memory that each goes through; the
-columns of `Records` but for the row, then top, force, length and rise of that line."""
+
 _UNLOADS = 2
+
+
+class Records(NamedTuple):
+    """Parts of steps, (m,) each: direction of slip (0: none), P and P - P_c at both ends, rise of
+    the level, share of the step that is over at the end, and `row`, the number of the step.
+    """
+
+    direction: Array
+    load: Array
+    load_after: Array
+    slipped: Array
+    slipped_after: Array
+    rise: Array
+    until: Array
+    row: Indices
+
+    def take(self, chosen: NDArray[np.bool_] | Indices | slice) -> Records:
+        """The chosen ones."""
+        return Records._make(column[chosen] for column in self)
+
+    def with_front_in_contact(self) -> Records:
+        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading,
+        the sum of lengths of lines may be a last digit more than P.
+        """
+        slipped = np.minimum(self.slipped, self.load)
+        slipped_after = np.minimum(self.slipped_after, self.load_after)
+        return self._replace(slipped=slipped, slipped_after=slipped_after)
+
+    def slipping(self) -> Records:
+        """Those that slip."""
+        return self.take(self.direction != 0)
+
+
+class LineTable(NamedTuple):
+    """The line of the memory that each of some records goes through, (m,) each: see `Knot`."""
+
+    top: Array
+    force: Array
+    length: Array
+    rise: Array
+
+    @property
+    def slope(self) -> Array:
+        """dM/d eta."""
+        return self.rise / self.length
+
+
+_RECORD_NUMBERS = len(Records._fields) - 1  # the row is added later
+_NUMBERS = _RECORD_NUMBERS + len(LineTable._fields)
+
+
+class Recorder:
+    """Takes the records of steps while these are followed; keeps their lines only where `curves`
+    are wanted.
+
+    All numbers go into one array: an object for each record would take three times as long.
+    """
+
+    def __init__(self, curves: bool) -> None:
+        self.lines: list[Knot | None] = []
+        self.numbers = array("d")
+        self._add_line = self.lines.append if curves else None
+        self._add_numbers = self.numbers.extend
+
+    def add(
+        self,
+        line: Knot | None,
+        direction: int,
+        first: Station,
+        last: Station,
+        slipped: float = 0.0,
+        slipped_after: float = 0.0,
+        rise: float = 0.0,
+    ) -> None:
+        """One record: slip in `direction` from one station to the next, through `line`."""
+        if self._add_line is not None:
+            self._add_line(line)
+        _, top, force, length, line_rise, _ = line or _OPEN
+        load, _, _ = first
+        load_after, _, until = last
+        self._add_numbers(
+            (
+                direction,
+                load,
+                load_after,
+                slipped,
+                slipped_after,
+                rise,
+                until,
+                top,
+                force,
+                length,
+                line_rise,
+            )
+        )
 
 
 def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
@@ -118,12 +210,13 @@ def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
     growth, rise = np.diff(rows, axis=0).T
     limit = friction * growth
     noise = _NOISE * (np.abs(rise) + np.abs(limit))
-    forward, reverse = rise - limit > noise, -rise - limit > noise
-    return np.where(
-        (growth < 0) & (forward == reverse),
-        _UNLOADS,
-        np.where(forward, 1, np.where(reverse, -1, 0)),
-    ).astype(np.int8)
+    forward = rise - limit > noise
+    reverse = -rise - limit > noise
+    sides = np.zeros(len(growth), dtype=np.int8)
+    sides[reverse] = -1
+    sides[forward] = 1
+    sides[(growth < 0) & (forward == reverse)] = _UNLOADS
+    return sides
 
 
 def _shortened(curve: Knot, part: float) -> Knot:
@@ -143,111 +236,118 @@ def _shortened(curve: Knot, part: float) -> Knot:
 def _step(
     curve: Knot | None,
     side: int,
-    load: float,
-    force: float,
-    normal: float,
-    tangential: float,
+    first: Station,
+    last: Station,
     friction: float,
-    records: Rows,
+    recorder: Recorder,
 ) -> Knot | None:
-    """The curve after a straight step from P, Q = (load, force) to (normal, tangential), which it
-    takes as `sides_of` says.
-    """
+    """The curve after a straight step, which it takes as `sides_of` says."""
     if side == _UNLOADS:
-        return _unload(curve, (load, force, 0.0), (normal, tangential, 1.0), friction, records)
+        return _unload(curve, first, last, friction, recorder)
     if side:
-        return _slip(curve, side, load, force, 0.0, normal, tangential, 1.0, friction, records)
-    growth, rise = normal - load, tangential - force
-    if growth > 0:
-        below, length = curve, growth
-        if curve is not None:
-            one, other = curve.rise * length, rise * curve.length
-            if abs(one - other) <= _STRAIGHT_ON * (abs(one) + abs(other)):
-                below, length, rise = curve.below, length + curve.length, rise + curve.rise
-        if below is None:
-            length = normal
-        curve = _knot(
-            Knot,
-            (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1),
-        )
-    records[0](curve)
-    records[1]((0, load, normal, 0.0, 0.0, 0.0, 1.0, *(curve or _OPEN)[1:5]))
+        return _slip(curve, side, first, last, friction, recorder)
+    if last[0] > first[0]:
+        curve = _load_in_stick(curve, first, last)
+    recorder.add(curve, 0, first, last)
     return curve
+
+
+def _load_in_stick(curve: Knot | None, first: Station, last: Station) -> Knot:
+    """The curve with the step on top; one line with the line below where that goes straight on."""
+    load, force, _ = first
+    normal, tangential, _ = last
+    length = normal - load
+    rise = tangential - force
+    below = curve
+    if curve is not None:
+        new_rise_here = curve.rise * length
+        old_rise_there = rise * curve.length
+        size = abs(new_rise_here) + abs(old_rise_there)
+        if abs(new_rise_here - old_rise_there) <= _STRAIGHT_ON * size:
+            below = curve.below
+            length += curve.length
+            rise += curve.rise
+    if below is None:
+        return _knot(Knot, (None, normal, tangential, normal, rise, 1))
+    return _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1))
 
 
 def _slip(
     curve: Knot | None,
     s: int,
-    load: float,
-    force: float,
-    begin: float,
-    normal: float,
-    tangential: float,
-    end: float,
+    first: Station,
+    last: Station,
     friction: float,
-    records: Rows,
+    recorder: Recorder,
 ) -> Knot | None:
-    """Slip in direction s from (load, force) at the share `begin` of the step: the front goes down
-    through the lines.
+    """Slip in direction s: the front goes down through the lines while the level grows.
+
+    A line of `length` is passed when the level has grown by f length - s rise; P - P_c is the
+    growth of P and the lengths of all lines passed.
     """
-    start, growth, until, (line, numbers) = load, normal - load, begin, records
-    total = rest = s * (tangential - force) - friction * growth
+    load, force, begin = first
+    normal, tangential, end = last
+    growth = normal - load
+    level_rise = s * (tangential - force) - friction * growth
+    level_left = level_rise
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)
-    slid = passed = part = length = 0.0
+    length_passed = 0.0
+    slipped = 0.0  # P - P_c at the end of the last record
+    station = first
     # What slips already is at the limit, and the front is below it.
-    if curve is not None and curve[0] is not None and friction * curve[3] <= s * curve[4]:
-        slid = passed = curve[3]
-        curve = curve[0]
+    if curve is not None and curve.below is not None and friction * curve.length <= s * curve.rise:
+        length_passed = curve.length
+        slipped = curve.length
+        curve = curve.below
+    curve_left = curve
     while curve is not None:
-        below, top, held, length, rise, _ = curve
+        below, _, _, length, rise, _ = curve
         needed = friction * length - s * rise
         # A front that meets a knot at the very end of the step, to rounding, has not passed it:
         # what lies below may be at the limit already, and the front would jump through it.
-        if rest <= needed + digits or below is None:
+        if level_left <= needed + digits or below is None:
+            curve_left = curve
             # |Q| <= f P was checked: what the lowest line has not room for is rounding.
-            if needed > 0 and rest > 0:
-                part = rest / needed if rest < needed else 1.0
+            if needed > 0 and level_left > 0:
+                share_passed = level_left / needed if level_left < needed else 1.0
+                length_passed += share_passed * length
+                curve_left = _shortened(curve, share_passed) if share_passed < 1 else below
             break
-        passed += length
+        length_passed += length
         if needed > 0:
-            rest -= needed
-            share = 1 - rest / total
-            after, slipped, until = (
-                start + share * growth,
-                passed + share * growth,
-                begin + share * (end - begin),
-            )
-            line(curve)
-            numbers((s, load, after, slid, slipped, needed, until, top, held, length, rise))
-            load, slid = after, slipped
+            level_left -= needed
+            share = 1 - level_left / level_rise
+            slipped_after = length_passed + share * growth
+            # Q of a station inside a step plays no part in its record.
+            passed = (load + share * growth, force, begin + share * (end - begin))
+            recorder.add(curve, s, station, passed, slipped, slipped_after, needed)
+            station = passed
+            slipped = slipped_after
         else:
-            slid += length
+            slipped += length
         curve = below
-    slipped = passed + part * length + growth
-    line(curve)
-    last = (s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end)
-    numbers((*last, *(curve or _OPEN)[1:5]))
-    if part > 0:
-        curve = _shortened(curve, part) if curve is not None and part < 1 else below
-    if not slipped > 0:
-        return curve
-    if curve is None:
-        slipped = normal
-    return _knot(
-        Knot,
-        (
-            curve,
-            normal,
-            tangential,
-            slipped,
-            s * friction * slipped,
-            curve[5] + 1 if curve is not None else 1,
-        ),
+        curve_left = below
+    slipped_at_end = length_passed + growth
+    recorder.add(
+        curve,
+        s,
+        station,
+        last,
+        slipped,
+        slipped_at_end if slipped_at_end > 0 else 0.0,
+        level_left if level_left > 0 else 0.0,
     )
+    if not slipped_at_end > 0:
+        return curve_left
+    if curve_left is None:
+        return _knot(Knot, (None, normal, tangential, normal, s * friction * normal, 1))
+    rise_of_slip = s * friction * slipped_at_end
+    depth = curve_left.depth + 1
+    return _knot(Knot, (curve_left, normal, tangential, slipped_at_end, rise_of_slip, depth))
 
 
 def _unload(
-    curve: Knot | None, first: Station, last: Station, friction: float, records: Rows
+    curve: Knot | None, first: Station, last: Station, friction: float, recorder: Recorder
 ) -> Knot | None:
     """P falls and |dQ| <= f |dP|: slip to the side of the curve on which the path runs, in parts
     where it crosses the curve.
@@ -255,119 +355,114 @@ def _unload(
     The admissible cones of later points lie inside those of earlier ones, so the state is that of
     one step.
     """
-    drop, slope, noise = (
-        first[0] - last[0],
-        (last[1] - first[1]) / (last[0] - first[0]),
-        _ALONG * friction * first[0],
-    )
-    runs: list[tuple[float, int]] = []  # (fall of P at the end, side) of each part but the last
-    down, above, before, line = 0.0, 0.0, 0, curve
-    here = 0  # side of the part that goes on
-    while line is not None and down < drop:
-        below, _, _, length, rise, _ = line
-        step = length if length < drop - down else drop - down
-        now = above + rise * (step / length) - slope * step
-        side = 0 if abs(now) <= noise else (1 if now > 0 else -1)
-        if side * before < 0:
-            runs.append((down + step * above / (above - now), before))
-        elif down > 0 and (side or before) != here:
-            runs.append((down, here))
-        here = side or before
-        down += step
-        above, before, line = now, side, below
+    load, force, begin_share = first
+    normal, tangential, end_share = last
+    drop = load - normal
+    slope = (tangential - force) / (normal - load)
+    *runs, last_run = _sides_of_unloading(curve, drop, slope, _ALONG * friction * load)
     begin = first
-    for fall, side in runs:
-        end = (
-            first[0] - fall,
-            first[1] - slope * fall,
-            first[2] + fall / drop * (last[2] - first[2]),
-        )
-        curve = (
-            _slip(curve, side, *begin, *end, friction, records)
-            if side
-            else _along(curve, begin, end, records)
-        )
+    for run in runs:
+        share = begin_share + run.fall / drop * (end_share - begin_share)
+        end = (load - run.fall, force - slope * run.fall, share)
+        curve = _unload_part(curve, run.side, begin, end, friction, recorder)
         begin = end
-    curve = (
-        _slip(curve, here, *begin, *last, friction, records)
-        if here
-        else _along(curve, begin, last, records)
-    )
-    return curve if last[0] > 0 else None
+    curve = _unload_part(curve, last_run.side, begin, last, friction, recorder)
+    return curve if normal > 0 else None
 
 
-def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> Knot | None:
+class _Run(NamedTuple):
+    """A part of an unloading step: by how much P has fallen at its end, and the side of the curve
+    on which the path runs (0: along it).
+    """
+
+    fall: float
+    side: int
+
+
+def _sides_of_unloading(curve: Knot | None, drop: float, slope: float, noise: float) -> list[_Run]:
+    """The parts of a step along which P falls by `drop` and Q by `slope` times that, one at least;
+    the path is on the curve where Q - M(P) is within `noise`.
+    """
+    runs: list[_Run] = []
+    line = curve
+    fall = 0.0  # of P so far
+    excess = 0.0  # Q - M(P)
+    side_before = 0
+    side_of_run = 0
+    while line is not None and fall < drop:
+        step = line.length if line.length < drop - fall else drop - fall
+        excess_after = excess + line.rise * (step / line.length) - slope * step
+        side = 1 if excess_after > 0 else -1
+        if abs(excess_after) <= noise:
+            side = 0
+        if side * side_before < 0:
+            crossing = fall + step * excess / (excess - excess_after)
+            runs.append(_Run(crossing, side_before))
+        elif fall > 0 and (side or side_before) != side_of_run:
+            runs.append(_Run(fall, side_of_run))
+        side_of_run = side or side_before
+        fall += step
+        excess = excess_after
+        side_before = side
+        line = line.below
+    return [*runs, _Run(drop, side_of_run)]
+
+
+def _unload_part(
+    curve: Knot | None,
+    side: int,
+    first: Station,
+    last: Station,
+    friction: float,
+    recorder: Recorder,
+) -> Knot | None:
+    """Unload on one side of the curve, which slips, or along it."""
+    if side:
+        return _slip(curve, side, first, last, friction, recorder)
+    return _retrace(curve, first, last, recorder)
+
+
+def _retrace(curve: Knot | None, first: Station, last: Station, recorder: Recorder) -> Knot | None:
     """Unload along the curve itself: nothing slips."""
-    drop = rest = first[0] - last[0]
+    load, force, begin_share = first
+    normal, _, end_share = last
+    drop = load - normal
+    fall_left = drop
     begin = first
-    while curve is not None and rest > 0 and begin is not last:
-        below, top, force, length, rise, _ = curve
-        part, rest = rest / length, rest - length
-        after = 1 - max(rest, 0.0) / drop
-        end = (
-            last
-            if below is None or rest <= 0
-            else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
-        )
-        records[0](curve)
-        records[1]((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2], top, force, length, rise))
+    while curve is not None and fall_left > 0 and begin is not last:
+        share_of_line = fall_left / curve.length
+        fall_left -= curve.length
+        if curve.below is None or fall_left <= 0:
+            end = last
+        else:
+            share = 1 - fall_left / drop
+            # Q of a station inside a step plays no part in its record.
+            end = (load - share * drop, force, begin_share + share * (end_share - begin_share))
+        recorder.add(curve, 0, begin, end)
         begin = end
-        curve = _shortened(curve, part) if part < 1 else below
+        curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
     if begin is not last:
-        records[0](curve)
-        records[1]((0, begin[0], last[0], 0.0, 0.0, 0.0, last[2], *(curve or _OPEN)[1:5]))
+        recorder.add(curve, 0, begin, last)
     return curve
 
 
-class Records(NamedTuple):
-    """Parts of steps, (m,) each: direction of slip (0: none), P and P - P_c at both ends, rise of
-    the level, share of the step that is over at the end, and `row`, the number of the step.
-    """
-
-    direction: Array
-    load: Array
-    load_after: Array
-    slipped: Array
-    slipped_after: Array
-    rise: Array
-    until: Array
-    row: Indices
-
-    def take(self, some: NDArray[np.bool_] | Indices | slice) -> Records:
-        """Some of them."""
-        return Records._make(column[some] for column in self)
-
-    def with_front_in_contact(self) -> Records:
-        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading,
-        the sum of lengths of lines may be a last digit more than P.
-        """
-        slipped = np.minimum(self.slipped, self.load)
-        slipped_after = np.minimum(self.slipped_after, self.load_after)
-        return self._replace(slipped=slipped, slipped_after=slipped_after)
-
-    def slipping(self) -> Records:
-        """Those that slip."""
-        return self.take(self.direction != 0)
-
-
-class Block(NamedTuple):
-    """What steps from row to row (n + 1, 2) leave: records, the line of each, its top, force,
-    length and rise, (4, m), the curve at the end, most lines alive.
+class StepBlock(NamedTuple):
+    """What steps from row to row (n + 1, 2) leave: records (m,), the line that each goes through,
+    as numbers and, where curves are wanted, as values; the curve at the end, most lines alive.
     """
 
     rows: Array
     records: Records
+    line_table: LineTable
     lines: list[Knot | None]
-    ends: Array
     curve: Knot | None
     alive: int
 
     @property
     def deepest(self) -> float:
         """The largest P - P_c."""
-        return float(
-            np.max(np.maximum(self.records.slipped, self.records.slipped_after), initial=0.0)
-        )
+        at_ends = np.maximum(self.records.slipped, self.records.slipped_after)
+        return float(np.max(at_ends, initial=0.0))
 
 
 def depth_of(curve: Knot | None) -> int:
@@ -375,7 +470,7 @@ def depth_of(curve: Knot | None) -> int:
     return curve.depth if curve is not None else 0
 
 
-def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> Block:
+def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> StepBlock:
     """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`,
     to each of the others.
 
@@ -383,58 +478,66 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
-    lines: list[Knot | None] = []
-    numbers, counts, alive = array("d"), [0], 0
-    records = lines.append if curves else deque[Any](maxlen=0).append, numbers.extend
+    recorder = Recorder(curves)
+    counts = [0]  # of numbers, after each step
+    alive = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
-    p, q = rows[0].tolist()
+    load, force = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and
     # again, for half of the time.
     collects = gc.isenabled()
     gc.disable()
     try:
-        for (normal, tangential), side in zip(
-            rows[1:].tolist(), sides_of(rows, friction).tolist(), strict=True
-        ):
-            curve = _step(curve, side, p, q, normal, tangential, friction, records)
+        sides = sides_of(rows, friction).tolist()
+        for (normal, tangential), side in zip(rows[1:].tolist(), sides, strict=True):
+            first = (load, force, 0.0)
+            last = (normal, tangential, 1.0)
+            curve = _step(curve, side, first, last, friction, recorder)
             if normal == 0:
                 curve = None  # unloaded: a line that rounding left has no length
-            p, q = normal, tangential
-            counts.append(len(numbers))
+            load = normal
+            force = tangential
+            counts.append(len(recorder.numbers))
             if curve is not None and curve.depth > alive:
                 alive = curve.depth
     finally:
         if collects:
             gc.enable()
-    table = np.frombuffer(numbers).reshape(-1, 11).T
-    steps = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // 11)
-    parts_of_steps = Records._make([*table[:7], steps]).with_front_in_contact()
-    return Block(rows, parts_of_steps, lines, table[7:], curve, alive)
+    table = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
+    step_of_record = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // _NUMBERS)
+    columns = [*table[:_RECORD_NUMBERS], step_of_record]
+    records = Records._make(columns).with_front_in_contact()
+    line_table = LineTable(*table[_RECORD_NUMBERS:])
+    return StepBlock(rows, records, line_table, recorder.lines, curve, alive)
 
 
 def knots_of(curve: Knot | None) -> Array:
     """(eta, M) of the knots, ascending from (0, 0): (2, n)."""
-    points = [(0.0, 0.0)]
+    points = []
     while curve is not None:
-        points.insert(1, (curve.top, curve.force))
+        points.append((curve.top, curve.force))
         curve = curve.below
-    return np.array(points).T
+    points.append((0.0, 0.0))
+    return np.array(points[::-1]).T
 
 
-def _alike(one: Knot | None, other: Knot | None, friction: float, tolerance: float) -> bool:
+def _alike(curve: Knot | None, other_curve: Knot | None, friction: float, tolerance: float) -> bool:
     """Whether two curves agree within `tolerance` f P at the knots of both."""
-    first, second = knots_of(one), knots_of(other)
-    knots = np.union1d(first[0], second[0])
-    apart = np.abs(np.interp(knots, *first) - np.interp(knots, *second))
-    return bool(
-        abs(first[0, -1] - second[0, -1]) <= tolerance * knots[-1]
-        and np.all(apart <= tolerance * friction * knots[-1])
+    loads, forces = knots_of(curve)
+    other_loads, other_forces = knots_of(other_curve)
+    all_loads = np.union1d(loads, other_loads)
+    largest = all_loads[-1]
+    force_differences = np.abs(
+        np.interp(all_loads, loads, forces) - np.interp(all_loads, other_loads, other_forces)
     )
+    if abs(loads[-1] - other_loads[-1]) > tolerance * largest:
+        return False
+    return bool(np.all(force_differences <= tolerance * friction * largest))
 
 
 # ----------------------------------------------------------------------------------- the whole path
-class Part(NamedTuple):
+class PathPart(NamedTuple):
     """A part of a path: rows (m + 1, 3) of time, P and Q, what makes their time the path's, the
     memory at the first row.
     """
@@ -442,6 +545,11 @@ class Part(NamedTuple):
     rows: Array
     delay: float
     curve: Knot | None = None
+
+    @property
+    def largest(self) -> float:
+        """The largest P."""
+        return float(np.max(self.rows[:, 1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -452,16 +560,18 @@ class LoadSeries:
     ----------
     friction : f
     parts : initial loading, where the path has a period, and each solved cycle; the whole path
-    where it has none first : number of the first cycle among the parts
+        where it has none
+    first : number of the first cycle among the parts
     steady_from : index of the first cycle that ends in the state it started from, None if none did
     period : duration of a cycle, None for a path that does not repeat
     covered : for each whole cycle that the answer covers, the index of the solved cycle that it is
-    or is a copy of repeats : whether cycles after the steady one are copies
+        or is a copy of
+    repeats : whether cycles after the steady one are copies
     long : whether it is a measured series of more than 1,000 rows, which is answered at its rows
     """
 
     friction: float
-    parts: tuple[Part, ...]
+    parts: tuple[PathPart, ...]
     first: int
     steady_from: int | None
     period: float | None = None
@@ -470,21 +580,25 @@ class LoadSeries:
     long: bool = False
 
     @property
-    def cycles(self) -> tuple[Part, ...]:
+    def cycles(self) -> tuple[PathPart, ...]:
         """The solved cycles."""
         return self.parts[self.first :]
 
     @property
+    def covered_parts(self) -> list[int]:
+        """For each whole cycle that the answer covers, its number among the parts."""
+        return [number + self.first for number in self.covered]
+
+    @property
     def largest(self) -> float:
         """The largest P."""
-        return max(float(np.max(part.rows[:, 1])) for part in self.parts)
+        return max(part.largest for part in self.parts)
 
     @cached_property
     def times(self) -> Array:
         """Of all rows, ascending."""
-        return np.concatenate(
-            [self.parts[0].rows[:1, 0], *(part.rows[1:, 0] + part.delay for part in self.parts)]
-        )
+        first_row = self.parts[0].rows[:1, 0]
+        return np.concatenate([first_row, *(part.rows[1:, 0] + part.delay for part in self.parts)])
 
     @cached_property
     def starts(self) -> Indices:
@@ -501,22 +615,18 @@ class LoadSeries:
         begin = len(self.parts) - 1 if steady else 0
         if self.long:
             rows = self.times[self.starts[begin] :]
-            chosen = np.unique(
-                np.append(rows[:: max(len(rows) // _FEW, 1) if few else 1], rows[-1])
-            )
+            stride = max(len(rows) // _FEW, 1) if few else 1
+            chosen = np.unique(np.append(rows[::stride], rows[-1]))
             return chosen, len(rows) - len(chosen)
         times = []
         for number, part in enumerate(self.parts[begin:], begin):
-            block = follow(part.curve, part.rows[:, 1:], self.friction)
-            at = self.times[self.starts[number] :]
-            before, after, until = (
-                at[block.records.row],
-                at[block.records.row + 1],
-                block.records.until,
-            )
-            marks = np.unique(
-                np.append(at[0], np.where(until == 1, after, before + until * (after - before)))
-            )
+            records = follow(part.curve, part.rows[:, 1:], self.friction).records
+            row_times = self.times[self.starts[number] :]
+            step_begin = row_times[records.row]
+            step_end = row_times[records.row + 1]
+            inside_step = step_begin + records.until * (step_end - step_begin)
+            record_ends = np.where(records.until == 1, step_end, inside_step)
+            marks = np.unique(np.append(row_times[0], record_ends))
             times.append(evenly(marks, initial=number < self.first))
         return np.unique(np.concatenate(times)), 0
 
@@ -534,17 +644,19 @@ class LoadSeries:
         times = self.times
         inside, slack = within(time, float(times[0]), float(times[-1]), self.period)
         row = np.clip(np.searchsorted(times, inside, side="left"), 1, len(times) - 1)
-        near = np.minimum(slack / np.diff(times), _SLACK_OF_STEP)
+        slack_of_step = np.minimum(slack / np.diff(times), _SLACK_OF_STEP)
         # A row that somebody else found to rounding is still the row.
-        back = (row > 1) & (
-            inside - times[row - 1] <= near[row - 1] * (times[row] - times[row - 1])
-        )
-        step = row - 1 - back
+        since_row_before = inside - times[row - 1]
+        row_length = times[row] - times[row - 1]
+        is_row_before = (row > 1) & (since_row_before <= slack_of_step[row - 1] * row_length)
+        step = row - 1 - is_row_before
         share = (inside - times[step]) / (times[step + 1] - times[step])
-        return step, np.where(share > 1 - near[step], 1.0, np.maximum(share, 0.0)), near[step]
+        slack_of_share = slack_of_step[step]
+        share = np.where(share > 1 - slack_of_share, 1.0, np.maximum(share, 0.0))
+        return step, share, slack_of_share
 
 
-def own_series(scene: Scene, time: Array | None) -> LoadSeries:
+def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady
     where it needs none.
 
@@ -553,29 +665,38 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries:
     InadmissibleLoadError
         For gross sliding or separation, with the instant and the loads.
     """
-    friction, load, long = scene.friction.coefficient, scene.load, False
+    friction = scene.friction.coefficient
+    load = scene.load
+    long = False
     if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
-        rows, long = load.series(), len(load.kept_rows()) > _MANY
-        loading, cycle = (rows[:2], rows[1:]) if load.repeats else (rows, rows[:0])
+        rows = load.series()
+        long = len(load.kept_rows()) > _MANY
+        loading = rows[:2] if load.repeats else rows
+        cycle = rows[1:] if load.repeats else rows[:0]
     else:
         path = load.path()
-        loading, cycle = _rows_of(path.initial_loading), _rows_of(path.cycle)
+        loading = _rows_of(path.initial_loading)
+        cycle = _rows_of(path.cycle)
     check_rows(loading, friction)
     if not len(cycle):
         return replace(_single(friction, loading), long=long)
     check_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
-    most, whole = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
-    turns = (Part(cycle, k * period) for k in range(most))
-    return replace(_followed(friction, Part(loading, 0.0), turns, period, whole), long=long)
+    most, whole_cycles = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
+    turns = (PathPart(cycle, k * period) for k in range(most))
+    series = _followed(friction, PathPart(loading, 0.0), turns, period, whole_cycles)
+    return replace(series, long=long)
 
 
 def _rows_of(legs: Sequence[LoadSegment]) -> Array:
     """Time, P and Q at the ends of legs: (m + 1, 3), or (0, 3)."""
-    stations = [*((leg.start, leg) for leg in legs[:1]), *((leg.end, leg) for leg in legs)]
-    return np.array(
-        [[time, *(float(load) for load in leg.loads(time))] for time, leg in stations]
-    ).reshape(-1, 3)
+    stations = [(leg.start, leg) for leg in legs[:1]]
+    stations += [(leg.end, leg) for leg in legs]
+    rows = []
+    for time, leg in stations:
+        normal, tangential = leg.loads(time)
+        rows.append([time, float(normal), float(tangential)])
+    return np.array(rows).reshape(-1, 3)
 
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
@@ -593,86 +714,100 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         raise InputError(
             f"straight_steps: no time is after the start of the load path, {path.start:.6g}"
         )
-    rows = np.stack([times, *path.at(times)], axis=1)
+    normal, tangential = path.at(times)
+    rows = np.stack([times, normal, tangential], axis=1)
     check_rows(rows, friction)
     slack = SLACK * (path.period or 0.0)
     if path.period is None or times[-1] <= path.cycle_start + slack:
         return _single(friction, rows)
-    _, whole = turns_of(path.cycle_start, path.period, 1, time)
-    marks = path.cycle_start + path.period * np.arange(whole + 1)
-    near = np.abs(times[:, None] - marks) <= slack
-    every = np.sort(np.concatenate([times, marks[~near.any(axis=0) & (marks < times[-1])]]))
-    rows = np.stack([every, *(np.interp(every, times, rows[:, k]) for k in (1, 2))], axis=1)
-    turn = np.searchsorted(marks - slack, every[:-1], side="right")
-    bounds = [0, *np.flatnonzero(np.diff(turn, prepend=0)).tolist(), len(every) - 1]
-    loading, *turns = (Part(rows[a : b + 1], 0.0) for a, b in pairwise(bounds))
-    return _followed(friction, loading, turns, path.period, whole, repeats=False)
+    _, whole_cycles = turns_of(path.cycle_start, path.period, 1, time)
+    cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
+    is_near = np.abs(times[:, None] - cycle_starts) <= slack
+    new_rows = cycle_starts[~is_near.any(axis=0) & (cycle_starts < times[-1])]
+    all_times = np.sort(np.concatenate([times, new_rows]))
+    rows = np.stack(
+        [
+            all_times,
+            np.interp(all_times, times, normal),
+            np.interp(all_times, times, tangential),
+        ],
+        axis=1,
+    )
+    cycle_number = np.searchsorted(cycle_starts - slack, all_times[:-1], side="right")
+    first_rows = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
+    bounds = [0, *first_rows, len(all_times) - 1]
+    loading, *turns = (PathPart(rows[a : b + 1], 0.0) for a, b in pairwise(bounds))
+    return _followed(friction, loading, turns, path.period, whole_cycles, repeats=False)
 
 
 def check_rows(rows: Array, friction: float) -> None:
     """Raise InadmissibleLoadError at the first gross sliding or separation; lines between
     admissible points are admissible.
     """
-    normal, tangential = rows[:, 1], rows[:, 2]
+    normal = rows[:, 1]
+    tangential = rows[:, 2]
     slack = _NOISE * float(np.max(np.abs(normal)))
-    bad = np.flatnonzero((normal < -slack) | (np.abs(tangential) > friction * (normal + slack)))
-    if len(bad):
-        before, after = rows[max(int(bad[0]) - 1, 0)].tolist(), rows[bad[0]].tolist()
-        check(
-            [StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2]))],
-            friction,
-        )
-        raise InadmissibleLoadError(
-            "separation" if after[1] < -slack else "gross sliding",
-            after[0],
-            after[1],
-            after[2],
-            friction,
-        )
+    separates = normal < -slack
+    slides = np.abs(tangential) > friction * (normal + slack)
+    bad = np.flatnonzero(separates | slides)
+    if not len(bad):
+        return
+    time_before, *loads_before = rows[max(int(bad[0]) - 1, 0)].tolist()
+    time_after, *loads_after = rows[bad[0]].tolist()
+    step = StraightSegment(time_before, time_after, tuple(loads_before), tuple(loads_after))
+    check([step], friction)
+    reason = "separation" if separates[bad[0]] else "gross sliding"
+    normal_after, tangential_after = loads_after
+    raise InadmissibleLoadError(reason, time_after, normal_after, tangential_after, friction)
 
 
 def _single(friction: float, rows: Array) -> LoadSeries:
     """A path that does not repeat; it ends as it began where it ends unloaded."""
-    return LoadSeries(friction, (Part(rows, 0.0),), 0, 0 if rows[-1, 1] <= 0 else None)
+    last_load = rows[-1, 1]
+    steady_from = 0 if last_load <= 0 else None
+    return LoadSeries(friction, (PathPart(rows, 0.0),), first=0, steady_from=steady_from)
 
 
 def _followed(
     friction: float,
-    loading: Part,
-    turns: Iterable[Part],
+    loading: PathPart,
+    turns: Iterable[PathPart],
     period: float,
-    whole: int,
+    whole_cycles: int,
     *,
     repeats: bool = True,
 ) -> LoadSeries:
     """The series whose `turns` come one after the other; where they repeat, up to the first that
     ends as it began.
     """
-    cycles: list[Part] = []
-    steady, curve = None, None
+    cycles: list[PathPart] = []
+    steady_from = None
+    curve = None
     for _, block in blocks(loading, friction):
         curve = block.curve
     for turn in turns:
-        cycles.append(turn._replace(curve=curve))
+        curve_at_start = curve
+        cycle = turn._replace(curve=curve_at_start)
+        cycles.append(cycle)
         deepest = 0.0
-        for _, block in blocks(cycles[-1], friction):
-            curve, deepest = block.curve, max(deepest, block.deepest)
-        if steady is None and _alike(
-            cycles[-1].curve,
-            curve,
-            friction,
-            repeats_within(deepest / float(np.max(turn.rows[:, 1]))),
-        ):
-            steady = len(cycles) - 1
+        for _, block in blocks(cycle, friction):
+            curve = block.curve
+            deepest = max(deepest, block.deepest)
+        tolerance = repeats_within(deepest / turn.largest)
+        if steady_from is None and _alike(curve_at_start, curve, friction, tolerance):
+            steady_from = len(cycles) - 1
             if repeats:
                 break
-    covered = tuple(
-        min(number, len(cycles) - 1) for number in range(whole or (len(cycles) if repeats else 1))
-    )
-    return LoadSeries(friction, (loading, *cycles), 1, steady, period, covered, repeats)
+    cycles_covered = whole_cycles
+    if not whole_cycles:
+        cycles_covered = len(cycles) if repeats else 1
+    covered = tuple(min(number, len(cycles) - 1) for number in range(cycles_covered))
+    return LoadSeries(friction, (loading, *cycles), 1, steady_from, period, covered, repeats)
 
 
-def blocks(part: Part, friction: float, curves: bool = False) -> Iterator[tuple[int, Block]]:
+def blocks(
+    part: PathPart, friction: float, curves: bool = False
+) -> Iterator[tuple[int, StepBlock]]:
     """The steps of a part, a block at a time, and the number of the first."""
     curve = part.curve
     for first in range(0, len(part.rows) - 1, _BLOCK):
@@ -681,67 +816,93 @@ def blocks(part: Part, friction: float, curves: bool = False) -> Iterator[tuple[
         curve = block.curve
 
 
+class _StateColumns(NamedTuple):
+    """States at some instants, (n,) each; `which` is the number of the uppermost line."""
+
+    load: Array
+    force: Array
+    slipped: Array
+    direction: Array
+    which: Indices
+    balance: Array
+
+
 class States:
     """The memory curves of instants, collected block by block."""
 
     def __init__(self, friction: float, curves: bool) -> None:
-        self.friction, self.curves = friction, curves
-        self._columns: list[tuple[NDArray[Any], ...]] = []
+        self.friction = friction
+        self.curves = curves
+        self._columns: list[_StateColumns] = []
         self._lines: list[Knot | None] = []
 
-    def add(self, block: Block, step: Indices, share: Array, near: Array) -> None:
-        """Instants (n,) at shares of steps of a block; `near` is how far a share may miss the end
+    def add(self, block: StepBlock, step: Indices, share: Array, slack: Array) -> None:
+        """Instants (n,) at shares of steps of a block; `slack` is how far a share may miss the end
         of a record.
         """
         if not len(step):
             return
-        records, last = block.records, len(block.records.row) - 1
-        number = np.minimum(
-            np.searchsorted(records.row + records.until, step + share - near, side="left"), last
-        )
-        number += records.row[number] < step
+        records = block.records
+        number = _record_at(records, step, share - slack)
         # an instant that counts as the end of a record has the loads of that end
         share = np.minimum(share, records.until[number])
-        begin = np.where(
-            np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1])
-        )[number]
-        part = np.clip(
-            (share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny),
-            0.0,
-            1.0,
+        load, force = _loads_at(block.rows, step, share)
+        line = LineTable(*(column[number] for column in block.line_table))
+        direction = records.direction[number]
+        slipped = records.slipped[number]
+        growth = (records.slipped_after - records.slipped)[number]
+        slipped = slipped + _share_of_record(records, number, share) * growth
+        # the front is on the line
+        least = np.maximum(load - line.top, 0.0)
+        most = np.maximum(load - (line.top - line.length), 0.0)
+        slipped = np.where(direction != 0, np.clip(slipped, least, most), 0.0)
+        force_at_front = line.force - line.slope * (line.top - (load - slipped))
+        balance = force_at_front + direction * self.friction * slipped - force
+        which = np.zeros(len(step), dtype=np.intp)
+        first_line = len(self._lines)
+        if self.curves:
+            used, which = np.unique(number, return_inverse=True)
+            self._lines += [block.lines[k] for k in used.tolist()]
+        self._columns.append(
+            _StateColumns(load, force, slipped, direction, which + first_line, balance)
         )
-        top, held, length, rise = block.ends[:, number]
-        bottom, slope = top - length, rise / length
-        before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
-        load, force = np.where(
-            share[:, None] > 0.5,
-            before + way - (1 - share)[:, None] * way,
-            before + share[:, None] * way,
-        ).T
-        load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
-        s = records.direction[number]
-        slipped = records.slipped[number] + part * (records.slipped_after - records.slipped)[number]
-        slipped = np.where(
-            s != 0,
-            np.clip(slipped, np.maximum(load - top, 0.0), np.maximum(load - bottom, 0.0)),
-            0.0,
-        )
-        balance = held - slope * (top - (load - slipped)) + s * self.friction * slipped - force
-        used, which = (
-            np.unique(number, return_inverse=True)
-            if self.curves
-            else (number[:0], np.zeros(len(step), dtype=np.intp))
-        )
-        self._columns.append((load, force, slipped, s, which + len(self._lines), balance))
-        self._lines += [block.lines[k] for k in used.tolist()]
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
-        load, force, slipped, s, which, balance = (
-            np.concatenate(column)[back] for column in zip(*self._columns, strict=True)
+        columns = zip(*self._columns, strict=True)
+        states = _StateColumns._make(np.concatenate(column)[back] for column in columns)
+        snapshot = Snapshot(
+            time=time,
+            load=states.load,
+            force=states.force,
+            slipped=states.slipped,
+            direction=states.direction.astype(np.int64),
+            which=states.which,
+            actives=tuple(self._lines) or (None,),
+            friction=self.friction,
         )
-        lines = cast(tuple[Curve, ...], tuple(self._lines) or (None,))
-        return (
-            Snapshot(time, load, force, slipped, s.astype(np.int64), which, lines, self.friction),
-            balance,
-        )
+        return snapshot, states.balance
+
+
+def _record_at(records: Records, step: Indices, share: Array) -> Indices:
+    """Number of the record of each step (n,) that holds a share of it: (n,)."""
+    number = np.searchsorted(records.row + records.until, step + share, side="left")
+    number = np.minimum(number, len(records.row) - 1)
+    return number + (records.row[number] < step)
+
+
+def _share_of_record(records: Records, number: Indices, share: Array) -> Array:
+    """The share of a record that is over at a share of its step, (n,)."""
+    is_first = np.diff(records.row, prepend=-1) > 0
+    begin = np.where(is_first, 0.0, np.append(0.0, records.until[:-1]))[number]
+    length = np.maximum(records.until[number] - begin, np.finfo(float).tiny)
+    return np.clip((share - begin) / length, 0.0, 1.0)
+
+
+def _loads_at(rows: Array, step: Indices, share: Array) -> tuple[Array, Array]:
+    """P and Q, (n,) each, at shares of steps between rows (m + 1, 2), from the nearer row."""
+    change = rows[step + 1] - rows[step]
+    from_begin = rows[step] + share[:, None] * change
+    from_end = rows[step] + change - (1 - share)[:, None] * change
+    load, force = np.where(share[:, None] > 0.5, from_end, from_begin).T
+    return np.maximum(load, 0.0), force  # a path that unloads fully may end below 0 by rounding

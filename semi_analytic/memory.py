@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +30,9 @@ from scenes import NORMAL_LOAD, Combination, LoadSegment
 Array = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
-_REPEATS, _OF_SLIP, _LEAST = 1e-12, 1e-4, 2e-14
+_REPEATS = 1e-12
+_OF_SLIP = 1e-4
+_LEAST = 2e-14
 LAST_DIGITS = 4 * _EPS
 """Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P
 from 1e-4 to 1e-14.
@@ -65,12 +67,11 @@ def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
     `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms
     promise, or nothing shifts.
     """
-    largest = float(np.max(np.abs(shifts)))
-    error = (
-        2 * LAST_DIGITS * friction * float(np.max(np.abs(moments))) / largest
-        if largest > 0
-        else 0.0
-    )
+    largest_shift = float(np.max(np.abs(shifts)))
+    if largest_shift <= 0:
+        return 0.0
+    largest_moment = float(np.max(np.abs(moments)))
+    error = 2 * LAST_DIGITS * friction * largest_moment / largest_shift
     return error if error > PROMISED else 0.0
 
 
@@ -107,6 +108,39 @@ def change_from(where: Instant, leg: LoadSegment, what: Combination, time: Array
     return leg.change_of(what, time, leg.start) + jump
 
 
+class CurvePart(Protocol):
+    """What fields ask of the uppermost piece or line of a memory curve: a `Piece`, or the `Knot` of
+    a load series.
+    """
+
+    @property
+    def below(self) -> Self | None:
+        """The curve under it."""
+
+    @property
+    def top(self) -> float:
+        """Eta at the upper end."""
+
+    @property
+    def bottom(self) -> float:
+        """Eta at the lower end."""
+
+    @property
+    def straight_slope(self) -> float:
+        """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+
+    @property
+    def bend(self) -> float:
+        """Half the second derivative."""
+
+    @property
+    def arc(self) -> tuple[float, float] | None:
+        """Times at the ends of an arc, else None."""
+
+    def slope_at(self, eta: Array) -> Array:
+        """dM/d eta at loads (n,): (n,)."""
+
+
 class Piece(NamedTuple):
     """The uppermost piece of a memory curve, and by `below` the whole curve.
 
@@ -132,12 +166,27 @@ class Piece(NamedTuple):
         """Eta at the lower end."""
         return self.below.top if self.below is not None else 0.0
 
+    @property
+    def straight_slope(self) -> float:
+        """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+        return self.slope - 2 * self.bend * self.anchor.normal if self.arc is None else 0.0
+
+    def slope_at(self, eta: Array) -> Array:
+        """dM/d eta at loads (n,): of an arc dQ/dP of the path, 0 where both loads turn at once."""
+        if self.arc is None:
+            return self.slope + 2 * self.bend * (eta - self.anchor.normal)
+        normal, tangential = self.anchor.leg.rates(front_time(self, eta))
+        return np.divide(tangential, normal, out=np.zeros(eta.shape), where=normal != 0)
+
 
 Curve: TypeAlias = Piece | None
 """A memory curve: its uppermost piece, or None for bodies out of contact."""
 
 
-def pieces(curve: Curve) -> Iterator[Piece]:
+_Part = TypeVar("_Part", bound=CurvePart)
+
+
+def pieces(curve: _Part | None) -> Iterator[_Part]:
     """The pieces of a curve from the top down."""
     while curve is not None:
         yield curve
@@ -178,13 +227,13 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
     >>> values(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
     [0.25, 1.0]
     """
-    wanted = np.asarray(eta, dtype=float)
-    result = np.zeros(wanted.shape)
+    loads = np.asarray(eta, dtype=float)
+    forces = np.zeros(loads.shape)
     for piece in pieces(curve):
-        here = (wanted <= piece.top) & (wanted > piece.bottom)
-        if np.any(here):
-            result[here] = value_on(piece, wanted[here])
-    return result
+        is_on_piece = (loads <= piece.top) & (loads > piece.bottom)
+        if np.any(is_on_piece):
+            forces[is_on_piece] = value_on(piece, loads[is_on_piece])
+    return forces
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
@@ -216,11 +265,10 @@ def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) ->
     (2.0, 0.5, [0.5])
     """
     form = leg.slope_and_bend(end.time)
-    return (
-        Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
-        if form is None
-        else Piece(curve, end.normal, end, *form)
-    )
+    if form is None:
+        return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
+    slope, bend = form
+    return Piece(curve, end.normal, end, slope, bend)
 
 
 def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
@@ -300,7 +348,8 @@ def slipped_load(
         lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
         return direction * lag / (friction - direction * piece.slope)
     rise = change_from(piece.anchor, leg, level(direction, friction), time)
-    steep, bend = friction - direction * piece.slope, direction * piece.bend
+    steep = friction - direction * piece.slope
+    bend = direction * piece.bend
     back = 2 * rise / (steep + np.sqrt(np.maximum(steep**2 + 4 * bend * rise, 0.0)))
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
 
@@ -309,43 +358,41 @@ def _slipped_on_arc(
     piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
 ) -> Array:
     first, last = _whole_arc(piece)
-    what, arc_leg = level(direction, friction), piece.anchor.leg
-    twin = leg.mirrored(what, time, (first + last) / 2) if arc_leg is leg else None
-    if twin is not None:
-        return leg.change_of(NORMAL_LOAD, time, twin)
-    rise = change_from(piece.anchor, leg, what, time)
+    slip_level = level(direction, friction)
+    arc_leg = piece.anchor.leg
+    if arc_leg is leg:
+        mirrored_time = leg.mirrored(slip_level, time, (first + last) / 2)
+        if mirrored_time is not None:
+            return leg.change_of(NORMAL_LOAD, time, mirrored_time)
+    rise = change_from(piece.anchor, leg, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
-    front = arc_leg.time_of(what, rise, last, first)
+    front = arc_leg.time_of(slip_level, rise, last, first)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
         NORMAL_LOAD, front, last
     )
 
 
-def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:
+def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12) -> bool:
     """Whether two curves agree within `tolerance` f P at their knots and at three loads in between
     any two.
 
     >>> same(None, None, 0.5)
     True
     """
-    if one is None or other is None:
-        return one is other
-    top = max(one.top, other.top)
-    if abs(one.top - other.top) > tolerance * top:
+    if curve is None or other_curve is None:
+        return curve is other_curve
+    largest = max(curve.top, other_curve.top)
+    if abs(curve.top - other_curve.top) > tolerance * largest:
         return False
-    top = min(one.top, other.top)
-    knots = np.array(
-        sorted(
-            {0.0, top, *(min(piece.top, top) for curve in (one, other) for piece in pieces(curve))}
-        )
-    )
-    loads = np.unique(
-        np.concatenate(
-            [knots[:-1] + (knots[1:] - knots[:-1]) * part for part in (0.25, 0.5, 0.75, 1.0)]
-        )
-    )
-    difference = np.abs(values(one, loads) - values(other, loads))
+    top = min(curve.top, other_curve.top)
+    ends = {0.0, top}
+    for piece in (*pieces(curve), *pieces(other_curve)):
+        ends.add(min(piece.top, top))
+    knots = np.array(sorted(ends))
+    between = [knots[:-1] + np.diff(knots) * share for share in (0.25, 0.5, 0.75, 1.0)]
+    loads = np.unique(np.concatenate(between))
+    difference = np.abs(values(curve, loads) - values(other_curve, loads))
     return bool(np.all(difference <= tolerance * friction * top))
 
 
@@ -373,14 +420,14 @@ class Snapshot:
     slipped: Array
     direction: NDArray[np.int64]
     which: NDArray[np.intp]
-    actives: tuple[Curve, ...]
+    actives: tuple[CurvePart | None, ...]
     friction: float
 
-    def groups(self) -> Iterator[tuple[Piece, NDArray[np.intp]]]:
+    def groups(self) -> Iterator[tuple[CurvePart, NDArray[np.intp]]]:
         """(piece, its instants) for every piece that is there."""
         order = np.argsort(self.which, kind="stable")
         numbers, starts = np.unique(self.which[order], return_index=True)
-        for number, here in zip(numbers, np.split(order, starts[1:]), strict=True):
+        for number, instants in zip(numbers, np.split(order, starts[1:]), strict=True):
             piece = self.actives[number]
             if piece is not None:
-                yield piece, here
+                yield piece, instants

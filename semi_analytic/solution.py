@@ -67,13 +67,14 @@ from semi_analytic.load_series import (
     States,
     blocks,
     depth_of,
-    own_series,
+    series_of,
     straight_series,
 )
 from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of, ways_in_phase
 from semi_analytic.memory import (
     LAST_DIGITS,
     PROMISED,
+    Piece,
     Snapshot,
     level,
     pieces,
@@ -819,7 +820,7 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
         path = scene.load.path()
         if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
             return history_of(path, scene.friction.coefficient, scene.cycles, time)
-    return own_series(scene, time)
+    return series_of(scene, time)
 
 
 # ----------------------------------------------------------------- what a path leaves for an answer
@@ -980,6 +981,7 @@ def _along_spans(history: History, request: Request) -> Along:
     snapshot, friction = history.snapshot(request.time), history.spans[0].friction
     balance = snapshot.direction * friction * snapshot.slipped - snapshot.force
     for piece, here in snapshot.groups():
+        assert isinstance(piece, Piece)  # for the type checker: a history has no others
         balance[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
     unit, ellipse = 2 / (math.pi * modulus) * friction**2, None
     turn = history.loop.ellipse if history.loop is not None else None

@@ -36,7 +36,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Scene, scene_of
-from semi_analytic.memory import Piece, Snapshot, front_time, pieces
+from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
 from semi_analytic.solution import leaning_profile, memory_at, solve, vector
@@ -340,19 +340,11 @@ def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
             yield piece.bottom, min(piece.top, front), _slope_of(piece, snapshot.friction)
 
 
-def _slope_of(piece: Piece, friction: float) -> Slope:
-    """M'(eta) on a piece: of an arc dQ/dP of the path, 0/0 where both loads turn at once and |M'|
-    <= f.
-    """
-
-    def slope(eta: Array) -> Array:
-        if piece.arc is None:
-            return piece.slope + 2 * piece.bend * (eta - piece.anchor.normal)
-        normal, tangential = piece.anchor.leg.rates(front_time(piece, eta))
-        ratio = np.divide(tangential, normal, out=np.zeros(eta.shape), where=normal != 0)
-        return np.asarray(np.clip(ratio, -friction, friction))
-
-    return slope
+def _slope_of(piece: CurvePart, friction: float) -> Slope:
+    """M'(eta) on a piece, |M'| <= f."""
+    if piece.arc is None:
+        return piece.slope_at
+    return lambda eta: np.asarray(np.clip(piece.slope_at(eta), -friction, friction))
 
 
 def _potentials(
