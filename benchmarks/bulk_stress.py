@@ -39,7 +39,7 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_sc
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from semi_analytic import grid as dense_grid
-from semi_analytic.solution import leaning_profile
+from semi_analytic.bulk_and_tilt import leaning_profile
 
 # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)

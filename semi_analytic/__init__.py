@@ -8,8 +8,8 @@ Normal contact::
     profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel
                             transform of tables
     punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement
-    and slip kernel of any P(a) tilted_profile.py       the same with tilt and bulk strain, also
-    with unequal sides: families of
+                            and slip kernel of any P(a)
+    tilted_profile.py       the same with tilt and bulk strain, also with unequal sides: families of
                             nested contact intervals
     opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell
                             and Hills)
@@ -37,7 +37,11 @@ From a request to an answer::
     friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q
                             over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
-    solution.py             `solve`: all of it together
+    solution.py             `solve`: which of three ways answers a scene
+    answer.py               the question, what is found, the record of a ContactSolution
+    answer_by_memory.py     one memory curve: states, fields, dissipations and their errors
+    answer_in_phase.py      loads in phase: the steady cycle alone
+    answer_on_grids.py      all other loads, on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
                             themselves
@@ -51,13 +55,14 @@ Arrays of ellipses in one call::
     measured_friction.py    `friction_from`: every coefficient of friction that gives a measured W
 """
 
+from semi_analytic.answer import FIELDS
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
 from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
 from semi_analytic.largest_values import Extremes, extremes
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
-from semi_analytic.solution import FIELDS, solve
+from semi_analytic.solution import solve
 from semi_analytic.subsurface import edge_tension, stress
 
 __all__ = [

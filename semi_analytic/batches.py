@@ -39,10 +39,10 @@ from scenes import (
 )
 from scenes.arrays import LARGEST, real_numbers
 from scenes.frozen import Frozen, validated
+from semi_analytic.answer import neglected_coupling
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.memory import LAST_DIGITS, PROMISED
 from semi_analytic.profiles import SymmetricContact, contact_of
-from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import (
     LEAST_LOAD,
     Ellipses,

@@ -512,3 +512,18 @@ def _slope_of(load: Array, what: Array, rounding: float = 0.0) -> float:
     away = load - np.mean(load)
     square = float(away @ away)
     return float(away @ what) / square if square > 0 else 0.0
+
+
+def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
+    """P, Q, eps and alpha of a scene that theory takes, and its profile under any tilt."""
+    shape = convex_profile(scene.profile)
+    path = scene.load.path()
+    largest_load = -math.inf
+    for leg in (*path.initial_loading, *path.cycle):
+        for time in (leg.end, *leg.turning_points(NORMAL_LOAD)):
+            load, _ = leg.loads(time)
+            largest_load = max(largest_load, float(load))
+    compliance = 2 / composite_modulus(scene.material)
+    intervals = NestedIntervals(shape, compliance, 0.0, 0.0, largest_load)
+    profile = TiltedProfile(intervals, scene.profile.datum_length)
+    return PathLoads(path, strain_of(scene.material), profile), profile

@@ -258,7 +258,7 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     return begin, np.where(inside, end, begin)
 
 
-def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
+def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
     """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness], the
     area of the hysteresis loop.
 
@@ -311,7 +311,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
 
     total = _over_spans(contact, modulus, [_whole(span) for span in spans], 1, work).total[0]
-    return float(total), 2 / (math.pi * modulus) * doubt
+    return LoopWork(float(total), 2 / (math.pi * modulus) * doubt)
 
 
 def _flat_at(contact: Contact, largest: float) -> Contact:
@@ -517,12 +517,21 @@ class Loop:
         self._path, self._shift = self._path + float(np.sum(np.abs(force))), float(shift[-1])
 
     @property
-    def value(self) -> tuple[float, float]:
-        """The integral [energy per unit thickness] and its rounding."""
-        return (
+    def value(self) -> LoopWork:
+        """The integral so far."""
+        return LoopWork(
             self._unit * self._total,
             self._unit * _DIGITS_OF_SHIFT * self._friction * self._size * self._path,
         )
+
+
+class LoopWork(NamedTuple):
+    """Closed integral of Q dU [energy per unit thickness], and what rounding may have left in
+    it.
+    """
+
+    value: float
+    rounding: float
 
 
 class Converged(NamedTuple):

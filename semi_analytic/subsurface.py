@@ -36,10 +36,13 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Scene, scene_of
+from semi_analytic.answer import vector
+from semi_analytic.answer_by_memory import memory_at
+from semi_analytic.bulk_and_tilt import leaning_profile
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
-from semi_analytic.solution import leaning_profile, memory_at, solve, vector
+from semi_analytic.solution import solve
 from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]

@@ -32,7 +32,7 @@ from scenes import (
 )
 from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
-from semi_analytic.bulk_and_tilt import PathLoads, one_curve, strain_of
+from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile, one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.grid import follow_on_grid, remainder_of
@@ -40,7 +40,6 @@ from semi_analytic.history import history_of
 from semi_analytic.loops_in_phase import ways_in_phase
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of, convex_profile
-from semi_analytic.solution import leaning_profile
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 from semi_analytic_cases import PAPER, PROFILES, extreme, fretting, leaning, make_scene
 

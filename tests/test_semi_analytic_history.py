@@ -406,26 +406,22 @@ def test_what_slips_is_that_of_sixty_digits(share, steady):
         (2.4, 0.24),
         *np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist(),
     ]
-    ends = []
+    sides = load_series.sides_of(np.array(rows), 0.5).tolist()
+    column = load_series.Records._fields.index("slipped_after") - load_series._NUMBERS
+    slipped_by_number = []
     with mp.workdps(60):
         for number in (float, mp.mpf):
-            curve, numbers, slipped, last = None, [], [], (number(0), number(0))
-            for (p, q), side in zip(
-                rows[1:], load_series.sides_of(np.array(rows), 0.5).tolist(), strict=True
-            ):
-                curve = load_series._step(
-                    curve,
-                    side,
-                    *last,
-                    number(p),
-                    number(q),
-                    number(0.5),
-                    (lambda _: None, numbers.extend),
-                )
-                slipped.append(float(numbers[-7]))
-                last = (number(p), number(q))
-            ends.append(np.array(slipped))
-    found, exact = ends
+            curve = None
+            slipped = []
+            recorder = load_series.Recorder(curves=False)
+            first = (number(0), number(0), number(0))
+            for (p, q), side in zip(rows[1:], sides, strict=True):
+                last = (number(p), number(q), number(1))
+                curve = load_series._step(curve, side, first, last, number(0.5), recorder)
+                slipped.append(recorder.numbers[column])
+                first = (number(p), number(q), number(0))
+            slipped_by_number.append(np.array(slipped))
+    found, exact = slipped_by_number
     assert np.max(exact) > 0.3 * share
     np.testing.assert_allclose(
         found, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16

@@ -10,8 +10,9 @@ import pytest
 import semi_analytic
 from scenes import Scene, load_scene
 from semi_analytic import edge_tension, stress
+from semi_analytic.answer_by_memory import memory_at
+from semi_analytic.bulk_and_tilt import leaning_profile
 from semi_analytic.quadrature import graded
-from semi_analytic.solution import leaning_profile, memory_at
 from semi_analytic.subsurface import _from_sines, _lines, _tensions, _with_tractions
 from semi_analytic_cases import extreme
 

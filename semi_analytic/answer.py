@@ -1,0 +1,249 @@
+"""The door of half-plane theory: the question, what one of three ways to answer it finds, and the
+one place that makes a ContactSolution of that.
+
+The ways: `answer_by_memory`, `answer_in_phase`, `answer_on_grids`. Each takes a `Question` and
+leaves `Findings`: loads and fields at instants, the work of the cycles, and what the record says.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import metadata
+from typing import Any, Literal
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import (
+    ContactSolution,
+    InputError,
+    Materials,
+    NotFoundError,
+    Record,
+    Scene,
+    Work,
+    freeze,
+)
+from scenes.arrays import LARGEST, real_numbers
+from semi_analytic.elasticity import coupling_constant
+
+Array = NDArray[np.float64]
+
+Cycles = Literal["all", "steady"]
+
+FIELDS = (
+    "pressure",
+    "shear",
+    "slip",
+    "state",
+    "tangential_displacement",
+    "normal_approach",
+    "dissipation_density",
+    "dissipation",
+)
+"""The fields that can be asked for one by one."""
+POINTWISE = frozenset(("pressure", "shear", "slip", "state"))
+"""Those that have a value at each point and instant."""
+STEADY_FIELDS = frozenset(
+    ("pressure", "state", "normal_approach", "dissipation", "dissipation_density")
+)
+"""Those that are the same in the steady cycle however it was reached; traction and slip that stay
+locked in are not.
+"""
+
+_POINTS = 200
+
+
+# ------------------------------------------------------------------------------------ the question
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of half-plane theory; the arguments of `solve`, checked.
+
+    Attributes
+    ----------
+    scene : the scene
+    fields : the fields that are wanted
+    x, time : (m,) points and (n,) instants as asked for; None: theory chooses
+    cycles, straight_steps : as in `solve`
+    """
+
+    scene: Scene
+    fields: frozenset[str]
+    x: Array | None = None
+    time: Array | None = None
+    cycles: Cycles = "all"
+    straight_steps: bool = False
+
+    def wants(self, *names: str) -> bool:
+        """Whether one of these fields is wanted."""
+        return not self.fields.isdisjoint(names)
+
+    @property
+    def wants_pointwise(self) -> bool:
+        """Whether a field at points and instants is wanted."""
+        return self.wants(*POINTWISE)
+
+    @property
+    def wants_last_cycle_alone(self) -> bool:
+        """Whether no instants are stated and the steady cycle is enough."""
+        return self.time is None and self.cycles == "steady"
+
+
+def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:
+    """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other
+    `cycles` than there are.
+    """
+    if cycles not in ("all", "steady"):
+        raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
+    wanted = frozenset([fields] if isinstance(fields, str) else fields)
+    unknown = sorted(wanted - set(FIELDS))
+    if unknown:
+        raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
+    return wanted
+
+
+def vector(values: ArrayLike | None, name: str) -> Array | None:
+    """Finite numbers (n,), one alone too, None where none are given; InputError with their `name`
+    for anything else.
+    """
+    if values is None:
+        return None
+    array = np.atleast_1d(np.array(real_numbers(values, name)))
+    if array.ndim != 1 or not len(array):
+        raise InputError(
+            f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}"
+        )
+    wrong = array[~(np.abs(array) <= LARGEST)]
+    if len(wrong):
+        raise InputError(
+            f"{name}: a list of finite numbers is needed, each at most {LARGEST:g}, and {wrong[0]}"
+            " is none"
+        )
+    return array
+
+
+def mirrored_points(edge: float) -> Array:
+    """Points from -edge to edge, mirrored to the last digit."""
+    right = np.linspace(edge / (_POINTS - 1), edge, _POINTS // 2)
+    return np.concatenate([-right[::-1], right])
+
+
+def between(edges: Array, x: Array) -> NDArray[np.bool_]:
+    """Whether points (k,) are between two edges (n, 2): (n, k); of no stick zone only its middle x
+    = 0 is within.
+    """
+    left = np.nan_to_num(edges[:, [0]])
+    right = np.nan_to_num(edges[:, [1]])
+    return (x >= left) & (x <= right)
+
+
+# ------------------------------------------------------------------------------------- the findings
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What one of the ways through half-plane theory finds, before it becomes a ContactSolution.
+
+    Attributes
+    ----------
+    time, x : (n,) instants, (m,) points
+    values : loads, fields and dissipations by their names in a ContactSolution
+    termination, message : how the path ended
+    notes, errors, certificates, energy : as in its Record
+    counts, skipped, seconds : as in its Work
+    """
+
+    time: Array
+    x: Array
+    values: Mapping[str, Any]
+    termination: str = "end of path"
+    message: str = "the path was followed to its end"
+    notes: tuple[str, ...] = ()
+    errors: Mapping[str, float] = field(default_factory=dict)
+    certificates: Mapping[str, Array] = field(default_factory=dict)
+    energy: Mapping[str, Array] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+    skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+
+def solution_of(question: Question, findings: Findings) -> ContactSolution:
+    """The answer with its record, its arrays read-only; fields that were not asked for are among
+    what was skipped.
+    """
+    arrays: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(findings.values)
+    for name, values in arrays.items():
+        if isinstance(values, np.ndarray) and values.flags.writeable:
+            arrays[name] = freeze(values, values.dtype)
+    instants = len(findings.time)
+    record = Record(
+        converged=True,
+        termination=findings.termination,
+        message=findings.message,
+        iterations=freeze(np.zeros(instants), np.int64),
+        certificates=findings.certificates,
+        energy=findings.energy,
+        notes=findings.notes,
+        errors=findings.errors,
+    )
+    not_asked_for = {
+        name: (instants, "not asked for") for name in FIELDS if name not in question.fields
+    }
+    work = Work(
+        {"instants": instants, "points": len(findings.x), **findings.counts},
+        not_asked_for | dict(findings.skipped),
+        findings.seconds,
+    )
+    settings = {
+        "cycles": question.cycles,
+        "fields": sorted(question.fields),
+        "straight_steps": question.straight_steps,
+    }
+    return ContactSolution(
+        engine="semi_analytic",
+        scene=question.scene,
+        record=record,
+        work=work,
+        settings=settings,
+        versions=dict(_versions()),
+        **arrays,
+    )
+
+
+def largest_error(values: ArrayLike) -> float:
+    """The largest of some errors >= 0, 0 of none; NotFoundError where one is not a number."""
+    largest = float(np.max(np.asarray(values, dtype=float), initial=0.0))
+    if not np.isfinite(largest):
+        raise NotFoundError(
+            "an error that is to be estimated is not a number: what it is of cannot be trusted"
+        )
+    return largest
+
+
+def neglected_coupling(material: Materials) -> Iterator[str]:
+    """A sentence where the materials couple normal and shear tractions, which half-plane theory
+    here leaves out.
+    """
+    beta = coupling_constant(material)
+    if beta != 0:
+        yield (
+            f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and"
+            " shear tractions is neglected"
+        )
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    try:
+        halfplane_version = metadata.version("halfplane")
+    except metadata.PackageNotFoundError:
+        halfplane_version = "not installed"
+    return {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "halfplane": halfplane_version,
+    }

@@ -1,0 +1,1024 @@
+"""The answer where one memory curve holds what friction remembers, as `Findings`: fields at the
+points and instants that are asked for, and the dissipations, exact to rounding.
+
+A path is followed by `load_series` where all of it is straight, else by `history`. Either leaves a
+`PathResult`, the states at the instants and the work of the cycles, and the rest does not ask which
+it was.
+
+Errors are estimates from above. A field is a sum of M' times differences of a kernel at the knots
+of the memory: its error is that of the kernel, f times, twice a knot. Integrals over arcs come with
+their error. The dissipation of a steady cycle is found as f int Lam dw and as closed-int Q dU: what
+the two differ by counts as error. Of long series a sample of slip areas counts. Closed forms keep
+1e-13 of their own value against forty digits and have no entry but for what arcs lose beyond 1e-12.
+
+# notation: M' slope of the memory curve, |M'| <= f; W dissipation, Lam slip area of the normal
+problem
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    InputError,
+    LoadSegment,
+    NotFoundError,
+    Scene,
+    TimeSeriesLoad,
+    freeze,
+)
+from semi_analytic.answer import (
+    Findings,
+    Question,
+    between,
+    largest_error,
+    mirrored_points,
+    neglected_coupling,
+)
+from semi_analytic.bulk_and_tilt import OneCurve
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.fields import Integrals
+from semi_analytic.friction_work import (
+    Loop,
+    LoopWork,
+    closed_integral,
+    density_of_records,
+    global_dissipation,
+    pointwise_dissipation,
+    slip_work,
+    work_error,
+)
+from semi_analytic.history import History, Span, history_of, slipped_share
+from semi_analytic.load_series import (
+    LoadSeries,
+    PathPart,
+    States,
+    StepBlock,
+    blocks,
+    depth_of,
+    series_of,
+    straight_series,
+)
+from semi_analytic.memory import (
+    LAST_DIGITS,
+    PROMISED,
+    Piece,
+    Snapshot,
+    level,
+    pieces,
+    rounding_of_shift,
+    rounding_of_slip,
+    value_on,
+)
+from semi_analytic.opposite_slip import OppositeSlip
+from semi_analytic.profiles import Contact, SymmetricContact, contact_of
+from semi_analytic.quadrature import NODES
+from semi_analytic.steady_ellipse import Ellipses, digits_of_loop, ellipses_of, works_over_time
+from semi_analytic.tilted_profile import TiltedProfile
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Instants and places at which the errors of fields are looked at.
+_INSTANTS = 7
+_PLACES = 25
+# Share of a half-width within which a point is at an edge.
+_NEAR = 0.01
+_TINY = float(np.finfo(float).tiny)
+_EPS = float(np.finfo(float).eps)
+# Rounding of the closed integral of Q dU over the dissipation, above which it is no second route
+# any more.
+_TOO_ROUGH = 1e-2
+# So many times that rounding may be in it where U is no closed form: fifty last digits of each
+# primitive in a difference of two.
+_OF_LOOP = 100.0
+# Below this share of P in P - P_c the integral of Q dU has been 1e-3 to 0.1 of W off where P nearly
+# vanishes, more than its rounding: there Lam is an integral of positive terms over a range on which
+# P(a) is a line, and needs no second route.
+_SLIPS_ENOUGH = 1e-6
+# Errors that a note says, share of the largest value.
+_DOUBTFUL = 1e-9
+
+_OF_FRICTION = frozenset(
+    ("shear", "slip", "tangential_displacement", "dissipation", "dissipation_density")
+)
+"""Those that bulk strain and tilt change in the first order."""
+
+
+# --------------------------------------------------------------------------------- the whole answer
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is to be evaluated.
+
+    Attributes
+    ----------
+    contact, modulus : normal contact, E*
+    time : (n,) instants as asked for
+    x : (m,) points as asked for
+    distance : (k,) different |x|; different x of an unsymmetric contact
+    fold : (m,) where each x finds its own distance
+    fields : the fields that are wanted
+    family : the path with bulk stress and tilt; None without
+    """
+
+    contact: Contact
+    modulus: float
+    time: Array
+    x: Array
+    distance: Array
+    fold: Indices
+    fields: frozenset[str]
+    family: OneCurve | None = None
+
+    @property
+    def unit(self) -> float:
+        """A/pi, with A = 2/E*."""
+        return 2 / (math.pi * self.modulus)
+
+    def wants(self, *names: str) -> bool:
+        """Whether one of these fields is wanted."""
+        return not self.fields.isdisjoint(names)
+
+
+def by_memory(question: Question, family: OneCurve | None) -> Findings:
+    """The answer where one curve is the memory of friction: of the scene, or of `family` under bulk
+    stress and tilt.
+    """
+    started = clock.perf_counter()
+    scene = question.scene
+    path = _path_of_question(question, family)
+    time = question.time
+    rows_left_out = 0
+    if time is None:
+        time, rows_left_out = path.default_times(
+            question.cycles == "steady", question.wants_pointwise
+        )
+        if question.cycles == "steady":
+            path = replace(path, covered=path.covered[-1:])
+    request = _request_of(question, family, path, time)
+    history_done = clock.perf_counter()
+    result = path_result(path, request)
+    work_done = clock.perf_counter()
+    series = _series_of(request, result.snapshot)
+    grids, arc_errors = _grids_of(request, result.snapshot, series)
+    fields_done = clock.perf_counter()
+    work = float(result.works[-1])
+    loop_work = _loop_work_of(result)
+    errors = _errors(request, result, series, grids, arc_errors, loop_work)
+    errors_of_neglect = _errors_of_neglect(question, family)
+    for name, error in errors_of_neglect.items():
+        errors[name] = errors.get(name, 0.0) + error
+    notes = [
+        *neglected_coupling(scene.material),
+        *_neglected_loads(family),
+        *_notes_of_path(question, path, len(time), rows_left_out),
+        *_notes_of_errors(errors),
+    ]
+    termination, message = _ending_of(path)
+    seconds = {"history": history_done - started, "fields": fields_done - work_done}
+    seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
+    energy = {}
+    if len(result.increments):
+        energy["dissipation"] = freeze(result.increments)
+    return Findings(
+        time=time,
+        x=request.x,
+        values=series
+        | grids
+        | _permanent_stick(request.contact, result, path.largest)
+        | {
+            "dissipation": work,
+            "loop_work": loop_work,
+            "cycle_dissipation": result.works,
+            "dissipation_density": result.density[request.fold],
+            "steady_from": path.steady_from,
+        },
+        termination=termination,
+        message=message,
+        notes=tuple(notes),
+        errors=errors,
+        certificates=_admissibility(request, result, grids),
+        energy=energy,
+        counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
+        | result.counts,
+        skipped=_skipped_of(scene, path, result),
+        seconds=seconds,
+    )
+
+
+def _path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
+    """The path that is to be answered, followed."""
+    scene = question.scene
+    friction = scene.friction.coefficient
+    if question.straight_steps:
+        if question.time is None:
+            raise InputError("straight_steps: give the times between which the steps are straight")
+        path = scene.load.path() if family is None else family.path
+        return straight_series(path, friction, question.time)
+    if family is not None:
+        return history_of(family.path, friction, scene.cycles, question.time)
+    return _path_of(scene, question.time)
+
+
+def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
+    """The scene's own path, followed by straight steps where no leg is curved: on a curved one some
+    sum of P and Q turns round.
+    """
+    if not isinstance(scene.load, TimeSeriesLoad):
+        path = scene.load.path()
+        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
+            return history_of(path, scene.friction.coefficient, scene.cycles, time)
+    return series_of(scene, time)
+
+
+def _request_of(
+    question: Question, family: OneCurve | None, path: LoadSeries | History, time: Array
+) -> Request:
+    """What is to be evaluated at instants (n,), with points chosen where none are asked for."""
+    scene = question.scene
+    contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
+    x = question.x
+    if x is None:
+        needs_points = question.wants_pointwise or question.wants("dissipation_density")
+        x = _points_of(contact, path.largest) if needs_points or not path.long else np.zeros(1)
+    if family is None:
+        distance, fold = folded(x)
+    else:
+        distance, fold = np.unique(x, return_inverse=True)
+    modulus = composite_modulus(scene.material)
+    return Request(contact, modulus, time, x, distance, fold, question.fields, family)
+
+
+def folded(x: Array) -> tuple[Array, Indices]:
+    """Different |x| (k,), ascending, and where each point (m,) finds its own; sides that differ by
+    a last digit are one.
+
+    >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
+    (array([0., 1.]), array([1, 0, 1]))
+    """
+    size, back = np.unique(np.abs(x), return_inverse=True)
+    is_new = np.diff(size, prepend=-np.inf) > 2 * np.finfo(float).eps * size[-1]
+    return size[is_new], (np.cumsum(is_new) - 1)[back]
+
+
+def _points_of(contact: Contact, largest: float) -> Array:
+    """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
+    points = mirrored_points(1.05 * float(contact.half_width(largest)))
+    return points + float(contact.centre(largest)) if isinstance(contact, TiltedProfile) else points
+
+
+def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
+    """Normal contact of a scene, and its memory curves at instants (n,) of its load path.
+
+    Raises
+    ------
+    InputError, InadmissibleLoadError
+        As `solve`.
+    """
+    contact = contact_of(scene.profile, scene.material)
+    path = _path_of(scene, time)
+    if isinstance(path, History):
+        return contact, path.snapshot(time)
+    point, fold = folded(np.zeros(1))
+    modulus = composite_modulus(scene.material)
+    request = Request(contact, modulus, time, point, point, fold, frozenset({"shear"}))
+    return contact, path_result(path, request).snapshot
+
+
+# ---------------------------------------------------------------- states at instants, work of cycles
+@dataclass(frozen=True, eq=False)
+class PathResult:
+    """What a followed path leaves for an answer, whichever way it was followed.
+
+    Attributes
+    ----------
+    snapshot : memory curves at the instants; without their pieces where no field needs them
+    balance : (n,) M(P) - Q there
+    least_front : least P_c of the last cycle
+    slipped_share : largest (P - P_c)/P of all that was followed
+    works : (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
+    work_error : largest relative error of these
+    density : (k,) W(x) of the last cycle, NaN where it was not wanted
+    density_error : its error over its largest value
+    loop : closed integral of Q dU of the last cycle; None where it is not steady
+    spans : of the last cycle, none for straight steps
+    increments : (n,) friction work since the instant before, empty where instants lie between rows
+    counts : what was done
+    full_stick : how many quadratures were not done, since nothing slips
+    """
+
+    snapshot: Snapshot
+    balance: Array
+    least_front: float
+    slipped_share: float
+    works: Array
+    work_error: float
+    density: Array
+    density_error: float
+    loop: LoopWork | None
+    spans: Sequence[Span]
+    increments: Array
+    counts: dict[str, int]
+    full_stick: int
+
+
+def path_result(path: LoadSeries | History, request: Request) -> PathResult:
+    """States at the instants of the request and the friction work of the cycles.
+
+    Raises
+    ------
+    InputError
+        For a time outside the path.
+    """
+    if isinstance(path, History):
+        return _result_of_history(path, request)
+    return _result_of_series(path, request)
+
+
+class _Located(NamedTuple):
+    """The instants of a request in the order of the path, (n,) each: step, share of it that is
+    over, how far the share may be off. `back` brings them into the order of the request.
+    """
+
+    step: Indices
+    share: Array
+    slack: Array
+    back: Indices
+
+    @classmethod
+    def along(cls, series: LoadSeries, time: Array) -> _Located:
+        """Instants (n,) along a series."""
+        step, share, slack = series.locate(time)
+        order = np.lexsort((share, step))
+        return cls(step[order], share[order], slack[order], np.argsort(order))
+
+    @property
+    def all_at_rows(self) -> bool:
+        """Whether each instant is a row of the series."""
+        is_start = (self.share == 0) & (self.step == 0)
+        return bool(np.all((self.share == 1) | is_start))
+
+
+@dataclass(eq=False)
+class _SeriesSums:
+    """Sums over the blocks of a load series.
+
+    Attributes
+    ----------
+    works, errors, shares : (parts,) friction work of each part, its error, largest (P - P_c)/P
+    step_works : (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
+    density : (k,) W(x) of the last cycle
+    least_front : least P_c of the last cycle
+    full_stick : records without slip in what was integrated
+    counts : what was done
+    """
+
+    works: Array
+    errors: Array
+    shares: Array
+    step_works: Array
+    density: Array
+    least_front: float = math.inf
+    full_stick: int = 0
+    counts: dict[str, int] = field(
+        default_factory=lambda: dict.fromkeys(
+            (
+                "spans",
+                "slips",
+                "pieces_alive",
+                "pieces_dropped",
+                "slip_quadratures",
+                "quadrature_nodes",
+            ),
+            0,
+        )
+    )
+
+    def count(self, block: StepBlock, integrals: int, alive_before: int) -> None:
+        """Count a block over which so many integrals are taken; so many lines were alive before."""
+        records = len(block.records.row)
+        slips = int(np.count_nonzero(block.records.direction))
+        steps = len(block.rows) - 1
+        self.counts["spans"] += records
+        self.counts["slips"] += slips
+        self.counts["slip_quadratures"] += integrals * slips
+        self.full_stick += integrals * (records - slips)
+        # each step puts one on
+        self.counts["pieces_dropped"] += steps + alive_before - depth_of(block.curve)
+        self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.alive)
+
+    def see_front(self, block: StepBlock) -> None:
+        """Take the least P_c of a block."""
+        records = block.records
+        front = records.load - records.slipped
+        front_after = records.load_after - records.slipped_after
+        least = min(float(np.min(front)), float(np.min(front_after)))
+        self.least_front = min(self.least_front, least)
+
+
+def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
+    """Of straight steps: parts that are needed are followed once more, block by block."""
+    contact = request.contact
+    friction = series.friction
+    wants_work = request.wants("dissipation")
+    wants_density = request.wants("dissipation_density")
+    located = _Located.along(series, request.time)
+    wants_increments = wants_work and located.all_at_rows
+    covered = series.covered_parts
+    last_part = covered[-1]
+    steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
+    loop = None
+    if wants_work and steady:
+        loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest)
+    states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
+    sums = _SeriesSums(
+        works=np.zeros(len(series.parts)),
+        errors=np.zeros(len(series.parts)),
+        shares=np.zeros(len(series.parts)),
+        step_works=np.zeros(1 + (series.starts[-1] if wants_increments else 0)),
+        density=np.zeros(len(request.distance)),
+    )
+    factor = request.unit * friction
+    for k in _parts_needed(series, located.step):
+        part: PathPart = series.parts[k]
+        is_last = k == last_part
+        takes_work = wants_work and (wants_increments or k in covered)
+        takes_density = wants_density and is_last
+        alive = depth_of(part.curve)
+        for begin, block in blocks(part, friction, states.curves):
+            slips = block.records.slipping()
+            steps = len(block.rows) - 1
+            first_step = series.starts[k] + begin
+            bounds = np.searchsorted(located.step, [first_step, first_step + steps])
+            here = slice(*bounds.tolist())
+            states.add(
+                block, located.step[here] - first_step, located.share[here], located.slack[here]
+            )
+            sums.shares[k] = max(sums.shares[k], block.deepest / part.largest)
+            sums.count(block, takes_work + takes_density, alive)
+            alive = depth_of(block.curve)
+            if takes_work:
+                work, nodes = slip_work(contact, slips)
+                sums.works[k] += factor * float(np.sum(work))
+                sums.errors[k] += factor * work_error(contact, slips)
+                sums.counts["quadrature_nodes"] += nodes
+                if wants_increments:
+                    rows = slice(first_step + 1, first_step + 1 + steps)
+                    sums.step_works[rows] = factor * np.bincount(slips.row, work, steps)
+            if is_last:
+                sums.see_front(block)
+                if loop is not None:
+                    loop.add(block)
+            if takes_density:
+                sums.density += factor * density_of_records(contact, slips, request.distance)
+    rounding = 3 * np.array([rounding_of_slip(share) for share in sums.shares.tolist()])
+    no_work = np.zeros(len(sums.works))
+    errors = np.divide(sums.errors, sums.works, out=no_work, where=sums.works > 0) + rounding
+    increments = np.empty(0)
+    if wants_increments:
+        rows_passed = (located.step + (located.share == 1))[located.back]
+        work_so_far = np.cumsum(sums.step_works)[rows_passed]
+        increments = np.diff(work_so_far, prepend=work_so_far[:1])
+    snapshot, balance = states.snapshot(request.time, located.back)
+    return PathResult(
+        snapshot=snapshot,
+        balance=balance,
+        least_front=sums.least_front,
+        slipped_share=float(np.max(sums.shares)),
+        works=sums.works[covered] if wants_work else np.full(len(covered), math.nan),
+        work_error=float(np.max(errors[covered])) if wants_work else 0.0,
+        density=sums.density if wants_density else np.full(len(sums.density), math.nan),
+        density_error=rounding[last_part] if wants_density else 0.0,
+        loop=loop.value if loop is not None else None,
+        spans=(),
+        increments=increments,
+        counts={
+            "rows": len(series.times),
+            **sums.counts,
+            "curves": len(snapshot.actives) if states.curves else 0,
+        },
+        full_stick=sums.full_stick,
+    )
+
+
+def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
+    """Numbers of the parts that hold some steps (n,), ascending, or that the answer covers."""
+    first, last = np.searchsorted(series.starts, step[[0, -1]], side="right") - 1
+    return sorted({*series.covered_parts, *range(int(first), int(last) + 1)})
+
+
+class _WorkOfCycle(NamedTuple):
+    """Friction work of a cycle, and its relative error."""
+
+    work: float
+    error: float
+
+
+def _result_of_history(history: History, request: Request) -> PathResult:
+    """Of a curved path, span by span."""
+    contact = request.contact
+    last = history.covered[-1]
+    last_spans = history.cycles[last]
+    snapshot = history.snapshot(request.time)
+    works = _works_of_cycles(history, request) if request.wants("dissipation") else {}
+    integrated = [span for number in works for span in history.cycles[number]]
+    density: Array = np.full(len(request.distance), np.nan)
+    density_error = 0.0
+    if request.wants("dissipation_density"):
+        integrated.extend(last_spans)
+        split = pointwise_dissipation(contact, request.modulus, last_spans, request.distance)
+        density = split.total
+        worst = float(np.max(split.error))
+        if worst:
+            density_error = worst / float(np.max(density))
+        density_error += 3 * rounding_of_slip(slipped_share(last_spans))
+    loop = None
+    if works and history.steady_from is not None and last >= history.steady_from:
+        loop = LoopWork(0.0, 0.0)
+        if works[last].work:
+            loop = closed_integral(contact, request.modulus, last_spans)
+    least_front = math.inf
+    for span in last_spans:
+        for time in (span.begin.time, span.end.time):
+            load, _ = span.leg.loads(time)
+            least_front = min(least_front, float(load - span.slipped(time)))
+    slipping = sum(span.direction != 0 for span in integrated)
+    return PathResult(
+        snapshot=snapshot,
+        balance=_balance_of(snapshot),
+        least_front=least_front,
+        slipped_share=slipped_share(history.spans),
+        works=np.array([works[k].work if works else math.nan for k in history.covered]),
+        work_error=max((cycle.error for cycle in works.values()), default=0.0),
+        density=density,
+        density_error=density_error,
+        loop=loop,
+        spans=last_spans,
+        increments=np.empty(0),
+        counts={
+            "spans": len(history.spans),
+            "pieces_alive": max(len(list(pieces(span.active))) for span in history.spans),
+            "slip_quadratures": slipping,
+            "quadrature_nodes": slipping * NODES,
+        },
+        full_stick=len(integrated) - slipping,
+    )
+
+
+def _balance_of(snapshot: Snapshot) -> Array:
+    """M(P) - Q of the curves of a history, (n,)."""
+    slope_of_slip = snapshot.direction * snapshot.friction
+    balance = slope_of_slip * snapshot.slipped - snapshot.force
+    front = snapshot.load - snapshot.slipped
+    for piece, instants in snapshot.groups():
+        assert isinstance(piece, Piece)  # for the type checker: a history has no others
+        balance[instants] += value_on(piece, front[instants])
+    return balance
+
+
+def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
+    """Friction work of each covered cycle by its number.
+
+    W of a steady ellipse comes from formulas that keep their digits, however small the slip.
+    """
+    contact = request.contact
+    friction = history.spans[0].friction
+    ellipses = None
+    if friction > 0 and history.loop is not None:
+        ellipses = _ellipses_of_leg(history.loop, friction)
+    works: dict[int, _WorkOfCycle] = {}
+    for number in set(history.covered):
+        steady = history.steady_from is not None and number >= history.steady_from
+        if ellipses is not None and steady:
+            error = float(digits_of_loop(ellipses)[0])
+            parts = [part[0] for part in works_over_time(ellipses, contact)]
+            work = request.unit * friction**2 * float(sum(parts))
+            works[number] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
+        else:
+            spans = history.cycles[number]
+            split = global_dissipation(contact, request.modulus, spans)
+            error = float(split.error / split.total) if split.error else 0.0
+            error += 3 * rounding_of_slip(slipped_share(spans))
+            works[number] = _WorkOfCycle(float(split.total), error)
+    return works
+
+
+def _ellipses_of_leg(leg: LoadSegment, friction: float) -> Ellipses | None:
+    """The ellipse of loads that a leg is, as an array of one; None where it is none."""
+    ellipse = leg.ellipse
+    if ellipse is None:
+        return None
+    mean_load, _ = ellipse.mean
+    load_amplitude, force_amplitude = ellipse.amplitude
+    return ellipses_of(
+        np.array([mean_load]),
+        np.array([load_amplitude]),
+        np.array([force_amplitude]),
+        np.array([ellipse.phase]),
+        np.array([friction]),
+    )
+
+
+def _loop_work_of(result: PathResult) -> float:
+    """Closed integral of Q dU; NaN where there is none, or rounding leaves less than two digits of
+    it: it is no second route any more.
+    """
+    if result.loop is None:
+        return math.nan
+    work = float(result.works[-1])
+    if not work:
+        return 0.0
+    return result.loop.value if result.loop.rounding < _TOO_ROUGH * work else math.nan
+
+
+# ------------------------------------------------------------------------------- fields at instants
+def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
+    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); NotFoundError where no
+    half-width was found for a load.
+    """
+    contact = request.contact
+    family = request.family
+    front = snapshot.load - snapshot.slipped
+    half = _half_width(contact, snapshot.load)
+    slipping = np.flatnonzero(snapshot.slipped)
+    stick = half.copy()
+    stick[slipping] = _half_width(contact, front[slipping])
+    stick[(front <= 0) & (stick == 0)] = np.nan
+    displacement = np.full(len(request.time), np.nan)
+    approach = displacement
+    if request.wants("tangential_displacement"):
+        displacement = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+    if request.wants("normal_approach"):
+        approach = request.unit * contact.log_distance(snapshot.load)
+    sides = np.array([-1.0, 1.0])
+    contact_edges = half[:, None] * sides
+    stick_edges = stick[:, None] * sides
+    force = snapshot.force
+    bulk_and_tilt: dict[str, Array] = {}
+    if family is not None:
+        force = force * family.contact.share
+        bulk_and_tilt = family.series(request.time, snapshot.load)
+        moment_contact = replace(family.contact, rigid="moment")
+        shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+        bulk_and_tilt["shear_moment"] = shear_moment
+        contact_edges = bulk_and_tilt.pop("contact_edges")
+        half = np.diff(contact_edges)[:, 0] / 2
+        has_slip_zones = (snapshot.slipped > 0) | np.isnan(stick)
+        edges_of_stick = family.contact.centre(front)[:, None] + stick_edges
+        stick_edges = np.where(has_slip_zones[:, None], edges_of_stick, contact_edges)
+        family_approach = bulk_and_tilt.pop("normal_approach")
+        if request.wants("normal_approach"):
+            approach = family_approach
+    return bulk_and_tilt | {
+        "normal_load": snapshot.load,
+        "tangential_load": force,
+        "tangential_displacement": request.unit * displacement,
+        "normal_approach": approach,
+        "contact_half_width": half,
+        "stick_half_width": stick,
+        "contact_edges": contact_edges,
+        "stick_edges": stick_edges,
+    }
+
+
+def _half_width(contact: Contact, load: Array) -> Array:
+    """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
+    half = contact.half_width(load)
+    lost = np.flatnonzero(~np.isfinite(half))
+    if len(lost):
+        raise NotFoundError(
+            f"no half-width was found for the normal load {float(load[lost[0]]):.17g}"
+        )
+    return half
+
+
+def _grids_of(
+    request: Request, snapshot: Snapshot, series: Mapping[str, Array]
+) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
+    """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and
+    takes no room. Errors of arcs.
+
+    NotFoundError where a value that is due was not found; tractions are infinite at the tip of a
+    sharp wedge.
+    """
+    contact = request.contact
+    x = request.distance
+    shape = (len(request.time), len(request.fold))
+    grids: dict[str, NDArray[Any]] = {
+        name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
+    }
+    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    fields: dict[str, NDArray[Any]] = {}
+    shear = Integrals(contact, x, "shear")
+    slip = Integrals(contact, x, "slip")
+    if request.wants("pressure"):
+        fields["pressure"] = _pressure_of(request, snapshot, series)
+    if request.wants("shear"):
+        fields["shear"] = shear.over(snapshot)
+    if request.wants("slip"):
+        fields["slip"] = request.unit * slip.over(snapshot)
+    if request.wants("state"):
+        fields["state"] = _state_of(request, snapshot, series)
+    for name, values in fields.items():
+        _require_finite(name, values, request)
+        grid = values.take(request.fold, axis=1)
+        grid.flags.writeable = False
+        grids[name] = grid
+    return grids, {"shear": shear.arc_error, "slip": slip.arc_error}
+
+
+def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Array]) -> Array:
+    """p at the instants and distances, (n, k)."""
+    if request.family is None:
+        return request.contact.pressure(request.distance, snapshot.load[:, None])
+    middle = np.mean(series["contact_edges"], axis=1)
+    half = series["contact_half_width"]
+    return request.family.contact.pressure_over(request.distance, middle, half)
+
+
+def _state_of(
+    request: Request, snapshot: Snapshot, series: Mapping[str, Array]
+) -> NDArray[np.int8]:
+    """Open, stick or slip at the instants and distances, (n, k)."""
+    contact = request.contact
+    x = request.distance
+    # Where the ends slip opposite ways a direction is that of one side.
+    sense = contact.sense(x).astype(int) if isinstance(contact, OppositeSlip) else 1
+    by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    sliding = by_direction[snapshot.direction[:, None] * sense + 1]
+    sticks = between(series["stick_edges"], x)
+    touches = between(series["contact_edges"], x) & (snapshot.load[:, None] > 0)
+    in_contact = np.where(sticks, np.int8(STICK), sliding)
+    return np.where(touches, in_contact, np.int8(OPEN))
+
+
+def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
+    """NotFoundError where a value (n, k) of a field is not a number."""
+    known = np.isfinite(values)
+    if name in ("pressure", "shear"):
+        known |= np.isinf(values) & (request.distance == 0)
+    if np.all(known):
+        return
+    instants, points = np.nonzero(~known)
+    x = request.distance[points[0]]
+    time = request.time[instants[0]]
+    raise NotFoundError(f"no {name} was found at |x| = {x:.17g}, time {time:.17g}")
+
+
+# ---------------------------------------------------------------- what a solution says of itself
+def _errors(
+    request: Request,
+    result: PathResult,
+    series: dict[str, Array],
+    grids: dict[str, NDArray[Any]],
+    arc_errors: Mapping[str, float],
+    loop_work: float,
+) -> dict[str, float]:
+    """Estimated errors of what was asked for over the largest p, f p, s, U, W(x) or W, where closed
+    forms promise less. `arc_errors` are those of integrals over arcs.
+
+    Raises
+    ------
+    NotFoundError
+        For an error that is not a number.
+    """
+    errors = {"dissipation_density": result.density_error}
+    if request.wants("pressure", *arc_errors):
+        errors |= _errors_of_tractions(request, result.snapshot, series, grids, arc_errors)
+    rounding = 8 * rounding_of_slip(result.slipped_share)
+    errors["slip"] = errors.get("slip", 0.0) + rounding
+    if request.wants("tangential_displacement"):
+        errors["tangential_displacement"] = rounding_of_shift(
+            result.snapshot.friction,
+            request.contact.log_distance(series["normal_load"]),
+            series["tangential_displacement"] / request.unit,
+        )
+    if request.wants("dissipation"):
+        errors["loop_work"], errors["dissipation"] = _errors_of_work(request, result, loop_work)
+        errors["dissipation_density"] += errors["dissipation"]
+    names = (*request.fields, "loop_work", *(f"{name} at the edge" for name in request.fields))
+    return {name: error for name, error in errors.items() if error and name in names}
+
+
+def _errors_of_tractions(
+    request: Request,
+    snapshot: Snapshot,
+    series: Mapping[str, Array],
+    grids: Mapping[str, NDArray[Any]],
+    arc_errors: Mapping[str, float],
+) -> dict[str, float]:
+    """Errors of pressure, shear and slip, from a sample of instants and points.
+
+    Tractions start like roots at the edges of contact and stick, so that a last digit of an edge
+    counts for much more next to it: "... at the edge" is for the points that are asked for, however
+    near; without these words for points 1 % of a away.
+    """
+    contact = request.contact
+    friction = snapshot.friction
+    chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+    loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
+    places = np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))
+    x = request.distance[places]
+    # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
+    largest_pressure = _largest_finite(contact.pressure(x, loads))
+    largest_slip = _largest_finite(np.abs(grids["slip"]) / request.unit)
+    slips = largest_slip > _TINY
+    of_arcs = {"shear": 0.0, "slip": 0.0}
+    if friction:
+        of_arcs["shear"] = largest_error(arc_errors["shear"]) / (friction * largest_pressure)
+    if slips:
+        of_arcs["slip"] = largest_error(arc_errors["slip"]) / largest_slip
+    if contact.closed_form or isinstance(contact, TiltedProfile):
+        return {name: error for name, error in of_arcs.items() if error > PROMISED}
+    errors: dict[str, float] = {}
+    kernels = 2 * _most_pieces(snapshot, chosen) + 2
+    if largest_pressure > _TINY:
+        half = contact.half_width(loads)
+        is_away = np.abs(x - half) > _NEAR * half
+        pressure_error = contact.quadrature_error("pressure", x, loads)
+        of_kernel = largest_error(np.where(is_away, pressure_error, 0.0)) / largest_pressure
+        for words, least_distance in (("", _NEAR), (" at the edge", 0.0)):
+            of_edges, of_stick_edges = (
+                _error_at_edges(contact, request.distance, series[name], least_distance)
+                / largest_pressure
+                for name in ("contact_half_width", "stick_half_width")
+            )
+            errors[f"pressure{words}"] = of_kernel + of_edges
+            of_sum = of_arcs["shear"] + kernels * of_kernel
+            errors[f"shear{words}"] = of_sum + of_edges + 2 * of_stick_edges
+        if request.wants("slip") and slips:
+            of_kernel = largest_error(contact.quadrature_error("slip_integral", x, loads))
+            errors["slip"] = of_arcs["slip"] + kernels * friction * of_kernel / largest_slip
+    return errors
+
+
+def _largest_finite(values: Array) -> float:
+    return float(np.max(values, where=np.isfinite(values), initial=_TINY))
+
+
+def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
+    """Of how many pieces a memory curve of some instants is at most."""
+    curves = [snapshot.actives[k] for k in snapshot.which[instants]]
+    return max((len(list(pieces(curve))) for curve in curves), default=0)
+
+
+def _error_at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) -> float:
+    """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d
+    of the nearest point, `least` a at least.
+    """
+    edges = half[np.isfinite(half) & (half > 0)]
+    last = len(x) - 1
+    after = np.clip(np.searchsorted(x, edges), 1, max(last, 1))
+    distance_before = np.abs(x[after - 1] - edges)
+    distance_after = np.abs(x[np.minimum(after, last)] - edges)
+    distance = np.maximum(np.minimum(distance_before, distance_after), least * edges)
+    stiffness = contact.stiffness(edges)
+    load_error = contact.noise * contact.load(edges)
+    edge_error = 40 * _EPS * edges + load_error / np.where(stiffness > 0, stiffness, np.inf)
+    root_change = np.sqrt(distance + edge_error) - np.sqrt(distance)
+    return largest_error(stiffness / np.pi * np.sqrt(2 / edges) * root_change)
+
+
+def _errors_of_work(request: Request, result: PathResult, loop_work: float) -> tuple[float, float]:
+    """Relative errors of the closed integral of Q dU and of W.
+
+    Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of
+    the other one.
+    """
+    work = float(result.works[-1])
+    difference = 0.0
+    if math.isfinite(loop_work) and work > 0:
+        difference = abs(loop_work / work - 1)
+    of_loop = result.work_error + difference
+    if of_loop <= PROMISED:
+        of_loop = 0.0
+    of_work = result.work_error
+    if work > 0 and not request.contact.closed_form:
+        # What the last digits of U leave in the loop says nothing of W.
+        rounding = _OF_LOOP * result.loop.rounding / work if result.loop is not None else 0.0
+        if difference > rounding and slipped_share(result.spans) > _SLIPS_ENOUGH:
+            of_work += difference
+        left_out = math.fsum(_left_out_of_work(request.contact, span) for span in result.spans)
+        of_work += request.unit * left_out / work
+    return of_loop, of_work
+
+
+def _left_out_of_work(contact: Contact, span: Span) -> float:
+    """What the quadratures of Lam leave out of f int w' Lam dt over a span."""
+    if not span.direction or span.active is None:
+        return 0.0
+    times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
+    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
+    load, _ = span.leg.loads(times)
+    error = contact.quadrature_error("dissipation_kernel", load, span.slipped(times))
+    return span.friction * largest_error(growth * error) * (span.end.time - span.begin.time)
+
+
+def _errors_of_neglect(question: Question, family: OneCurve | None) -> dict[str, float]:
+    """What loads that were left out of the memory of friction may do to the fields of friction."""
+    if family is None:
+        return {}
+    share = sum(family.neglected.values())
+    if share <= PROMISED:
+        return {}
+    return dict.fromkeys(sorted(question.fields & _OF_FRICTION), share)
+
+
+def _neglected_loads(family: OneCurve | None) -> Iterator[str]:
+    """A sentence for each load that is below rounding and was left out, so that the memory of
+    friction is one curve.
+    """
+    for name, share in (family.neglected if family is not None else {}).items():
+        size = f"{share:.1e} of what makes an edge of contact slip"
+        yield f"{name}: {size} is below rounding and was left out of the memory of friction"
+
+
+def _notes_of_path(
+    question: Question, path: LoadSeries | History, rows: int, rows_left_out: int
+) -> Iterator[str]:
+    """A sentence where the last cycle is not steady, and one where rows were left out."""
+    steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
+    if question.wants("dissipation") and path.period is not None and not steady:
+        yield (
+            "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
+            " with"
+        )
+    if rows_left_out:
+        yield (
+            f"with pointwise fields the answer is given at {rows} rows, {rows_left_out} were left"
+            " out; `time` chooses others"
+        )
+
+
+def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
+    """A sentence for each error that is large."""
+    for name, error in errors.items():
+        if error > _DOUBTFUL and "edge" not in name:
+            size = "it" if name in ("dissipation", "loop_work") else "the largest value"
+            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}"
+
+
+def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
+    """How a path ended, in a word and in a sentence."""
+    if path.period is None:
+        return "end of path", "the path was followed to its end"
+    if path.steady_from is None:
+        return "end of path", f"no steady cycle among the first {len(path.cycles)}"
+    return "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
+
+
+def _skipped_of(
+    scene: Scene, path: LoadSeries | History, result: PathResult
+) -> dict[str, tuple[int, str]]:
+    """What was not done, how often, and why."""
+    skipped = {}
+    copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
+    if path.repeats and path.steady_from is not None and copies > 0:
+        skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
+    if result.full_stick:
+        skipped["quadratures"] = (result.full_stick, "full stick: nothing slips")
+    return skipped
+
+
+def _permanent_stick(contact: Contact, result: PathResult, largest: float) -> dict[str, Any]:
+    """What sticks through the whole last cycle: half-width, and edges of an unsymmetric contact."""
+    # A front that is nothing but the last digits of P is none.
+    least = result.least_front if result.least_front > LAST_DIGITS * largest else 0.0
+    half = float(contact.half_width(least))
+    values: dict[str, Any] = {"permanent_stick_half_width": half if half > 0 else math.nan}
+    if isinstance(contact, TiltedProfile):
+        edges = contact.interval(least) if half > 0 else np.full(2, math.nan)
+        values["permanent_stick_edges"] = edges
+    return values
+
+
+def _admissibility(
+    request: Request, result: PathResult, grids: Mapping[str, NDArray[Any]]
+) -> dict[str, Array]:
+    """|M(P) - Q| over f max P, and the largest |q| - f p over f max p where both were asked for;
+    both (n,) and 0 at best.
+    """
+    friction = result.snapshot.friction
+    largest_limit = friction * float(np.max(result.snapshot.load))
+    checks = {"tangential_balance": freeze(np.abs(result.balance) / max(largest_limit, _TINY))}
+    if request.wants("pressure") and request.wants("shear"):
+        pressure = grids["pressure"]
+        # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure
+        # of the others.
+        with np.errstate(invalid="ignore"):
+            excess = np.abs(grids["shear"]) - friction * pressure
+        largest_excess = np.fmax.reduce(excess, axis=1, initial=0.0)
+        largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+        checks["cone"] = freeze(largest_excess / max(friction * largest_pressure, _TINY))
+    return checks

@@ -1,0 +1,157 @@
+"""The steady cycle of loads in phase, as `Findings`: quadratures over the two ways of the cycle,
+without memory curves and without grids.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
+from semi_analytic.answer import (
+    Findings,
+    Question,
+    between,
+    largest_error,
+    mirrored_points,
+    neglected_coupling,
+)
+from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
+from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of
+from semi_analytic.memory import PROMISED
+
+Array = NDArray[np.float64]
+
+_INSTANTS = 400
+
+
+def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
+    """The second cycle of loads in phase, which is steady: what of it does not depend on the
+    initial loading.
+    """
+    started = clock.perf_counter()
+    scene = question.scene
+    path = scene.load.path()
+    loads, leaning = leaning_profile(scene)
+    time, (load, force, _, tilt) = _instants_of_cycle(loads)
+    period = path.cycle[-1].end - path.cycle_start
+    rises = _rises(time, force, period)
+    middle, half = leaning.under(load, tilt)
+    stick_middle, stick_half = _stick_zones(ways, force, rises)
+    contact_edges = np.stack([middle - half, middle + half], axis=-1)
+    stick_edges = np.stack([stick_middle - stick_half, stick_middle + stick_half], axis=-1)
+    x = question.x
+    if x is None:
+        x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
+
+    unknown_field = np.broadcast_to(np.nan, (len(time), len(x)))
+    unknown_series = unknown_field[:, 0]
+    pressure = unknown_field
+    state = np.full(unknown_field.shape, np.int8(OPEN))
+    approach = unknown_series
+    work = math.nan
+    loop = math.nan
+    density = np.full(len(x), math.nan)
+    errors = {}
+    if question.wants("pressure"):
+        pressure = leaning.pressure_over(x, middle, half)
+    if question.wants("state"):
+        slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
+        touching = np.where(between(stick_edges, x), np.int8(STICK), slides)
+        state = np.where(between(contact_edges, x), touching, state)
+    if question.wants("normal_approach"):
+        approach = leaning.approach(middle, half, load, tilt)
+    if question.wants("dissipation"):
+        loop = loop_of(ways)
+        work, errors["dissipation"] = _work_of(ways)
+    if question.wants("dissipation_density"):
+        density, errors["dissipation_density"] = _density_of(ways, x)
+    permanent_edges = stick_edges[np.argmax(force)]
+    lower, upper = loads.stresses(time)
+    return Findings(
+        time=time + period,
+        x=x,
+        values={
+            "normal_load": load,
+            "tangential_load": force,
+            "pressure": pressure,
+            "shear": unknown_field,
+            "slip": unknown_field,
+            "state": state,
+            "contact_edges": contact_edges,
+            "stick_edges": stick_edges,
+            "contact_half_width": half,
+            "stick_half_width": stick_half,
+            "tangential_displacement": unknown_series,
+            "normal_approach": approach,
+            "dissipation": work,
+            "loop_work": loop,
+            "cycle_dissipation": np.array([work]),
+            "dissipation_density": density,
+            "permanent_stick_half_width": float(np.diff(permanent_edges)[0]) / 2,
+            "permanent_stick_edges": permanent_edges,
+            "steady_from": 1,
+            "bulk_stress_lower": lower,
+            "bulk_stress_upper": upper,
+            "tilt": tilt,
+            "moment": leaning.moment(middle, half, load, tilt),
+        },
+        termination="steady",
+        message="the second cycle ends in the state it started from",
+        notes=tuple(neglected_coupling(scene.material)),
+        errors={name: error for name, error in errors.items() if error > PROMISED},
+        counts={"quadrature_nodes": 4 * WAY_NODES**2, "cycles_solved": 1},
+        seconds={"dissipation": clock.perf_counter() - started},
+    )
+
+
+def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
+    """Times of the first cycle (n,), evenly over each leg and at every turning point, and P, Q, eps
+    and alpha at them (4, n).
+    """
+    legs = loads.path.cycle
+    times = []
+    for leg in legs:
+        even = np.linspace(leg.start, leg.end, _INSTANTS // len(legs) + 2)[1:]
+        times.append(np.unique(np.append(even, loads.turns(leg))))
+    return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
+
+
+def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
+    """Whether Q rises up to each instant (n,), from its least value on."""
+    time_of_least = time[np.argmin(force)]
+    time_of_largest = time[np.argmax(force)]
+    rise = (time_of_largest - time_of_least) % period
+    return np.asarray((time - time_of_least) % period <= rise)
+
+
+def _stick_zones(
+    ways: tuple[Way, Way], force: Array, rises: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Middles and half-widths of stick, (n,) each, where Q is `force`."""
+    forward, reverse = ways
+    share = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
+    middle, half = np.where(rises, forward.stick(share), reverse.stick(1 - share))
+    return middle, half
+
+
+def _work_of(ways: tuple[Way, Way]) -> tuple[float, float]:
+    """W of a cycle, and by what share of it half as many nodes change it."""
+    work = math.fsum(way.work(WAY_NODES) for way in ways)
+    by_half_the_nodes = math.fsum(way.work(WAY_NODES // 2) for way in ways)
+    return work, abs(by_half_the_nodes / work - 1)
+
+
+def _density_of(ways: tuple[Way, Way], x: Array) -> tuple[Array, float]:
+    """W(x) of a cycle at points (k,), and by what share of the largest half as many nodes change
+    it.
+    """
+    forward, reverse = ways
+    density = forward.density(x, WAY_NODES) + reverse.density(x, WAY_NODES)
+    by_half_the_nodes = forward.density(x, WAY_NODES // 2) + reverse.density(x, WAY_NODES // 2)
+    largest = float(np.max(density))
+    change = largest_error(np.abs(by_half_the_nodes - density))
+    return density, change / largest if largest > 0 else 0.0

@@ -1,0 +1,209 @@
+"""The answer where bulk stress and tilt make no one memory curve, as `Findings`: on grids of cells,
+with W and W(x) of the steady cycle from another way where that takes it.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import OPEN
+from semi_analytic.answer import (
+    STEADY_FIELDS,
+    Findings,
+    Question,
+    mirrored_points,
+    neglected_coupling,
+)
+from semi_analytic.bulk_and_tilt import leaning_profile
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.grid import INCREMENTS, Followed, edges_along, follow_on_grid
+
+Array = NDArray[np.float64]
+
+OF_WORK = frozenset(("dissipation", "dissipation_density"))
+"""Fields that are taken from the steady cycle alone where that has another way."""
+
+_OF_STEADY_CYCLE = (
+    "dissipation",
+    "loop_work",
+    "dissipation_density",
+    "permanent_stick_half_width",
+    "permanent_stick_edges",
+)
+
+
+class GridAnswer:
+    """A scene that was followed on grids.
+
+    Attributes
+    ----------
+    question : with the points that it is answered at
+    followed : all cycles, by the means over the grids
+    """
+
+    def __init__(self, question: Question) -> None:
+        self._started = clock.perf_counter()
+        scene = question.scene
+        self._loads, self._leaning = leaning_profile(scene)
+        x = question.x
+        if x is None:
+            edges = edges_along(self._loads, self._leaning)
+            x = mirrored_points(1.05 * float(np.max(np.abs(edges))))
+        self.question = question
+        self.x = x
+        self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
+        self.followed: Followed = follow_on_grid(
+            self._loads,
+            self._leaning,
+            scene.profile.height,
+            scene.friction.coefficient,
+            x,
+            question.time,
+            most=max(scene.cycles, 2),
+            steady=self._steady_only,
+            pointwise=question.wants("shear", "slip", "state"),
+        )
+
+    def findings(self, steady_cycle: Findings | None) -> Findings:
+        """What is found; W, W(x) and permanent stick are those of `steady_cycle` where it is
+        known.
+        """
+        question = self.question
+        followed = self.followed
+        path = question.scene.load.path()
+        steady = followed.steady_from is not None
+        values = self._values()
+        all_errors = dict(followed.errors)
+        work = float(followed.works[-1])
+        if steady and work > 0:
+            all_errors["dissipation"] += abs(followed.loop / work - 1)
+        errors = {name: error for name, error in all_errors.items() if name in question.fields}
+        if steady_cycle is not None:
+            works = values["cycle_dissipation"]
+            is_before = np.arange(len(works)) < (followed.steady_from or 0)
+            steady_work = steady_cycle.values["dissipation"]
+            values["cycle_dissipation"] = np.where(is_before, works, steady_work)
+            for name in _OF_STEADY_CYCLE:
+                values[name] = steady_cycle.values.get(name)
+            errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
+            errors |= dict(steady_cycle.errors)
+        notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
+        if path.period is not None and not steady:
+            remainder = followed.remainder / work
+            notes.append(
+                f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
+                f" dissipation is within {remainder:.1e} of the steady one"
+            )
+        termination = "end of path"
+        message = "the path was followed to its end"
+        if followed.steady_from is not None:
+            termination = "steady"
+            message = (
+                f"cycle {followed.steady_from + 1} repeats the one before to"
+                f" {followed.steady_to:.0e} of its work"
+            )
+        return Findings(
+            time=followed.time[self._rows()],
+            x=self.x,
+            values=values,
+            termination=termination,
+            message=message,
+            notes=tuple(notes),
+            errors=errors,
+            counts={"cycles_solved": len(followed.works), **followed.counts},
+            seconds={"history": clock.perf_counter() - self._started},
+        )
+
+    def _note(self, steady_cycle: Findings | None) -> str:
+        """How the grids were, and to what W is known by them."""
+        followed = self.followed
+        cells = followed.counts["cells"]
+        zones = followed.counts["pieces"]
+        error_of_work = f"dissipation to {followed.errors['dissipation']:.1e}, "
+        note_of_zones = f"; they are the outer ones of up to {zones} zones" if zones > 1 else ""
+        note_of_work = ""
+        if steady_cycle is not None:
+            error_of_work = ""
+            note_of_work = (
+                "; W, W(x) and permanent stick are those of the steady cycle, without grids"
+            )
+        return (
+            f"no one memory curve: half-plane theory on grids of {cells} cells and {INCREMENTS}"
+            f" increments a cycle, {error_of_work}edges of stick to about {2 / cells:.2g} a"
+            f"{note_of_zones}{note_of_work}"
+        )
+
+    def _rows(self) -> slice:
+        """The instants of the answer among those that were followed."""
+        path = self.question.scene.load.path()
+        if not self.question.wants_last_cycle_alone or path.period is None:
+            return slice(None)
+        last_cycle = path.cycle_start + (len(self.followed.works) - 1) * path.period
+        return slice(int(np.searchsorted(self.followed.time, last_cycle * (1 + 1e-12))), None)
+
+    def _values(self) -> dict[str, Any]:
+        """Loads, fields and dissipations as the grids give them; NaN, and open, for what was not
+        asked for.
+        """
+        question = self.question
+        followed = self.followed
+        scene = question.scene
+        rows = self._rows()
+        time = followed.time[rows]
+        load, force, _, tilt = followed.loads[:, rows]
+        contact_edges = followed.contact_edges[rows]
+        stick_edges = followed.stick_edges[rows]
+        middle = np.mean(contact_edges, axis=1)
+        half = np.diff(contact_edges)[:, 0] / 2
+        lower, upper = self._loads.stresses(time)
+        compliance = 2 / (math.pi * composite_modulus(scene.material))
+        datum_shift = compliance * force * math.log(scene.profile.datum_length)
+        works = followed.works[-1:] if self._steady_only else followed.works
+        values: dict[str, Any] = {
+            "tangential_displacement": followed.displacement[rows] + datum_shift,
+            "normal_approach": self._leaning.approach(middle, half, load, tilt),
+            "pressure": followed.pressure[rows],
+            "shear": followed.shear[rows],
+            "slip": followed.slip[rows],
+            "dissipation_density": followed.density,
+        }
+        for name, array in values.items():
+            if not question.wants(name):
+                values[name] = np.full_like(array, np.nan)
+        values["state"] = followed.state[rows]
+        if not question.wants("state"):
+            values["state"] = np.full_like(followed.state[rows], OPEN)
+        if question.wants("dissipation"):
+            is_steady = followed.steady_from is not None
+            values["dissipation"] = float(works[-1])
+            values["loop_work"] = followed.loop if is_steady else math.nan
+            values["cycle_dissipation"] = works
+        else:
+            values["dissipation"] = math.nan
+            values["loop_work"] = math.nan
+            values["cycle_dissipation"] = np.full_like(works, np.nan)
+        # a path without cycles ends unloaded, where nothing sticks
+        permanent_edges = np.full(2, math.nan)
+        if scene.load.path().period is not None:
+            permanent_edges = followed.permanent_stick_edges
+        return values | {
+            "normal_load": load,
+            "tangential_load": force,
+            "contact_edges": contact_edges,
+            "stick_edges": stick_edges,
+            "contact_half_width": half,
+            "stick_half_width": np.diff(stick_edges)[:, 0] / 2,
+            "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
+            "permanent_stick_edges": permanent_edges,
+            "steady_from": followed.steady_from,
+            "bulk_stress_lower": lower,
+            "bulk_stress_upper": upper,
+            "tilt": tilt,
+            "moment": followed.moment[rows],
+            "shear_moment": followed.shear_moment[rows],
+        }
