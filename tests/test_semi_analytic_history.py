@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scenes import CallableLoad, InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_scene
-from semi_analytic import FIELDS, event, events, load_series, solution, solve
+from semi_analytic import FIELDS, answer_by_memory, event, events, load_series, solve
 from semi_analytic.history import Turn, follow, history_of
 from semi_analytic.load_series import knots_of
 from semi_analytic.memory import (
@@ -272,7 +272,9 @@ def by_spans(scene, **options):
     with pytest.MonkeyPatch.context() as patch:
         path, friction, cycles = scene.load.path(), scene.friction.coefficient, scene.cycles
         patch.setattr(
-            solution, "_path_of", lambda scene, time: history_of(path, friction, cycles, time)
+            answer_by_memory,
+            "_path_of",
+            lambda scene, time: history_of(path, friction, cycles, time),
         )
         return solve(scene, **options)
 
