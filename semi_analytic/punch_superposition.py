@@ -31,10 +31,10 @@ halved; what its last coefficients are worth is the error.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -57,19 +57,25 @@ _LONGEST = {"pressure": 1.2, "outside": 0.8, "logarithm": np.inf}
 _CLOSEST = 1e-24
 # Share of an integral at which a series is resolved; halvings at most; what halving must at least
 # gain.
-_RESOLVED, _HALVINGS, _NOISE = 4e-15, 12, 0.9
+_RESOLVED = 4e-15
+_HALVINGS = 12
+_NOISE = 0.9
 # Panels that are integrated at a time, and primitives that are kept.
-_AT_ONCE, _KEPT = 20_000, 8
+_AT_ONCE = 20_000
+_KEPT = 8
 # Points that one primitive serves.
 _POINTS = 4096
 # Share of a^2 below which a difference of squares is taken from the rise of P; the same across
 # several corners.
-_CLOSE, _NEXT = 0.01, 1e-6
+_CLOSE = 0.01
+_NEXT = 1e-6
 # Of Gauss' nodes between two corners; values that are found at a time.
-_BETWEEN, _MEMBERS = 12, 4096
+_BETWEEN = 12
+_MEMBERS = 4096
 # Share of P - P_b up to which Lam is one smooth integral, and of P from which on it is a
 # difference.
-_NEARBY, _APART = 0.3, 0.02
+_NEARBY = 0.3
+_APART = 0.02
 # Last digits that Lam loses at most where it is an integral: nodes, the inverse a(P) and the slope
 # dP/da at each.
 _OF_AREA = 100
@@ -210,12 +216,11 @@ class PunchSuperposition:
         >>> round(float(contact.pressure(0.6, np.pi / 4)), 12)  # (E*/2 R) sqrt(a^2 - x^2), a = 1
         0.4
         """
-        value = self.pressure_rise(x, load)
-        return (
-            np.where((as_is(x) == 0) & (as_is(load) > 0), np.inf, np.maximum(value, 0.0))
-            if self._sharp
-            else value
-        )
+        pressure = self.pressure_rise(x, load)
+        if not self._sharp:
+            return pressure
+        is_tip = (as_is(x) == 0) & (as_is(load) > 0)
+        return np.where(is_tip, np.inf, np.maximum(pressure, 0.0))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x, P), of which differences between loads are taken; at the tip of a sharp wedge (g/pi)
@@ -289,58 +294,67 @@ class PunchSuperposition:
 
         0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
         """
-        outer, rise, low = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
-        half = low + self.least
-        return np.arcsinh(
-            np.sqrt(self._squares_apart(low, np.maximum(outer, low), rise))
-            / np.where(half > 0, half, np.inf)
-        )
+        outer, rise, inner = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
+        half = inner + self.least
+        square = self._squares_apart(inner, np.maximum(outer, inner), rise)
+        return np.arcsinh(np.sqrt(square) / np.where(half > 0, half, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure
         of a flat punch of unit load.
         """
-        distance, rise, high = np.broadcast_arrays(np.abs(as_is(x)), as_is(excess), as_is(advance))
-        square = self._squares_apart(np.minimum(distance - self.least, high), high, rise)
+        distance, rise, outer = np.broadcast_arrays(np.abs(as_is(x)), as_is(excess), as_is(advance))
+        inner = np.minimum(distance - self.least, outer)
+        square = self._squares_apart(inner, outer, rise)
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
-    def _squares_apart(self, low: Array, high: Array, rise: Array) -> Array:
+    def _squares_apart(self, inner: Array, outer: Array, rise: Array) -> Array:
         """Difference of the squares of two half-widths of these advances; of close ones from the
         rise of P between them.
 
         With more than one corner in between the difference itself has more digits, but for corners
         next to each other.
         """
-        square = np.array((high - low) * (high + low + 2 * self.least))
-        many = np.searchsorted(self.law.begins, high) - np.searchsorted(self.law.begins, low) > 1
-        close = (low >= 0) & (square < np.where(many, _NEXT, _CLOSE) * np.square(high + self.least))
-        if np.any(close):
-            rate = self._mean_rate(low[close], high[close])
-            square[close] = rise[close] / np.where(rate > 0, rate, np.inf)
+        begins = self.law.begins
+        square = np.array((outer - inner) * (outer + inner + 2 * self.least))
+        corners_between = np.searchsorted(begins, outer) - np.searchsorted(begins, inner)
+        share = np.where(corners_between > 1, _NEXT, _CLOSE)
+        is_close = (inner >= 0) & (square < share * np.square(outer + self.least))
+        if np.any(is_close):
+            rate = self._mean_rate(inner[is_close], outer[is_close])
+            square[is_close] = rise[is_close] / np.where(rate > 0, rate, np.inf)
         return square
 
-    def _mean_rate(self, low: Array, high: Array) -> Array:
+    def _mean_rate(self, inner: Array, outer: Array) -> Array:
         """Rise of P over rise of a^2 between two advances as close as may be: in two parts if there
         is a corner in between.
         """
-        end = np.maximum(high, low * (1 + 4 * _EPS))
-        begins, number = self.law.begins, np.searchsorted(self.law.begins, low, side="right") - 1
-        corner = np.append(begins, np.inf)[number + 1]
-        above, below = np.zeros(low.shape), np.zeros(low.shape)
+        end = np.maximum(outer, inner * (1 + 4 * _EPS))
+        begins = self.law.begins
+        behind = np.searchsorted(begins, inner, side="right") - 1
+        corner = np.append(begins, np.inf)[behind + 1]
+        rise_of_load, rise_of_square = self._rises(inner, np.minimum(corner, end), begins[behind])
+        crossing = np.flatnonzero(corner < end)
+        load_behind, square_behind = self._rises(
+            corner[crossing], end[crossing], begins[behind[crossing] + 1]
+        )
+        rise_of_load[crossing] += load_behind
+        rise_of_square[crossing] += square_behind
+        return rise_of_load / np.where(rise_of_square > 0, rise_of_square, 1.0)
+
+    def _rises(self, first: Array, last: Array, corner: Array) -> tuple[Array, Array]:
+        """Rises of P and of a^2, times one half, between advances next to each other, (n,), behind
+        a corner: by Gauss' rule in the root of the distance from it.
+        """
         node, share = gauss(6)
-        across = np.flatnonzero(corner < end)
-        for some, first, last, behind in (
-            (slice(None), low, np.minimum(corner, end), number),
-            (across, corner[across], end[across], number[across] + 1),
-        ):
-            b = begins[behind]
-            inner, outer = np.sqrt(np.maximum(first - b, 0.0)), np.sqrt(np.maximum(last - b, 0.0))
-            root = inner[:, None] + (outer - inner)[:, None] * node
-            at = b[:, None] + root * root
-            weight = (outer - inner)[:, None] * share * root
-            above[some] += np.sum(weight * self.law.stiffness(at), axis=1)
-            below[some] += np.sum(weight * 2 * (at + self.least), axis=1)
-        return above / np.where(below > 0, below, 1.0)
+        begin = np.sqrt(np.maximum(first - corner, 0.0))
+        length = np.sqrt(np.maximum(last - corner, 0.0)) - begin
+        root = begin[:, None] + length[:, None] * node
+        advance = corner[:, None] + root * root
+        weight = length[:, None] * share * root
+        rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
+        rise_of_square = np.sum(weight * 2 * (advance + self.least), axis=1)
+        return rise_of_load, rise_of_square
 
     # --- the slip area
 
@@ -359,142 +373,142 @@ class PunchSuperposition:
         0.19314718056
         """
         p, d = np.broadcast_arrays(as_is(load), as_is(slipped))
-        far = self._is_far(p, d)
-        result = np.zeros(p.shape)
-        for here, area in ((far, self._area_apart), (~far & (d > 0), self._area_within)):
-            if np.any(here):
-                result[here] = area(p[here], d[here])
-        return result
+        is_far = self._is_far(p, d)
+        is_close = ~is_far & (d > 0)
+        kernel = np.zeros(p.shape)
+        if np.any(is_far):
+            kernel[is_far] = self._kernel_as_difference(p[is_far], d[is_far])
+        if np.any(is_close):
+            kernel[is_close] = self._kernel_as_integral(p[is_close], d[is_close])
+        return kernel
 
     def _is_far(self, p: Array, d: Array) -> NDArray[np.bool_]:
         """Where Lam of P and P - P_c is taken as a difference of larger numbers; elsewhere as an
         integral of positive terms.
         """
         front = np.maximum(p - d, 0.0)
-        number = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
-        smooth = (d < _NEARBY * (front - self._begin_loads[number])) & (
-            p <= np.append(self._begin_loads, np.inf)[number + 1]
-        )
+        behind = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
+        next_load = np.append(self._begin_loads, np.inf)[behind + 1]
+        is_short = d < _NEARBY * (front - self._begin_loads[behind])
+        is_smooth = is_short & (p <= next_load)
         if self.bends_anywhere:
             # twelve nodes would miss a half-width at which P hardly grows
-            smooth &= d <= _APART * p
-        return np.asarray(~smooth & (d > _APART * p))
+            is_smooth &= d <= _APART * p
+        return np.asarray(~is_smooth & (d > _APART * p))
 
-    def _area_apart(self, load: Array, slipped: Array) -> Array:
-        # P - P_c says no more of P_c than its last digit: 0 would stand for any smaller one, and
-        # its logarithm for 700.
-        upper, lower = both = self.law.advance(
-            np.stack([load, np.maximum(load - slipped, _EPS / 4 * load)])
-        )
-        ratio = np.log1p(
-            (upper - lower)
-            / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0))
-        )
-        return load * ratio - np.subtract(*self._logarithm(0, both)[0])
+    def _log_of_widths(self, load: Array, slipped: Array) -> tuple[Array, Array, Array]:
+        """ln(a/c), and the advances of both edges.
 
-    def _area_within(self, load: Array, slipped: Array) -> Array:
-        """From P_c on, between one corner and the next by Gauss' rule in sqrt(P - P_b): a smooth
-        function of that is a(P) there.
+        P - P_c says no more of P_c than its last digit: 0 would stand for any smaller one, and its
+        logarithm for 700.
+        """
+        front = np.maximum(load - slipped, _EPS / 4 * load)
+        outer, inner = self.law.advance(np.stack([load, front]))
+        least_half = np.finfo(float).tiny * np.maximum(outer, 1.0)
+        ratio = (outer - inner) / np.maximum(self.least + inner, least_half)
+        return np.log1p(ratio), outer, inner
+
+    def _kernel_as_difference(self, load: Array, slipped: Array) -> Array:
+        """P ln(a/c) - int_c^a P/alpha d alpha."""
+        logarithm, outer, inner = self._log_of_widths(load, slipped)
+        outer_integral, inner_integral = self._logarithm(0, np.stack([outer, inner]))[0]
+        return load * logarithm - (outer_integral - inner_integral)
+
+    def _kernel_as_integral(self, load: Array, slipped: Array) -> Array:
+        """int (P - eta) d ln(a) from P_c on, between one corner and the next by Gauss' rule in
+        sqrt(P - P_b): a smooth function of that is a(P) there.
 
         Close to no load it goes as any power of P: there by the rule for singular ends.
         """
-        front, total = load - slipped, np.zeros(load.shape)
+        kernel = np.zeros(load.shape)
+        front = load - slipped
         first = np.searchsorted(self._begin_loads, front, side="right")
-        after = np.maximum(np.searchsorted(self._begin_loads, load, side="left"), first)
-        count = after - first + 1
-        ends, (node, share) = np.append(self._begin_loads, np.inf), gauss(_BETWEEN)
-        for at_once in np.split(np.arange(len(load)), np.arange(_MEMBERS, len(load), _MEMBERS)):
-            which = np.repeat(at_once, count[at_once])
-            behind = (
-                np.arange(len(which))
-                - np.repeat(np.cumsum(count[at_once]) - count[at_once], count[at_once])
-                + first[which]
-                - 1
-            )
-            low, high = (
-                np.maximum(front[which], ends[behind]),
-                np.minimum(load[which], ends[behind + 1]),
-            )
-            # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
-            last = ends[behind + 1] >= load[which]
-            length = np.where(
-                last, np.maximum(slipped[which] - (low - front[which]), 0.0), high - low
-            )
-            parts = np.zeros(len(which))
-            smooth = (behind > 0) | (length < _NEARBY * low)
-            for rooted in (True, False):
-                some = smooth == rooted
-                if not np.any(some):
-                    continue
-                here, begin, way = which[some], low[some, None], length[some, None]
-                if rooted:
-                    inner = np.sqrt(begin - ends[behind[some], None])
-                    # none of a span that rounding ends
-                    reach = way / np.where(way > 0, inner + np.sqrt(inner * inner + way), 1.0)
-                    rise, weight = (
-                        reach * node * (2 * inner + reach * node),
-                        2 * reach * share * (inner + reach * node),
-                    )
-                else:
-                    rise, weight = (values[:, 0] for values in graded(0.0, way))
-                advance = self.law.advance(begin + rise)
-                rate = (self.least + advance) * self.law.stiffness(advance)
-                # P - eta, with its own digits
-                above = slipped[here, None] - ((begin - front[here, None]) + rise)
-                parts[some] = np.sum(weight * above / np.where(rate > 0, rate, np.inf), axis=-1)
-            total += np.bincount(which, parts, len(total))
-        return total
+        last = np.maximum(np.searchsorted(self._begin_loads, load, side="left"), first)
+        parts = last - first + 1  # of each integral, from corner to corner
+        bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
+        for members in np.split(np.arange(len(load)), bounds):
+            # a part is of the member `which`, behind the corner number `behind`
+            which = np.repeat(members, parts[members])
+            parts_before = np.cumsum(parts[members]) - parts[members]
+            number_of_part = np.arange(len(which)) - np.repeat(parts_before, parts[members])
+            behind = number_of_part + first[which] - 1
+            integral = self._integrals_of_parts(load[which], slipped[which], behind)
+            kernel += np.bincount(which, integral, len(kernel))
+        return kernel
+
+    def _integrals_of_parts(self, load: Array, slipped: Array, behind: Indices) -> Array:
+        """int (P - eta) d ln(a) from P_c, or a corner's load, to P, or the next corner's, (n,)."""
+        corners = np.append(self._begin_loads, np.inf)
+        front = load - slipped
+        low = np.maximum(front, corners[behind])
+        high = np.minimum(load, corners[behind + 1])
+        # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
+        ends_at_load = corners[behind + 1] >= load
+        left_of_slipped = np.maximum(slipped - (low - front), 0.0)
+        length = np.where(ends_at_load, left_of_slipped, high - low)
+        integral = np.zeros(len(load))
+        is_smooth = (behind > 0) | (length < _NEARBY * low)
+        for rooted in (True, False):
+            chosen = is_smooth == rooted
+            if not np.any(chosen):
+                continue
+            begin = low[chosen, None]
+            way = length[chosen, None]
+            if rooted:
+                rise, weight = _nodes_in_root(begin - corners[behind[chosen], None], way)
+            else:
+                rise, weight = (values[:, 0] for values in graded(0.0, way))
+            advance = self.law.advance(begin + rise)
+            rate = (self.least + advance) * self.law.stiffness(advance)
+            # P - eta, with its own digits
+            load_above = slipped[chosen, None] - ((begin - front[chosen, None]) + rise)
+            integrand = load_above / np.where(rate > 0, rate, np.inf)
+            integral[chosen] = np.sum(weight * integrand, axis=-1)
+        return integral
 
     # --- errors
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Estimated error of the method `name` for these arguments; not below the true one."""
-        values = np.broadcast_arrays(*(as_is(v) for v in arguments))
-        order, kind = int(name.endswith("_moment")), name.removesuffix("_moment")
-        advance = self.law.advance(values[0] if name == "dissipation_kernel" else values[-1])
+        values = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
+        if name == "dissipation_kernel":
+            return self._kernel_error(*values)
+        order = int(name.endswith("_moment"))
+        kind = name.removesuffix("_moment")
+        advance = self.law.advance(values[-1])
         half = self.least + advance
         if kind == "pressure":
-            value, left = self._pressure(order, np.abs(values[0]), values[1])
-            near = np.abs(half - np.abs(values[0]))
-            left = left + self._last_digit_of_variable(order, np.abs(values[0]), advance)
+            distance = np.abs(values[0])
+            value, error = self._pressure(order, distance, values[1])
+            error = error + self._last_digit_of_variable(order, distance, advance)
+            distance_to_edge = np.abs(half - distance)
         elif kind == "slip_integral":
-            value, left = self._outside(order, np.abs(values[0]), values[1])
-            near = np.minimum(half, np.abs(values[0])) - self.least
-        elif name == "dissipation_kernel":
-            return self._area_error(*values)
+            distance = np.abs(values[0])
+            value, error = self._outside(order, distance, values[1])
+            distance_to_edge = np.minimum(half, distance) - self.least
         else:
-            value, left = self._logarithm(order, advance)
-            value, near = (
-                value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance)),
-                half,
-            )
+            value, error = self._logarithm(order, advance)
+            value = value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance))
+            distance_to_edge = half
         # What the last digit of a half-width does to the result, and errors of P(a).
-        last_digit = (
-            8 * _EPS * half / np.maximum(near, _EPS * np.maximum(half, np.finfo(float).tiny))
-        )
-        return left + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
+        least_distance = _EPS * np.maximum(half, np.finfo(float).tiny)
+        last_digit = 8 * _EPS * half / np.maximum(distance_to_edge, least_distance)
+        return error + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
-    def _area_error(self, load: Array, slipped: Array) -> Array:
+    def _kernel_error(self, load: Array, slipped: Array) -> Array:
         """Estimated error of Lam from above.
 
         An integral of positive terms, each with all its digits, loses a share of itself. P ln(a/c)
         - int P/alpha d alpha loses last digits of both, which are P times the same logarithm or
         less, and what the series of the second leaves out.
         """
-        value = self.dissipation_kernel(load, slipped)
-        upper, lower = self.law.advance(
-            np.stack([load, np.maximum(load - slipped, _EPS / 4 * load)])
-        )
-        logarithm, left = self._logarithm(0, upper)
-        ratio = np.log1p(
-            (upper - lower)
-            / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0))
-        )
-        of_difference = left + (8 * _EPS + self.noise) * (load * ratio + np.abs(logarithm))
-        return (
-            np.where(self._is_far(load, slipped), of_difference, 0.0)
-            + (_OF_AREA * _EPS + self.noise) * value
-        )
+        kernel = self.dissipation_kernel(load, slipped)
+        logarithm, outer, _ = self._log_of_widths(load, slipped)
+        integral, series_error = self._logarithm(0, outer)
+        size_of_terms = load * logarithm + np.abs(integral)
+        of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
+        of_difference = np.where(self._is_far(load, slipped), of_difference, 0.0)
+        return of_difference + (_OF_AREA * _EPS + self.noise) * kernel
 
     def _last_digit_of_variable(self, order: int, distance: Array, advance: Array) -> Array:
         """What the last digit of v does to the pressure at |x| = `distance`, arrays of one shape.
@@ -505,14 +519,15 @@ class PunchSuperposition:
         """
         half = self.least + advance
         ahead = half - distance
-        root = np.sqrt(np.maximum(ahead, 0.0) / np.where(half > 0, half + distance, np.inf))
+        way = np.maximum(ahead, 0.0)
+        root = np.sqrt(way / np.where(half > 0, half + distance, np.inf))
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
         change = self.law.stiffness(advance) * root / np.pi
         if order:
             change = change * self.law.load(advance)
-        from_corner = np.min(np.abs((distance - self.least)[..., None] - self.law.begins), axis=-1)
-        scale = np.maximum(from_corner, _CLOSEST * advance)
-        v = np.arcsinh(np.sqrt(np.maximum(ahead, 0.0) / np.where(scale > 0, scale, np.inf)))
+        distance_to_corners = np.abs((distance - self.least)[..., None] - self.law.begins)
+        scale = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
+        v = np.arcsinh(np.sqrt(way / np.where(scale > 0, scale, np.inf)))
         return 2 * _EPS * v * change
 
     # --- the integrals
@@ -533,24 +548,26 @@ class PunchSuperposition:
         further apart are taken in bands, so that none has fewer digits beside a large one than
         alone.
         """
-        positive = advance > 0
-        if not np.any(positive) or not np.size(x):
-            nothing = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
-            return nothing, nothing
-        top, least = float(np.max(advance)), float(np.min(advance, where=positive, initial=np.inf))
+        is_positive = advance > 0
+        if not np.any(is_positive) or not np.size(x):
+            zeros = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
+            return zeros, zeros
+        top = float(np.max(advance))
+        least = float(np.min(advance, where=is_positive, initial=np.inf))
         if top < least * self._band:
             return self._primitive_of_band(kind, order, x, advance)
         points, upto = np.broadcast_arrays(x, advance)
         band = np.full(upto.shape, -1)
         band[upto > 0] = np.log(top / upto[upto > 0]) / math.log(self._band)
-        value, error = np.zeros(upto.shape), np.zeros(upto.shape)
+        integral = np.zeros(upto.shape)
+        error = np.zeros(upto.shape)
         for number in range(int(band.max()) + 1):
-            here = band == number
-            if np.any(here):
-                value[here], error[here] = self._primitive_of_band(
-                    kind, order, points[here], upto[here]
+            is_in_band = band == number
+            if np.any(is_in_band):
+                integral[is_in_band], error[is_in_band] = self._primitive_of_band(
+                    kind, order, points[is_in_band], upto[is_in_band]
                 )
-        return value, error
+        return integral, error
 
     @property
     def _band(self) -> float:
@@ -565,48 +582,65 @@ class PunchSuperposition:
         """The same for advances of one band, and for zeros."""
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
             upto = np.broadcast_to(advance, np.broadcast_shapes(np.shape(x), np.shape(advance)))
-            places = [slice(k, k + _POINTS) for k in range(0, np.shape(x)[-1], _POINTS)]
-            parts = [self._primitive(kind, order, x[..., here], upto[..., here]) for here in places]
-            value, error = (
-                np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)
-            )
-            return value, error
-        top = float(np.max(advance))
+            integrals = []
+            errors = []
+            for k in range(0, np.shape(x)[-1], _POINTS):
+                part = slice(k, k + _POINTS)
+                integral, error = self._primitive(kind, order, x[..., part], upto[..., part])
+                integrals.append(integral)
+                errors.append(error)
+            return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
         points, fold = np.unique(np.ravel(x), return_inverse=True)
-        kept = self._primitives.setdefault((kind, order), [])
-        for found in kept:
-            number = np.minimum(np.searchsorted(found.x, points), len(found.x) - 1)
-            if top <= found.top < top * self._band and np.array_equal(found.x[number], points):
-                break
-        else:
-            found, number = primitive(kind, order, points, top, self.law), np.arange(len(points))
-            kept[:] = [found, *kept[: _KEPT - 1]]
-        return found(*np.broadcast_arrays(number[fold].reshape(np.shape(x)), advance))
+        primitive, number = self._cached_primitive(kind, order, points, float(np.max(advance)))
+        return primitive(*np.broadcast_arrays(number[fold].reshape(np.shape(x)), advance))
+
+    def _cached_primitive(
+        self, kind: Kind, order: int, points: Array, top: float
+    ) -> tuple[Primitive, Indices]:
+        """A primitive that serves these points (k,), ascending, up to the advance `top`, and their
+        numbers in it.
+        """
+        cached = self._primitives.setdefault((kind, order), [])
+        for primitive in cached:
+            number = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
+            reaches = top <= primitive.top < top * self._band
+            if reaches and np.array_equal(primitive.x[number], points):
+                return primitive, number
+        primitive = primitive_of(kind, order, points, top, self.law)
+        cached[:] = [primitive, *cached[: _KEPT - 1]]
+        return primitive, np.arange(len(points))
 
     def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
+        """int g/(pi sqrt(alpha^2 - x^2)) d alpha at |x| = `distance`, of order 1 with eta in front,
+        and the error.
+        """
         advance = self.law.advance(load)
-        inside = np.where(distance < self.least + advance, advance, 0.0)
-        value, error = self._primitive("pressure", order, distance, inside)
+        is_inside = distance < self.least + advance
+        pressure, error = self._primitive(
+            "pressure", order, distance, np.where(is_inside, advance, 0.0)
+        )
+        pressure = np.where(is_inside & (advance > 0), pressure, 0.0)
         if self._sharp and order == 0:
             # The tip of a sharp wedge: what lies below the least octave, int g/alpha, has no lower
             # end but differences.
             with np.errstate(divide="ignore"):
                 tip = self.law.stiffness(np.zeros(())) / np.pi * np.log(advance / self.datum_length)
-            return np.where(distance == 0, tip, np.where(distance < advance, value, 0.0)), error
-        return np.where((distance < self.least + advance) & (advance > 0), value, 0.0), error
+            pressure = np.where(distance == 0, tip, pressure)
+        return pressure, error
 
     def _outside(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
         """int W x/(alpha sqrt(x^2 - alpha^2)) and what integration by parts leaves at the upper
         end.
         """
-        advance, outer = self.law.advance(load), self._beyond(distance)
+        advance = self.law.advance(load)
+        outer = self._beyond(distance)
         inner = np.minimum(advance, outer)
-        value, error = self._primitive("outside", order, distance, inner)
+        integral, error = self._primitive("outside", order, distance, inner)
         force = np.minimum(load, self.law.load(outer))
         half = inner + self.least
         root = np.sqrt((outer - inner) * (outer + inner + 2 * self.least))
-        reach = np.arcsinh(root / np.where(half > 0, half, np.inf))
-        return value + (force * force / 2 if order else force) * reach, error
+        arccosh = np.arcsinh(root / np.where(half > 0, half, np.inf))
+        return integral + _weight_of_order(order, force) * arccosh, error
 
     def _logarithm(self, order: int, advance: Array) -> tuple[Array, Array]:
         """int_0^a P/alpha d alpha, of order 1 int_0^a P^2/(2 alpha) d alpha, and the error."""
@@ -627,9 +661,22 @@ class Panels:
     begin: Array
     end: Array
 
+    @classmethod
+    def together(cls, parts: Sequence[Panels]) -> Panels:
+        """All of some, one after the other."""
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*(np.concatenate(column) for column in columns))
+
     def take(self, which: Indices) -> Panels:
-        """Some of them."""
+        """The chosen ones."""
         return Panels(*(values[which] for values in vars(self).values()))
+
+    def halved(self) -> Panels:
+        """The lower halves of all, then the upper ones."""
+        middle = (self.begin + self.end) / 2
+        lower = replace(self, end=middle)
+        upper = replace(self, begin=middle)
+        return Panels.together([lower, upper])
 
     def advance(self, kind: Kind, v: Array) -> Array:
         """Delta - `low` at v, (n,) or (n, nodes)."""
@@ -672,7 +719,8 @@ class Primitive:
         v = _variable(
             self.kind, advance, self.beyond[point], panels.low[number], panels.scale[number]
         )
-        begin, end = panels.begin[number], panels.end[number]
+        begin = panels.begin[number]
+        end = panels.end[number]
         t = np.clip((2 * v - begin - end) / (end - begin), -1.0, 1.0)
         return clenshaw(self.coefficients, number, t), self.error[number]
 
@@ -698,139 +746,181 @@ def _variable(kind: Kind, advance: Array, beyond: Array, low: Array, scale: Arra
     root = np.sqrt(np.maximum(advance - low, 0.0))
     if kind == "pressure":
         return np.arcsinh(root / scale)
-    return (
-        np.arctan2(root, np.sqrt(np.maximum(beyond - advance, 0.0))) if kind == "outside" else root
-    )
+    if kind == "outside":
+        return np.arctan2(root, np.sqrt(np.maximum(beyond - advance, 0.0)))
+    return root
 
 
-def primitive(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
+def _nodes_in_root(begin: Array, way: Array) -> tuple[Array, Array]:
+    """Gauss' nodes and weights in the root of the distance from a corner, from `begin` beyond it
+    over a way, (n, 1): rises from the begin, (n, nodes).
+    """
+    node, share = gauss(_BETWEEN)
+    root = np.sqrt(begin)
+    # none of a span that rounding ends
+    length = way / np.where(way > 0, root + np.sqrt(root * root + way), 1.0)
+    rise = length * node * (2 * root + length * node)
+    weight = 2 * length * share * (root + length * node)
+    return rise, weight
+
+
+def _weight_of_order(order: int, force: Array) -> Array:
+    """W: P, or P^2/2 for the moments."""
+    return force * force / 2 if order else force
+
+
+class _Resolved(NamedTuple):
+    """Panels with their series (n, nodes), and what the last coefficients are worth, (n,)."""
+
+    panels: Panels
+    coefficients: Array
+    tails: Array
+
+    def take(self, which: Indices) -> _Resolved:
+        """The chosen ones."""
+        return _Resolved(self.panels.take(which), self.coefficients[which], self.tails[which])
+
+
+def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
     """The integral of a kind and order (1 has eta in front) at points `x` (k,), ascending, up to
     the advance `top`.
     """
-    begins, beyond = law.begins, x - law.least
+    begins = law.begins
     # Octaves, so that a small advance has digits of its own.
-    marks = np.append(
-        np.union1d(begins[begins < top], top / law.octave ** np.arange(1, _OCTAVES)), top
-    )
+    octaves = top / law.octave ** np.arange(1, _OCTAVES)
+    marks = np.append(np.union1d(begins[begins < top], octaves), top)
     ranges = _ranges(kind, x, law.least, marks, begins)
-    done: list[tuple[Panels, Array, Array]] = []
-    coarse = np.full(len(ranges.point), np.inf)
+    resolved = _with_empty_panels(_resolved(kind, order, ranges, law), x)
+    panels = resolved.panels
+    resolved = resolved.take(np.lexsort((panels.begin, panels.low, panels.point)))
+    panels = resolved.panels
+    tails = resolved.tails
+    coefficients = chebyshev.chebint(resolved.coefficients.T, lbnd=-1)
+    coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
+    # Sums run from panel to panel of a point: one sum through all points would leave the round-off
+    # of the largest in the smallest.
+    place = np.arange(len(tails)) - np.searchsorted(panels.point, panels.point)
+    table = np.zeros((len(x), int(np.max(place, initial=0)) + 2))
+    table[panels.point, place + 1] = tails
+    error = np.cumsum(table, axis=1)[panels.point, place + 1]
+    table[panels.point, place + 1] = np.sum(coefficients, axis=0)
+    table[:, 0] = _at_the_bottom(kind, order, x, float(marks[1]), law)
+    coefficients[0] += np.cumsum(table, axis=1)[panels.point, place]
+    first = panels.low + panels.advance(kind, panels.begin)
+    return Primitive(kind, x, x - law.least, top, panels, first, coefficients, error)
+
+
+def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resolved:
+    """Series on ranges of v, which are halved until they are resolved.
+
+    What halving does not make smaller is noise of the laws themselves: it stays, and counts as
+    error.
+    """
+    done: list[_Resolved] = []
+    tail_before = np.full(len(ranges.point), np.inf)
     for turn in range(_HALVINGS + 1):
         parts = [np.empty((0, len(NODES)))]
         for k in range(0, len(ranges.point), _AT_ONCE):
-            some = ranges.take(np.arange(k, min(k + _AT_ONCE, len(ranges.point))))
-            v = some.begin[:, None] + (some.end - some.begin)[:, None] * (1 + NODES) / 2
-            parts.append(series(_integrand(kind, order, some, v, law)))
-        found = np.concatenate(parts)
+            part = ranges.take(np.arange(k, min(k + _AT_ONCE, len(ranges.point))))
+            v = part.begin[:, None] + (part.end - part.begin)[:, None] * (1 + NODES) / 2
+            parts.append(series(_integrand(kind, order, part, v, law)))
+        coefficients = np.concatenate(parts)
         length = (ranges.end - ranges.begin) / 2
-        rest, size = tail(found), np.abs(found[:, 0]) * length
+        last_terms = tail(coefficients)
+        size = np.abs(coefficients[:, 0]) * length
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
             force = law.load(ranges.low + ranges.advance(kind, ranges.end))
-            size = np.maximum(size, force * force / 2 if order else force)
-        # What halving does not make smaller is noise of the laws themselves: it stays, and counts
-        # as error.
-        good = (rest * length <= _RESOLVED * size) | (rest > _NOISE * coarse) | (turn == _HALVINGS)
-        done.append((ranges.take(np.flatnonzero(good)), found[good], (rest * length)[good]))
-        left = ranges.take(np.flatnonzero(~good))
-        if not len(left.point):
+            size = np.maximum(size, _weight_of_order(order, force))
+        is_small = last_terms * length <= _RESOLVED * size
+        is_noise = last_terms > _NOISE * tail_before
+        is_done = is_small | is_noise | (turn == _HALVINGS)
+        resolved = _Resolved(ranges, coefficients, last_terms * length)
+        done.append(resolved.take(np.flatnonzero(is_done)))
+        if np.all(is_done):
             break
-        middle, coarse = (left.begin + left.end) / 2, np.tile(rest[~good], 2)
-        ranges = Panels(*(np.tile(values, 2) for values in vars(left).values()))
-        ranges.end[: len(middle)], ranges.begin[len(middle) :] = middle, middle
-    every = Panels(
-        *(
-            np.concatenate(part)
-            for part in zip(*(vars(each).values() for each, *_ in done), strict=True)
-        )
+        ranges = ranges.take(np.flatnonzero(~is_done)).halved()
+        tail_before = np.tile(last_terms[~is_done], 2)
+    return _Resolved(
+        Panels.together([resolved.panels for resolved in done]),
+        np.concatenate([resolved.coefficients for resolved in done]),
+        np.concatenate([resolved.tails for resolved in done]),
     )
-    found, tails = (np.concatenate([each[k] for each in done]) for k in (1, 2))
-    missing = np.setdiff1d(np.arange(len(x)), every.point)
-    if len(missing):
-        # A point without a panel gets one on which its integral is 0.
-        zero = np.zeros(len(missing))
-        empty = Panels(missing, x[missing], zero, zero + 1, zero, zero + 1)
-        every = Panels(
-            *(
-                np.concatenate(pair)
-                for pair in zip(vars(every).values(), vars(empty).values(), strict=True)
-            )
-        )
-        found, tails = (
-            np.concatenate([found, np.zeros((len(missing), found.shape[1]))]),
-            np.append(tails, zero),
-        )
-    order_of = np.lexsort((every.begin, every.low, every.point))
-    every, found, tails = every.take(order_of), found[order_of], tails[order_of]
-    whole = chebyshev.chebint(found.T, lbnd=-1) * ((every.end - every.begin) / 2)
-    # What all series are resolved without is round-off.
-    size = np.abs(whole) / np.maximum(np.max(np.abs(whole), axis=0), 1e-300)
-    whole = whole[
-        : int(np.max(np.flatnonzero(np.max(size, axis=1, initial=0.0) > _EPS), initial=0)) + 1
-    ]
-    # Sums run from panel to panel of a point: one sum through all points would leave the round-off
-    # of the largest in the smallest.
-    place = np.arange(len(tails)) - np.searchsorted(every.point, every.point)
-    table = np.zeros((len(x), int(np.max(place, initial=0)) + 2))
-    table[every.point, place + 1] = tails
-    error = np.cumsum(table, axis=1)[every.point, place + 1]
-    table[every.point, place + 1] = np.sum(whole, axis=0)
-    table[:, 0] = _at_the_bottom(kind, order, x, float(marks[1]), law)
-    whole[0] += np.cumsum(table, axis=1)[every.point, place]
-    return Primitive(
-        kind, x, beyond, top, every, every.low + every.advance(kind, every.begin), whole, error
+
+
+def _with_empty_panels(resolved: _Resolved, x: Array) -> _Resolved:
+    """The same; a point without a panel gets one on which its integral is 0."""
+    missing = np.setdiff1d(np.arange(len(x)), resolved.panels.point)
+    if not len(missing):
+        return resolved
+    zero = np.zeros(len(missing))
+    empty = Panels(missing, x[missing], zero, zero + 1, zero, zero + 1)
+    no_terms = np.zeros((len(missing), resolved.coefficients.shape[1]))
+    return _Resolved(
+        Panels.together([resolved.panels, empty]),
+        np.concatenate([resolved.coefficients, no_terms]),
+        np.append(resolved.tails, zero),
     )
+
+
+def _without_round_off(coefficients: Array) -> Array:
+    """Series (m, n) without the orders that are round-off of all of them."""
+    largest = np.maximum(np.max(np.abs(coefficients), axis=0), 1e-300)
+    size_of_order = np.max(np.abs(coefficients) / largest, axis=1, initial=0.0)
+    last = int(np.max(np.flatnonzero(size_of_order > _EPS), initial=0))
+    return coefficients[: last + 1]
 
 
 def _ranges(kind: Kind, x: Array, least: float, marks: Array, begins: Array) -> Panels:
     """Ranges of v between marks that are not empty, for each point, cut to the greatest length."""
-    b = begins[np.clip(np.searchsorted(begins, marks[:-1], side="right") - 1, 0, None)]
+    corner = begins[np.clip(np.searchsorted(begins, marks[:-1], side="right") - 1, 0, None)]
     beyond = x - least
-    at, low, high = (
-        beyond[:, None],
-        marks[:-1] + 0 * beyond[:, None],
-        marks[1:] + 0 * beyond[:, None],
-    )
+    at = beyond[:, None]
+    low = marks[:-1] + 0 * at
+    high = marks[1:] + 0 * at
+    origin = corner + 0 * at
+    scale = np.ones((len(x), len(corner)))
     if kind == "pressure":
-        origin = np.maximum(at, b)
+        origin = np.maximum(at, corner)
         # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first
         # mark: see `_at_the_bottom`.
-        scale = np.sqrt(
-            np.maximum(
-                np.where(b + least > 0, np.abs(at - b), 2 * at), max(_CLOSEST * marks[-1], 1e-300)
-            )
-        )
+        square = np.where(corner + least > 0, np.abs(at - corner), 2 * at)
+        scale = np.sqrt(np.maximum(square, max(_CLOSEST * marks[-1], 1e-300)))
         low = np.maximum(low, np.where(x[:, None] + least > 0, origin, marks[1]))
     elif kind == "outside":
-        origin, scale, high = b + 0 * at, np.sqrt(np.maximum(at - b, 0.0)), np.minimum(high, at)
-    else:
-        origin, scale = b + 0 * at, np.ones((len(x), len(b)))
-    here = np.nonzero(high > low)
-    point, start, size = here[0], origin[here], scale[here]
-    inner, outer = (_variable(kind, edge[here], beyond[point], start, size) for edge in (low, high))
+        scale = np.sqrt(np.maximum(at - corner, 0.0))
+        high = np.minimum(high, at)
+    chosen = np.nonzero(high > low)
+    point = chosen[0]
+    origins = origin[chosen]
+    scales = scale[chosen]
+    inner = _variable(kind, low[chosen], beyond[point], origins, scales)
+    outer = _variable(kind, high[chosen], beyond[point], origins, scales)
     count = np.maximum(np.ceil((outer - inner) / _LONGEST[kind]), 1).astype(int)
     which = np.repeat(np.arange(len(count)), count)
     number = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     step = ((outer - inner) / count)[which]
     begin = inner[which] + number * step
     end = np.where(number == count[which] - 1, outer[which], begin + step)
-    return Panels(point[which], x[point[which]], start[which], size[which], begin, end)
+    return Panels(point[which], x[point[which]], origins[which], scales[which], begin, end)
 
 
 def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
     """The integrands over v, (n, nodes)."""
-    x, low, scale = panels.x[:, None], panels.low[:, None], panels.scale[:, None]
+    x = panels.x[:, None]
+    low = panels.low[:, None]
+    scale = panels.scale[:, None]
     above = panels.advance(kind, v)
     advance = low + above
-    root, half = np.sqrt(above), law.least + advance
+    root = np.sqrt(above)
+    half = law.least + advance
     if kind == "pressure":
         weight = law.stiffness(advance) * (law.load(advance) if order else 1.0)
         inside = np.maximum(low - (x - law.least), 0.0) + above
         return weight * 2 * root * scale * np.cosh(v) / np.sqrt(inside * (half + x)) / np.pi
     force = law.load(advance)
-    weight = np.where(
-        half > 0, (force * force / 2 if order else force) / np.where(half > 0, half, 1.0), 0.0
-    )
+    ratio = _weight_of_order(order, force) / np.where(half > 0, half, 1.0)
+    weight = np.where(half > 0, ratio, 0.0)
     return weight * 2 * root * (x / np.sqrt(x + half) if kind == "outside" else 1.0)
 
 
@@ -840,8 +930,10 @@ def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: Contac
     """
     if kind != "pressure" or law.least > 0:
         return np.zeros(len(x))
-    rate = float(law.stiffness(np.array(advance))) * (
-        float(law.load(np.array(advance))) if order else 1.0
-    )
-    power = (law.power if order == 0 else 2 * law.power) - 1
-    return np.where(x == 0, rate / (np.pi * power) if power > 0 else 0.0, 0.0)
+    rate = float(law.stiffness(np.array(advance)))
+    power = law.power - 1
+    if order:
+        rate = rate * float(law.load(np.array(advance)))
+        power = 2 * law.power - 1
+    at_middle = rate / (np.pi * power) if power > 0 else 0.0
+    return np.where(x == 0, at_middle, 0.0)
