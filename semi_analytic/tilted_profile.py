@@ -159,28 +159,24 @@ class ConvexProfile(abc.ABC):
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
         """Of so many rows at a time that their knots or nodes fit into memory."""
-        shape = np.broadcast_shapes(*(np.shape(each) for each in arguments))
-        wide = [
-            np.reshape(each, (1,) * (len(shape) - np.ndim(each)) + np.shape(each))
-            for each in arguments
-        ]
-        rows, result = (
-            max(_VALUES // max(self._width * math.prod(shape[1:]), 1), 1),
-            np.empty(shape),
-        )
-        for k in range(0, shape[0] if shape else 1, rows):
-            here = slice(k, k + rows) if shape else ()
-            result[here] = function(
-                *(each[here] if shape and len(each) > 1 else each for each in wide)
-            )
-        return result
+        shape = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
+        columns = []
+        for argument in arguments:
+            new_axes = (1,) * (len(shape) - np.ndim(argument))
+            columns.append(np.reshape(argument, new_axes + np.shape(argument)))
+        if not shape:
+            return np.array(function(*columns))
+        rows_at_once = max(_VALUES // max(self._width * math.prod(shape[1:]), 1), 1)
+        values = np.empty(shape)
+        for k in range(0, shape[0], rows_at_once):
+            rows = slice(k, k + rows_at_once)
+            parts = [column[rows] if len(column) > 1 else column for column in columns]
+            values[rows] = function(*parts)
+        return values
 
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
         """m and c of the contact under A P and a tilt, arrays that broadcast: least int h d theta +
         pi alpha m - A P ln(c).
-
-        Newton's method for what both ends carry, held back by the slope of that sum, which is
-        convex.
 
         Raises
         ------
@@ -190,62 +186,85 @@ class ConvexProfile(abc.ABC):
         product, tilt = np.broadcast_arrays(
             np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        middle, half = np.array(self.touch(tilt)), np.zeros(product.shape)
+        middle = np.array(self.touch(tilt))
+        half = np.zeros(product.shape)
         if not np.all(np.isfinite(middle)):
             raise InputError(
                 "load: the tilt is steeper than the sides of the profile: it touches nowhere along"
                 " its sides"
             )
         pressed = product > 0
-        wanted, tilt, start = product[pressed], tilt[pressed], middle[pressed]
-        # From a wider contact: what either end carries is nearly a convex function of it, and
-        # hardly one of the other.
-        low, high = start - self.size, start + self.size
-        if len(self.knots):
-            low, high = (
-                np.minimum(low, self.knots[0] - self.size),
-                np.maximum(high, self.knots[-1] + self.size),
-            )
-        m, c, shift, wider = (low + high) / 2, (high - low) / 2, 0 * start, 0 * start
-        fall = np.full(start.shape, np.inf)
-        for _ in range(_STEPS):
-            at, half_length = m + shift, c + wider
-            found = self.balance(at, half_length)
-            lean, missing = np.pi * (found.mean_slope + tilt), (wanted - found.load) / half_length
-            # Half of a step beyond which the sum would rise as steeply as half of its fall before.
-            taken = lean * shift - missing * wider <= fall / 2
-            m, c = np.where(taken, at, m), np.where(taken, half_length, c)
-            whole, odd = found.whole, found.odd + lean / half_length
-            odd = np.where(whole * whole > 1.1 * odd * found.odd, odd, found.odd)
-            rate = whole * whole - odd * found.odd
-            rises = rate > 0
-            rate = np.where(rises, rate, 1.0)
-            far = np.where(rises, -(lean * whole + odd * missing) / rate, 0.0)
-            wide = np.where(rises, (whole * missing + lean * found.odd) / rate, c)
-            # Neither end moves by more than c, nor past what touches first.
-            left = np.clip(far - wide, -c, 0.9 * np.maximum(start - m + c, 0.0))
-            right = np.clip(far + wide, 0.9 * np.minimum(start - m - c, 0.0), c)
-            shift, wider = (
-                np.where(taken, (left + right) / 2, shift / 2),
-                np.where(taken, (right - left) / 2, wider / 2),
-            )
-            fall = np.where(taken, np.abs(lean * shift - missing * wider), fall)
-            # The next step would be about the power 3/2 of this one.
-            if np.all(np.maximum(np.abs(shift), np.abs(wider)) <= 1e-10 * c + 1e-14 * np.abs(m)):
-                m, c = m + shift, c + wider
-                break
-        else:
-            raise InputError(
-                "profile: its sides do not rise enough to carry the load under this tilt"
-            )
-        middle[pressed], half[pressed] = m, c
-        ends = float(np.min(middle - half, initial=0.0)), float(np.max(middle + half, initial=0.0))
-        if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
+        middle[pressed], half[pressed] = self._pressed(
+            product[pressed], tilt[pressed], middle[pressed]
+        )
+        left = float(np.min(middle - half, initial=0.0))
+        right = float(np.max(middle + half, initial=0.0))
+        least, most = self.extent
+        if left < least * (1 + _NOISE) or right > most * (1 + _NOISE):
             raise ProfileDataError(
-                f"profile: the load needs a contact from {ends[0]:.6g} to {ends[1]:.6g}, the"
-                f" profile goes from {self.extent[0]:.6g} to {self.extent[1]:.6g}"
+                f"profile: the load needs a contact from {left:.6g} to {right:.6g}, the"
+                f" profile goes from {least:.6g} to {most:.6g}"
             )
         return middle, half
+
+    def _pressed(self, product: Array, tilt: Array, start: Array) -> tuple[Array, Array]:
+        """m and c under A P > 0, (n,), of a profile that touches first at `start`.
+
+        Newton's method for what both ends carry, held back by the slope of the sum that is least,
+        which is convex. m and c are those of the last step that was accepted; the next trial is at
+        m + `shift`, c + `widening`.
+        """
+        # From a wider contact: what either end carries is nearly a convex function of it, and
+        # hardly one of the other.
+        low = start - self.size
+        high = start + self.size
+        if len(self.knots):
+            low = np.minimum(low, self.knots[0] - self.size)
+            high = np.maximum(high, self.knots[-1] + self.size)
+        m = (low + high) / 2
+        c = (high - low) / 2
+        shift = 0 * start
+        widening = 0 * start
+        fall = np.full(start.shape, np.inf)
+        for _ in range(_STEPS):
+            trial_m = m + shift
+            trial_c = c + widening
+            balance = self.balance(trial_m, trial_c)
+            lean = np.pi * (balance.mean_slope + tilt)
+            missing = (product - balance.load) / trial_c
+            # Half of a step beyond which the sum would rise as steeply as half of its fall before.
+            accepted = lean * shift - missing * widening <= fall / 2
+            m = np.where(accepted, trial_m, m)
+            c = np.where(accepted, trial_c, c)
+            step, widening_step = _newton_step(balance, lean, missing, trial_c, c)
+            # Neither end moves by more than c, nor past what touches first.
+            left = np.clip(step - widening_step, -c, 0.9 * np.maximum(start - m + c, 0.0))
+            right = np.clip(step + widening_step, 0.9 * np.minimum(start - m - c, 0.0), c)
+            shift = np.where(accepted, (left + right) / 2, shift / 2)
+            widening = np.where(accepted, (right - left) / 2, widening / 2)
+            fall = np.where(accepted, np.abs(lean * shift - missing * widening), fall)
+            # The next step would be about the power 3/2 of this one.
+            largest_step = np.maximum(np.abs(shift), np.abs(widening))
+            if np.all(largest_step <= 1e-10 * c + 1e-14 * np.abs(m)):
+                return m + shift, c + widening
+        raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
+
+
+def _newton_step(
+    balance: Balance, lean: Array, missing: Array, half: Array, fallback: Array
+) -> tuple[Array, Array]:
+    """Steps of m and c (n,) of Newton's method; no shift, and wider by `fallback`, where the sum is
+    not convex.
+    """
+    whole = balance.whole
+    odd = balance.odd + lean / half
+    odd = np.where(whole * whole > 1.1 * odd * balance.odd, odd, balance.odd)
+    determinant = whole * whole - odd * balance.odd
+    is_convex = determinant > 0
+    determinant = np.where(is_convex, determinant, 1.0)
+    shift = -(lean * whole + odd * missing) / determinant
+    widening = (whole * missing + lean * balance.odd) / determinant
+    return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback)
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +299,9 @@ class PiecewiseParabola(ConvexProfile):
 
     @cached_property
     def radius(self) -> float | None:  # type: ignore[override]
-        return 1 / float(self.curvature[0]) if self.is_parabola and self.touch(0.0) == 0 else None
+        if not self.is_parabola or self.touch(0.0) != 0:
+            return None
+        return 1 / float(self.curvature[0])
 
     @cached_property
     def is_parabola(self) -> bool:
@@ -291,75 +312,66 @@ class PiecewiseParabola(ConvexProfile):
         """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi
         beyond the left one.
         """
-        away, size = self.knots - m[..., None], np.asarray(c)[..., None]
-        cosine = np.clip(
-            np.where(size > 0, away / np.where(size > 0, size, 1.0), np.sign(away)), -1.0, 1.0
-        )
+        distance = self.knots - m[..., None]
+        half = np.asarray(c)[..., None]
+        ratio = np.where(half > 0, distance / np.where(half > 0, half, 1.0), np.sign(distance))
+        cosine = np.clip(ratio, -1.0, 1.0)
         return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
 
     @cached_property
     def slopes(self) -> Array:
         """h' at the knots."""
-        return np.concatenate(
-            [[self.slope], self.slope + np.cumsum(self.curvature[1:-1] * np.diff(self.knots))]
-        )
+        rises = np.cumsum(self.curvature[1:-1] * np.diff(self.knots))
+        return np.concatenate([[self.slope], self.slope + rises])
 
     def touch(self, tilt: ArrayLike) -> Array:
         """Where h' + alpha = 0: the middle of that place, infinite if there is none [length]."""
-        wanted, last = -np.asarray(tilt, dtype=float), len(self.knots) - 1
-        first, after = (
-            np.searchsorted(self.slopes, wanted, "left"),
-            np.searchsorted(self.slopes, wanted, "right"),
-        )
-        known, bend = np.clip(first - 1, 0, last), self.curvature[first]
-        apart = wanted - self.slopes[known]
+        slope = -np.asarray(tilt, dtype=float)
+        last_knot = len(self.knots) - 1
+        first = np.searchsorted(self.slopes, slope, "left")
+        after = np.searchsorted(self.slopes, slope, "right")
+        knot_before = np.clip(first - 1, 0, last_knot)
+        curvature = self.curvature[first]
+        rise = slope - self.slopes[knot_before]
         with np.errstate(divide="ignore", invalid="ignore"):
-            between = self.knots[known] + np.where(
-                bend > 0, apart / bend, np.copysign(np.inf, apart)
-            )
-        level = (self.knots[np.minimum(first, last)] + self.knots[np.maximum(after - 1, 0)]) / 2
-        return np.where(after > first, level, between)
+            way = np.where(curvature > 0, rise / curvature, np.copysign(np.inf, rise))
+            between_knots = self.knots[knot_before] + way
+        left = self.knots[np.minimum(first, last_knot)]
+        right = self.knots[np.maximum(after - 1, 0)]
+        return np.where(after > first, (left + right) / 2, between_knots)
 
     def balance(self, m: Array, c: Array) -> Balance:
         """What a contact carries. Knots left of m count by (b - x)_+, so that ends next to a knot
         keep their digits.
         """
         number = np.searchsorted(self.knots, m)
-        known, bend = np.maximum(number - 1, 0), self.curvature[number]
-        away = self.knots - m[..., None]
-        depth = np.clip(1 - np.abs(away) / np.where(c > 0, c, 1.0)[..., None], 0.0, 1.0)
-        theta, sine, side = (
-            2 * np.arcsin(np.sqrt(depth / 2)),
-            np.sqrt(depth * (2 - depth)),
-            np.where(away >= 0, 1.0, -1.0),
-        )
-        cosine, square = 1 - depth, np.square(theta)
-        # sin - theta cos and theta - sin cos, both by their series where they would cancel.
-        mean, load, small = sine - theta * cosine, theta - sine * cosine, theta < _SMALL
-        if np.any(small):
-            mean = np.where(
-                small, theta * square * np.polynomial.polynomial.polyval(square, _OF_MEAN), mean
-            )
-            load = np.where(
-                small, theta * square * np.polynomial.polynomial.polyval(square, _OF_LOAD), load
-            )
+        knot_before = np.maximum(number - 1, 0)
+        curvature = self.curvature[number]
+        distance = self.knots - m[..., None]
+        half = np.where(c > 0, c, 1.0)[..., None]
+        depth = np.clip(1 - np.abs(distance) / half, 0.0, 1.0)
+        theta = 2 * np.arcsin(np.sqrt(depth / 2))
+        sine = np.sqrt(depth * (2 - depth))
+        side = np.where(distance >= 0, 1.0, -1.0)
+        of_mean, of_load = _angle_functions(theta, sine, 1 - depth)
+        slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
-            c * (mean @ self.jumps) / np.pi + self.slopes[known] + bend * (m - self.knots[known]),
-            c * c / 2 * (np.pi * bend + (side * load) @ self.jumps),
-            np.pi * bend + (side * theta) @ self.jumps,
-            sine @ self.jumps,
+            mean_slope=c * (of_mean @ self.jumps) / np.pi + slope_at_middle,
+            load=c * c / 2 * (np.pi * curvature + (side * of_load) @ self.jumps),
+            whole=np.pi * curvature + (side * theta) @ self.jumps,
+            odd=sine @ self.jumps,
         )
 
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
         if not self.is_parabola:
             return super().contact(product, tilt)
-        bend = self.curvature[0]
+        curvature = self.curvature[0]
         product, tilt = np.broadcast_arrays(
             np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        return self.knots[0] - (self.slope + tilt) / bend, np.sqrt(
-            2 * np.maximum(product, 0.0) / (np.pi * bend)
-        )
+        middle = self.knots[0] - (self.slope + tilt) / curvature
+        half = np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * curvature))
+        return middle, half
 
     # --- what follows from a contact
 
@@ -368,70 +380,84 @@ class PiecewiseParabola(ConvexProfile):
         return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
+        t = x - m
         if self.is_parabola:
-            return np.asarray(
-                np.pi * self.curvature[0] * np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
-            )
-        t, over = x - m, self.angles(m, c)
+            square = np.maximum((c - x + m) * (c + x - m), 0.0)
+            return np.asarray(np.pi * self.curvature[0] * np.sqrt(square))
+        knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
-        size, knot = np.where(c > 0, c, 1.0)[..., None], self.knots - x[..., None]
-        # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|
-        one, other = root / size * (1 + over.cosine), over.sine * (1 + t[..., None] / size)
+        half = np.where(c > 0, c, 1.0)[..., None]
+        distance_to_knot = self.knots - x[..., None]
+        # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|, each sine times the same factor
+        of_point = root / half * (1 + knot_angles.cosine)
+        of_knot = knot_angles.sine * (1 + t[..., None] / half)
         with np.errstate(divide="ignore", invalid="ignore"):
-            logarithm = np.where(
-                (knot == 0) | (over.sine == 0), 0.0, np.log(np.abs((one + other) / (one - other)))
-            )
-        terms = root * over.theta - knot * np.where(np.isfinite(logarithm), logarithm, 0.0)
-        return np.where(
-            root[..., 0] > 0, terms @ self.jumps + np.pi * self.curvature[0] * root[..., 0], 0.0
-        )
+            logarithm = np.log(np.abs((of_point + of_knot) / (of_point - of_knot)))
+        is_zero = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
+        logarithm = np.where(is_zero, 0.0, logarithm)
+        terms = root * knot_angles.theta - distance_to_knot * logarithm
+        pressure = terms @ self.jumps + np.pi * self.curvature[0] * root[..., 0]
+        return np.where(root[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        t, over = x - m, self.angles(m, c)
+        t = x - m
+        theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
         root = np.sqrt((distance - c) * (distance + c))
-        angle = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
-        area = distance * root - c * c * angle
-        side, share = (
-            np.sign(t)[..., None],
-            np.divide(root, distance + c, out=np.zeros(t.shape), where=distance + c > 0)[..., None],
-        )
-        tangent = (
-            np.where(side > 0, over.sine, share * over.sine),
-            np.where(side > 0, share, 1.0) * (1 + over.cosine),
-        )
-        turned = np.where(
-            over.cosine <= -1, np.pi, np.where(over.cosine >= 1, 0.0, 2 * np.arctan2(*tangent))
-        )
-        knot, sine, whole = (
-            x[..., None] - self.knots,
-            c[..., None] * over.sine,
-            c[..., None] * over.cosine,
-        )
-        terms = np.square(np.maximum(knot, 0.0)) / 2 - knot * knot * turned / (2 * np.pi)
-        terms += (
-            over.theta * area[..., None]
-            - side * sine * (root[..., None] - side * whole * angle[..., None])
-        ) / (2 * np.pi)
-        return np.where(np.abs(t) > c, terms @ self.jumps + self.curvature[0] / 2 * area, 0.0)
+        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        area = distance * root - c * c * u
+        side = np.sign(t)[..., None]
+        # 2 arctan of the tangent of half an angle, from its two legs
+        zeros = np.zeros(t.shape)
+        ratio = np.divide(root, distance + c, out=zeros, where=distance + c > 0)[..., None]
+        opposite = np.where(side > 0, sine, ratio * sine)
+        adjacent = np.where(side > 0, ratio, 1.0) * (1 + cosine)
+        turned = 2 * np.arctan2(opposite, adjacent)
+        turned = np.where(cosine >= 1, 0.0, turned)
+        turned = np.where(cosine <= -1, np.pi, turned)
+        from_knot = x[..., None] - self.knots
+        knot_height = c[..., None] * sine
+        knot_distance = c[..., None] * cosine
+        terms = np.square(np.maximum(from_knot, 0.0)) / 2
+        terms = terms - from_knot * from_knot * turned / (2 * np.pi)
+        lever = root[..., None] - side * knot_distance * u[..., None]
+        terms += (theta * area[..., None] - side * knot_height * lever) / (2 * np.pi)
+        gap = terms @ self.jumps + self.curvature[0] / 2 * area
+        return np.where(np.abs(t) > c, gap, 0.0)
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         theta, sine, cosine = self.angles(m, c)
-        away, knot = m - self.knots[0], self.knots - m[..., None]
-        bent = (
-            theta * knot * knot + np.square(c)[..., None] * (theta / 2 - 1.5 * sine * cosine)
-        ) @ self.jumps
-        plain = self.height + self.slope * away + self.curvature[0] / 2 * (away * away + c * c / 2)
-        return np.asarray(plain + np.asarray(tilt) * m + bent / (2 * np.pi))
+        from_first_knot = m - self.knots[0]
+        to_knot = self.knots - m[..., None]
+        of_angle = theta / 2 - 1.5 * sine * cosine
+        of_jumps = (theta * to_knot * to_knot + np.square(c)[..., None] * of_angle) @ self.jumps
+        square = from_first_knot * from_first_knot + c * c / 2
+        of_parabola = self.height + self.slope * from_first_knot + self.curvature[0] / 2 * square
+        return np.asarray(of_parabola + np.asarray(tilt) * m + of_jumps / (2 * np.pi))
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         theta, sine, cosine = self.angles(m, c)
-        half, knot = c[..., None], self.knots - m[..., None]
-        bent = (
-            half * (sine - sine**3 / 3 - sine * cosine * cosine / 2) - theta * knot / 2
-        ) @ self.jumps
-        level = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
-        return np.asarray(m * self.balance(m, c).load + c * c * (bent + np.pi / 2 * level))
+        half = c[..., None]
+        to_knot = self.knots - m[..., None]
+        of_angle = sine - sine**3 / 3 - sine * cosine * cosine / 2
+        of_jumps = (half * of_angle - theta * to_knot / 2) @ self.jumps
+        slope = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
+        return np.asarray(m * self.balance(m, c).load + c * c * (of_jumps + np.pi / 2 * slope))
+
+
+def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
+    """sin - theta cos and theta - sin cos, both by their series where they would cancel."""
+    of_mean = sine - theta * cosine
+    of_load = theta - sine * cosine
+    is_small = theta < _SMALL
+    if np.any(is_small):
+        square = np.square(theta)
+        cube = theta * square
+        series_of_mean = cube * np.polynomial.polynomial.polyval(square, _OF_MEAN)
+        series_of_load = cube * np.polynomial.polynomial.polyval(square, _OF_LOAD)
+        of_mean = np.where(is_small, series_of_mean, of_mean)
+        of_load = np.where(is_small, series_of_load, of_load)
+    return of_mean, of_load
 
 
 # Share of c, or of the distance to a knot, within which h'' stands for a difference quotient of h'.
@@ -475,53 +501,74 @@ class CurvedProfile(ConvexProfile):
         return self.knots
 
     def touch(self, tilt: ArrayLike) -> Array:
-        wanted, reach = -np.asarray(tilt, dtype=float), self.size
-        while self.gradient(np.array(reach)) < np.max(np.abs(wanted)) and reach < 1e9 * self.size:
+        slope = -np.asarray(tilt, dtype=float)
+        reach = self.size
+        steepest = np.max(np.abs(slope))
+        while self.gradient(np.array(reach)) < steepest and reach < 1e9 * self.size:
             reach = 2 * reach
-        ends = []
-        for above in (np.greater_equal, np.greater):
-            low, high = np.full(wanted.shape, -reach), np.full(wanted.shape, reach)
-            for _ in range(64):
-                middle = (low + high) / 2
-                beyond = above(self.gradient(middle), wanted)
-                low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-            ends.append(low if above is np.greater else high)
-        return np.where(
-            np.abs(wanted) <= self.gradient(np.array(reach)), (ends[0] + ends[1]) / 2, np.inf
-        )
+        left, _ = self._halved(slope, reach, np.greater_equal)
+        _, right = self._halved(slope, reach, np.greater)
+        touches = np.abs(slope) <= self.gradient(np.array(reach))
+        return np.where(touches, (left + right) / 2, np.inf)
+
+    def _halved(
+        self, slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
+    ) -> tuple[Array, Array]:
+        """Bounds, arrays like `slope`, of the place from which on h' is above it, by halvings."""
+        low = np.full(slope.shape, -reach)
+        high = np.full(slope.shape, reach)
+        for _ in range(64):
+            middle = (low + high) / 2
+            is_beyond = is_above(self.gradient(middle), slope)
+            low = np.where(is_beyond, low, middle)
+            high = np.where(is_beyond, middle, high)
+        return low, high
 
     def _nodes(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
         """xi, xi - m and weights of averages over contacts, with a new last axis."""
-        m, c = (each[..., None] for each in np.broadcast_arrays(m, c))
-        away = self.knots[::-1] - m
-        inner = np.arctan2(np.sqrt(np.maximum((c - away) * (c + away), 0.0)), away)
-        ends = np.concatenate([0 * m, inner, 0 * m + np.pi], axis=-1)
-        places = np.concatenate([m + c, np.clip(away + m, m - c, m + c), m - c], axis=-1)
-        length, upper = np.diff(ends)[..., None], self.rule.up < 0.5
+        m, c = np.broadcast_arrays(m, c)
+        m = m[..., None]
+        c = c[..., None]
+        to_knot = self.knots[::-1] - m
+        knot_root = np.sqrt(np.maximum((c - to_knot) * (c + to_knot), 0.0))
+        knot_theta = np.arctan2(knot_root, to_knot)
+        ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
+        knots_within = np.clip(to_knot + m, m - c, m + c)
+        places = np.concatenate([m + c, knots_within, m - c], axis=-1)
+        length = np.diff(ends)[..., None]
         # From the end next to a node, so that its distance from a knot keeps its digits.
-        turn = np.where(upper, length * self.rule.up, -length * self.rule.down)
-        base = np.where(upper, places[..., :-1, None], places[..., 1:, None])
-        sine, cosine = (
-            np.where(upper, each[..., :-1, None], each[..., 1:, None])
-            for each in (np.sin(ends), np.cos(ends))
-        )
-        half = np.sin(turn / 2)
-        xi = base - 2 * c[..., None] * half * (sine * np.sqrt(1 - half * half) + cosine * half)
+        from_begin = self.rule.up < 0.5
+
+        def nearer_end(at_ends: Array) -> Array:
+            return np.where(from_begin, at_ends[..., :-1, None], at_ends[..., 1:, None])
+
+        turn = np.where(from_begin, length * self.rule.up, -length * self.rule.down)
+        half_sine = np.sin(turn / 2)
+        half_cosine = np.sqrt(1 - half_sine * half_sine)
+        sine = nearer_end(np.sin(ends))
+        cosine = nearer_end(np.cos(ends))
+        way = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
+        xi = nearer_end(places) - way
         weight = length * self.rule.share / np.pi
         if len(self.knots):
             # What the rule leaves out of |x|^(n - 2) is a geometric series.
-            rest = 1 + 1 / math.expm1((self.exponent - 1) * self.rule.share[0] / self.rule.up[0])
-            weight[..., 0] *= np.where(places[..., :-1] == 0, rest, 1.0)
-            weight[..., -1] *= np.where(places[..., 1:] == 0, rest, 1.0)
-        flat = (*xi.shape[:-2], xi.shape[-2] * xi.shape[-1])
-        return xi.reshape(flat), (xi - m[..., None]).reshape(flat), weight.reshape(flat)
+            ratio = (self.exponent - 1) * self.rule.share[0] / self.rule.up[0]
+            factor = 1 + 1 / math.expm1(ratio)
+            weight[..., 0] *= np.where(places[..., :-1] == 0, factor, 1.0)
+            weight[..., -1] *= np.where(places[..., 1:] == 0, factor, 1.0)
+        shape = (*xi.shape[:-2], xi.shape[-2] * xi.shape[-1])
+        return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weight.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
         xi, t, weight = self._nodes(m, c)
-        slope, bend = weight * self.gradient(xi), np.pi * weight * self.bend(xi)
+        slope = weight * self.gradient(xi)
+        bend = np.pi * weight * self.bend(xi)
         cosine = t / np.where(c > 0, c, 1.0)[..., None]
         return Balance(
-            *(np.sum(each, axis=-1) for each in (slope, np.pi * slope * t, bend, bend * cosine))
+            mean_slope=np.sum(slope, axis=-1),
+            load=np.sum(np.pi * slope * t, axis=-1),
+            whole=np.sum(bend, axis=-1),
+            odd=np.sum(bend * cosine, axis=-1),
         )
 
     @property
@@ -530,28 +577,31 @@ class CurvedProfile(ConvexProfile):
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         xi, _, weight = self._nodes(m, c)
-        place, root = np.asarray(x)[..., None], np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
-        away = xi - place
-        apart = np.min(np.abs(place - self.knots), axis=-1, initial=np.inf, keepdims=True)
-        near = np.nonzero(np.abs(away) < _NEAR * np.minimum(apart, c[..., None]))
-        middle, away[near] = (place + away / 2)[near] if len(near[0]) else away[near], np.inf
-        quotient = (self.gradient(xi) - self.gradient(place)) / np.where(away == 0, np.inf, away)
-        quotient[near] = self.bend(middle)
+        place = np.asarray(x)[..., None]
+        root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
+        way = xi - place
+        to_knots = np.abs(place - self.knots)
+        to_next_knot = np.min(to_knots, axis=-1, initial=np.inf, keepdims=True)
+        is_near = np.nonzero(np.abs(way) < _NEAR * np.minimum(to_next_knot, c[..., None]))
+        middle = (place + way / 2)[is_near] if len(is_near[0]) else way[is_near]
+        way[is_near] = np.inf
+        rise = self.gradient(xi) - self.gradient(place)
+        quotient = rise / np.where(way == 0, np.inf, way)
+        quotient[is_near] = self.bend(middle)
         return np.asarray(np.pi * root * np.sum(weight * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
         xi, t, weight = self._nodes(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
-        angle, place = (
-            np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0),
-            np.asarray(x)[..., None],
-        )
-        away, slope = place - xi, self.gradient(xi)
-        chord = np.divide(
-            self.height(place) - self.height(xi), away, out=np.zeros(away.shape), where=away != 0
-        )
-        values = (np.sign(x - m) * root)[..., None] * (chord - slope) - angle[..., None] * t * slope
+        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        place = np.asarray(x)[..., None]
+        way = place - xi
+        slope = self.gradient(xi)
+        rise = self.height(place) - self.height(xi)
+        chord = np.divide(rise, way, out=np.zeros(way.shape), where=way != 0)
+        signed_root = (np.sign(x - m) * root)[..., None]
+        values = signed_root * (chord - slope) - u[..., None] * t * slope
         return np.asarray(np.sum(weight * values, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -561,13 +611,8 @@ class CurvedProfile(ConvexProfile):
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         del tilt
         xi, t, weight = self._nodes(m, c)
-        return np.asarray(
-            np.pi
-            * np.sum(
-                weight * self.gradient(xi) * (m[..., None] * t + t * t - c[..., None] ** 2 / 2),
-                axis=-1,
-            )
-        )
+        lever = m[..., None] * t + t * t - c[..., None] ** 2 / 2
+        return np.asarray(np.pi * np.sum(weight * self.gradient(xi) * lever, axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -609,9 +654,10 @@ class NestedIntervals:
     @cached_property
     def face(self) -> tuple[float, float]:
         """Middle and half-length of a flat face that touches under no load."""
-        return float(self.start[0]), (
-            0.0 if self.shape.radius is not None else float(self._series[3](0.0))
-        )
+        middle = float(self.start[0])
+        if self.shape.radius is not None:
+            return middle, 0.0
+        return middle, float(self._series.half(0.0))
 
     @cached_property
     def break_loads(self) -> Array:
@@ -620,55 +666,47 @@ class NestedIntervals:
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
 
     @cached_property
-    def _series(self) -> tuple[Array, Array, Pieces, Pieces]:
-        """Loads behind which stretches begin and their places on one axis; m and c over that
-        axis.
-        """
-        marks = np.concatenate(
-            [[0.0], self.break_loads[self.break_loads < self.most * (1 - 1e-9)], [self.most]]
+    def _series(self) -> _IntervalSeries:
+        """Of all loads up to the largest."""
+        breaks = self.break_loads[self.break_loads < self.most * (1 - 1e-9)]
+        marks = np.concatenate([[0.0], breaks, [self.most]])
+        places = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))])
+        middles = []
+        halves = []
+        for low, high in pairwise(marks.tolist()):
+            middle, half = self._series_between(low, high)
+            middles.append(middle)
+            halves.append(half)
+        return _IntervalSeries(
+            marks[:-1], places, _side_by_side(middles, places), _side_by_side(halves, places)
         )
-        places, found = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))]), []
+
+    def _series_between(self, low: float, high: float) -> tuple[Pieces, Pieces]:
+        """m and c over v = sqrt(eta - low) between two loads next to each other."""
+        ends = np.array([0.0, math.sqrt(high - low)])
         # Over 4e-15: beside a flat the last digits of a contact are noise.
         floor = 0.1 * self.shape.noise / 4e-15 * self.scale
-        for low, high in pairwise(marks.tolist()):
-            ends = np.array([0.0, math.sqrt(high - low)])
-            both = (
-                halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, floor)  # type: ignore[misc]
-                for k in (0, 1)
+        try:
+            return (
+                halved(lambda v: self.exactly(low + v * v)[0], ends, floor),
+                halved(lambda v: self.exactly(low + v * v)[1], ends, floor),
             )
-            try:
-                found.append(tuple(both))
-            except Unresolved as fault:
-                raise NotFoundError(
-                    f"no contact was found under the tilt {self.tilt:.6g} and loads of about"
-                    f" {low:.6g}"
-                ) from fault
-        middle, half = (
-            Pieces(
-                np.concatenate(
-                    [
-                        [0.0],
-                        *(
-                            piece.edges[1:] + place
-                            for piece, place in zip(pieces, places[:-1], strict=True)
-                        ),
-                    ]
-                ),
-                np.concatenate([piece.coefficients for piece in pieces], axis=1),
-            )
-            for pieces in zip(*found, strict=True)
-        )
-        return marks[:-1], places, middle, half
+        except Unresolved as fault:
+            raise NotFoundError(
+                f"no contact was found under the tilt {self.tilt:.6g} and loads of about {low:.6g}"
+            ) from fault
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta)."""
         if self.shape.radius is not None:
             return self.exactly(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.most)
-        marks, places, middle, half = self._series
-        number = np.searchsorted(marks, eta, side="right") - 1
-        place = np.minimum(places[number] + np.sqrt(eta - marks[number]), places[number + 1])
-        return middle(place), np.where(eta > 0, np.maximum(half(place), 0.0), 0.0)
+        series = self._series
+        number = np.searchsorted(series.begin_loads, eta, side="right") - 1
+        root = np.sqrt(eta - series.begin_loads[number])
+        place = np.minimum(series.places[number] + root, series.places[number + 1])
+        half = np.maximum(series.half(place), 0.0)
+        return series.middle(place), np.where(eta > 0, half, 0.0)
 
     def growth(self, side: Array, load: Array, rise: Array) -> Array:
         """How far the end of I(eta) on a side, +1 or -1, has moved outwards while eta rose by
@@ -677,30 +715,31 @@ class NestedIntervals:
         From the rate: the difference of two ends that are next to each other would be what their
         series leave out.
         """
-        if self.shape.radius is not None:
-            (_, wide), (_, narrow) = self.exactly(load), self.exactly(load - rise)
-            return rise * (
-                2 * self.product * self.shape.radius / np.pi / (wide + narrow)
-                - side * self.shape.radius * self.slope
-            )
-        marks, places, middle, half = self._series
-        number, total, (node, share) = (
-            np.searchsorted(marks, load, side="right") - 1,
-            np.zeros(load.shape),
-            gauss(8),
-        )
-        outer = np.sqrt(load - marks[number])
+        radius = self.shape.radius
+        if radius is not None:
+            _, half_after = self.exactly(load)
+            _, half_before = self.exactly(load - rise)
+            widening = 2 * self.product * radius / np.pi / (half_after + half_before)
+            return rise * (widening - side * radius * self.slope)
+        series = self._series
+        number = np.searchsorted(series.begin_loads, load, side="right") - 1
+        growth = np.zeros(load.shape)
+        node, share = gauss(8)
+        rise_left = rise
+        outer = np.sqrt(load - series.begin_loads[number])
         while np.any(number >= 0):
-            above = np.minimum(rise, outer * outer)
-            step = above / np.maximum(outer + np.sqrt(outer * outer - above), 1e-300)
-            low, high = places[number][:, None], np.nextafter(places[number + 1], 0.0)[:, None]
+            rise_here = np.minimum(rise_left, outer * outer)
+            inner = np.sqrt(outer * outer - rise_here)
+            step = rise_here / np.maximum(outer + inner, 1e-300)
+            low = series.places[number][:, None]
+            high = np.nextafter(series.places[number + 1], 0.0)[:, None]
             v = np.clip(low + (outer[:, None] - step[:, None] * node), low, high)
-            total += step * np.sum(
-                share * (half.derivative(v) + side[:, None] * middle.derivative(v)), axis=1
-            )
-            rise, number = rise - above, np.where(rise > above, number - 1, -1)
-            outer = places[number + 1] - places[number]
-        return total
+            rate = series.half.derivative(v) + side[:, None] * series.middle.derivative(v)
+            growth += step * np.sum(share * rate, axis=1)
+            number = np.where(rise_left > rise_here, number - 1, -1)
+            rise_left = rise_left - rise_here
+            outer = series.places[number + 1] - series.places[number]
+        return growth
 
     def load(self, x: Array) -> Array:
         """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none
@@ -709,26 +748,51 @@ class NestedIntervals:
         With x as an end the mean slope falls with c: Newton's method, kept in a bracket.
         """
         middle, half = self.exactly(self.most)
-        reached = np.abs(x - middle) <= half * (1 + 1e-8)
-        place, lean = x[reached], self.slope / self.product
+        is_reached = np.abs(x - middle) <= half * (1 + 1e-8)
+        place = x[is_reached]
+        tilt_per_product = self.slope / self.product
         side = np.where(place < float(self.shape.touch(self.tilt)), -1.0, 1.0)
-        low, high = np.zeros(place.shape), np.full(place.shape, 2.1 * self.scale)
+        low = np.zeros(place.shape)
+        high = np.full(place.shape, 2.1 * self.scale)
         c = high / 2
         for _ in range(_STEPS):
-            found = self.shape.balance(place - side * c, c)
-            excess = side * (found.mean_slope + self.tilt) + side * lean * found.load
-            rate = (found.whole - side * found.odd) * (1 / np.pi - side * lean * c)
-            low, high = np.where(excess > 0, c, low), np.where(excess > 0, high, c)
-            new = c + excess / np.where(rate > 0, rate, np.inf)
-            inside = (rate > 0) & (new >= low) & (new <= high)
-            new = np.where(inside, new, (low + high) / 2)
-            done = inside & (np.abs(new - c) <= 1e-10 * c) | (high - low <= 4e-16 * self.scale)
-            c = new
-            if np.all(done):
+            balance = self.shape.balance(place - side * c, c)
+            excess = side * (balance.mean_slope + self.tilt)
+            excess = excess + side * tilt_per_product * balance.load
+            rate = (balance.whole - side * balance.odd) * (1 / np.pi - side * tilt_per_product * c)
+            low = np.where(excess > 0, c, low)
+            high = np.where(excess > 0, high, c)
+            newton = c + excess / np.where(rate > 0, rate, np.inf)
+            is_inside = (rate > 0) & (newton >= low) & (newton <= high)
+            new_c = np.where(is_inside, newton, (low + high) / 2)
+            is_small_step = is_inside & (np.abs(new_c - c) <= 1e-10 * c)
+            is_done = is_small_step | (high - low <= 4e-16 * self.scale)
+            c = new_c
+            if np.all(is_done):
                 break
-        result = np.full(x.shape, np.inf)
-        result[reached] = self.shape.balance(place - side * c, c).load / self.product
-        return np.where(result <= self.most * (1 + 1e-9), result, np.inf)
+        loads = np.full(x.shape, np.inf)
+        loads[is_reached] = self.shape.balance(place - side * c, c).load / self.product
+        return np.where(loads <= self.most * (1 + 1e-9), loads, np.inf)
+
+
+class _IntervalSeries(NamedTuple):
+    """m and c over one axis, on which stretches of v = sqrt(eta - eta_b) lie side by side: the load
+    at which each begins (k,), the places of their ends (k + 1,).
+    """
+
+    begin_loads: Array
+    places: Array
+    middle: Pieces
+    half: Pieces
+
+
+def _side_by_side(series: list[Pieces], places: Array) -> Pieces:
+    """Series on one axis, each from its place on."""
+    edges = [np.zeros(1)]
+    for pieces, place in zip(series, places[:-1], strict=True):
+        edges.append(pieces.edges[1:] + place)
+    coefficients = np.concatenate([pieces.coefficients for pieces in series], axis=1)
+    return Pieces(np.concatenate(edges), coefficients)
 
 
 @dataclass(frozen=True, eq=False)
@@ -828,10 +892,8 @@ class TiltedProfile:
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
         """p at points (k,) of contacts (n,): (n, k)."""
-        return np.asarray(
-            np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0)
-            / (np.pi * self._product)
-        )
+        pressure = np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0)
+        return np.asarray(pressure / (np.pi * self._product))
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """Normal approach at x = 0 of contacts (n,) [length]."""
@@ -854,35 +916,35 @@ class TiltedProfile:
             Where the steps do not converge.
         """
         load = np.maximum(load, 0.0)
-        wanted = np.where(load > 0, moment, 0.0)
+        moment = np.where(load > 0, moment, 0.0)
         if self.shape.radius is not None:
-            return -wanted / (self.shape.radius * np.where(load > 0, load, np.inf))
+            return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
 
-        pairs, which = np.unique(np.stack([load, wanted]), axis=1, return_inverse=True)
-        load, wanted = pairs
-
-        low, high, tilt = (
-            np.full(load.shape, -np.inf),
-            np.full(load.shape, np.inf),
-            np.zeros(load.shape),
-        )
+        pairs, which = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
+        load, moment = pairs
+        low = np.full(load.shape, -np.inf)
+        high = np.full(load.shape, np.inf)
+        tilt = np.zeros(load.shape)
         for _ in range(_STEPS):
             m, c = self.under(load, tilt)
-            excess, half = self.moment(m, c, load, tilt) - wanted, np.where(c > 0, c, 1.0)
-            low, high = np.where(excess > 0, tilt, low), np.where(excess > 0, high, tilt)
+            excess = self.moment(m, c, load, tilt) - moment
+            half = np.where(c > 0, c, 1.0)
+            low = np.where(excess > 0, tilt, low)
+            high = np.where(excess > 0, high, tilt)
             # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
             # more than about a third of it.
-            most = self._product * load / (4 * half)
-            new = tilt + np.clip(2 * self._product * excess / (np.pi * half**2), -most, most)
-            new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-            change, tilt = np.abs(new - tilt), new
-            if np.all(change <= 1e-9 * most):
-                break
-        else:
-            raise NotFoundError(
-                "load: no tilt was found at which the contact carries the moment that is stated"
-            )
-        return np.where(load > 0, tilt, 0.0)[which.ravel()]
+            longest_step = self._product * load / (4 * half)
+            step = 2 * self._product * excess / (np.pi * half**2)
+            new_tilt = tilt + np.clip(step, -longest_step, longest_step)
+            is_inside = (new_tilt >= low) & (new_tilt <= high)
+            new_tilt = np.where(is_inside, new_tilt, (low + high) / 2)
+            change = np.abs(new_tilt - tilt)
+            tilt = new_tilt
+            if np.all(change <= 1e-9 * longest_step):
+                return np.where(load > 0, tilt, 0.0)[which.ravel()]
+        raise NotFoundError(
+            "load: no tilt was found at which the contact carries the moment that is stated"
+        )
 
     # --- kernels of the family
 
@@ -897,9 +959,8 @@ class TiltedProfile:
         """int_0^P eta dp(x, eta) [stress * load]."""
         place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
         eta, weight = self._nodes(np.minimum(self.load(place), load), load)
-        return load * self.pressure(place, load) - np.sum(
-            weight * self.pressure(place[..., None], eta), axis=-1
-        )
+        integral = np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
+        return load * self.pressure(place, load) - integral
 
     def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
         """Nodes and weights on loads, cut at those at which an end meets a knot, a new last
@@ -907,27 +968,25 @@ class TiltedProfile:
         """
         if not len(self.break_loads):
             return graded(begin, end)
-        found = panels(begin, end, self.break_loads)
+        nodes = panels(begin, end, self.break_loads)
         shape = (*np.shape(end), -1)
-        return found.at.reshape(shape), found.weight.reshape(shape)
+        return nodes.at.reshape(shape), nodes.weight.reshape(shape)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force
         per thickness].
         """
         x = np.asarray(x, dtype=float)
-        closed = self.shape.gap(x, *self.intervals.start) - self.shape.gap(
-            x, *self.intervals.at(load)
-        )
-        return np.maximum(closed, 0.0) * np.pi / self._product
+        gap_before = self.shape.gap(x, *self.intervals.start)
+        gap_after = self.shape.gap(x, *self.intervals.at(load))
+        return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._product
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """The same with eta in front [force^2 per thickness^2]."""
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
         eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
-        return np.asarray(
-            np.sum(weight * eta * self.arccosh_ratio(x[..., None], 0.0, eta), axis=-1)
-        )
+        kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
+        return np.asarray(np.sum(weight * eta * kernel, axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of slip, arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2), from the load;
@@ -937,23 +996,26 @@ class TiltedProfile:
         m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
-        return (
-            self.share * np.arcsinh(root / np.where(c > 0, c, np.inf))
-            - self.lean * np.sign(t) * root
-        )
+        arccosh = np.arcsinh(root / np.where(c > 0, c, np.inf))
+        return self.share * arccosh - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """pi dp/d eta from the load and what it is above P_x; 0 outside."""
-        (m, c), (start, least) = self.at(advance), self.intervals.face
-        place, above = np.asarray(x, dtype=float), np.asarray(excess, dtype=float)
+        m, c = self.at(advance)
+        face_middle, face_half = self.intervals.face
+        place = np.asarray(x, dtype=float)
+        load_above = np.asarray(excess, dtype=float)
         t = place - m
         square = (c - t) * (c + t)
-        near = (square < _NEXT * c * c) & (above > 0) & (np.abs(place - start) >= least)
-        if np.any(near):
+        is_beside_face = np.abs(place - face_middle) >= face_half
+        is_near = (square < _NEXT * c * c) & (load_above > 0) & is_beside_face
+        if np.any(is_near):
             side, load, rise, half = (
-                np.broadcast_to(each, near.shape)[near] for each in (np.sign(t), advance, above, c)
+                np.broadcast_to(values, is_near.shape)[is_near]
+                for values in (np.sign(t), advance, load_above, c)
             )
-            square[near] = (gap := self.intervals.growth(side, load, rise)) * (2 * half - gap)
+            to_edge = self.intervals.growth(side, load, rise)
+            square[is_near] = to_edge * (2 * half - to_edge)
         return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
 
     def logarithm(self, c: Array) -> Array:
@@ -967,21 +1029,24 @@ class TiltedProfile:
         if self.rigid == "moment":
             return arm
         shift = self.share * self.logarithm(c) + self.lean * m
-        return self.share * shift + self.lean * arm if self.rigid == "loop" else shift
+        if self.rigid == "loop":
+            return self.share * shift + self.lean * arm
+        return shift
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P of `log_ratio`."""
         load = np.asarray(load, dtype=float)
         m, c = self.intervals.at(load)
-        turned = self.intervals.tilt + self.intervals.slope * load
-        moment = self.shape.moment(m, c, turned) / self._product
+        tilt = self.intervals.tilt + self.intervals.slope * load
+        moment = self.shape.moment(m, c, tilt) / self._product
         if self.rigid == "moment":
             return moment
-        start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
-        whole = np.pi / self._product * (
-            self.shape.approach(m, c, turned) - start
-        ) + load * self.logarithm(c)
-        return whole + self.lean * moment if self.rigid == "loop" else whole
+        approach_of_start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
+        approach = self.shape.approach(m, c, tilt) - approach_of_start
+        shift = np.pi / self._product * approach + load * self.logarithm(c)
+        if self.rigid == "loop":
+            return shift + self.lean * moment
+        return shift
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""
@@ -993,20 +1058,22 @@ class TiltedProfile:
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
-        loop, front = replace(self, rigid="loop"), np.maximum(load - slipped, 0.0)
+        loop = replace(self, rigid="loop")
+        front = np.maximum(load - slipped, 0.0)
         rate = loop.log_ratio(front)
-        result = np.array(slipped * rate - (loop.log_distance(load) - loop.log_distance(front)))
-        close = slipped < _APART * load
-        if np.any(close):
-            eta, weight = crowded(front[close], load[close])
-            result[close] = np.sum(weight * (rate[close][:, None] - loop.log_ratio(eta)), axis=-1)
-        return np.maximum(result, 0.0)
+        kernel = np.array(slipped * rate - (loop.log_distance(load) - loop.log_distance(front)))
+        is_close = slipped < _APART * load
+        if np.any(is_close):
+            eta, weight = crowded(front[is_close], load[is_close])
+            difference = rate[is_close][:, None] - loop.log_ratio(eta)
+            kernel[is_close] = np.sum(weight * difference, axis=-1)
+        return np.maximum(kernel, 0.0)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Error of the method `name` by the round-off of m and c; `dissipation_kernel` is a
         difference of larger numbers.
         """
-        value = np.abs(getattr(self, name)(*arguments))
-        return self.noise * (
-            value + (np.abs(arguments[0]) if name == "dissipation_kernel" else 0.0)
-        )
+        size = np.abs(getattr(self, name)(*arguments))
+        if name == "dissipation_kernel":
+            size = size + np.abs(arguments[0])
+        return self.noise * size
