@@ -37,15 +37,25 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError, LoadPath
+from scenes import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    InputError,
+    LoadPath,
+    LoadSegment,
+)
 from semi_analytic.bulk_and_tilt import PathLoads
 from semi_analytic.history import check
 from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 
-CELLS, INCREMENTS = 160, 320
-"""Cells across the largest contact and increments a cycle; half of both tell the error."""
+CELLS = 160
+"""Cells across the largest contact; half as many tell the error."""
+INCREMENTS = 320
+"""Increments a cycle; half as many tell the error."""
 
 # Turns of an active set that are allowed: it takes about ten.
 _TURNS = 200
@@ -65,7 +75,8 @@ STEADY = 1e-6
 # Shares of a cell by which grids are moved, evenly, so that waves of a cell, a half, a third ...
 # cancel in their mean; no two are mirror images under a symmetric contact. How many groups of them
 # tell what is left.
-_SHIFTS, _GROUPS = (np.arange(16) + 0.25) / 16, 4
+_SHIFTS = (np.arange(16) + 0.25) / 16
+_GROUPS = 4
 # Cycles that grids take up before the last where a coarse one went first, and the last.
 _RESUMED = 2
 # Instants, out of those asked for, at which coarse grids are held against the others.
@@ -115,8 +126,9 @@ class Fields(NamedTuple):
         """Outer edges of the cells that stay in contact from instant `first` on and slip at most
         `share` of the farthest.
         """
-        slid, stays = np.ptp(self.slip[first:], axis=0), np.all(self.state[first:] != OPEN, axis=0)
-        return self._ends(stays & (slid <= share * np.max(slid)))
+        slip_range = np.ptp(self.slip[first:], axis=0)
+        stays_in_contact = np.all(self.state[first:] != OPEN, axis=0)
+        return self._ends(stays_in_contact & (slip_range <= share * np.max(slip_range)))
 
     def cycle_work(self, increments: int, *, loop: bool = False) -> Array:
         """Friction work, or closed integral of Q dU - m_q d eps, of the last whole cycles of so
@@ -126,30 +138,67 @@ class Fields(NamedTuple):
         return values[len(values) % increments :].reshape(-1, increments).sum(axis=1)
 
     def _ends(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
-        here = self.x[cells]
-        return (
-            (float(here[0] - self.step / 2), float(here[-1] + self.step / 2))
-            if len(here)
-            else (math.nan, math.nan)
-        )
+        middles = self.x[cells]
+        if not len(middles):
+            return math.nan, math.nan
+        return float(middles[0] - self.step / 2), float(middles[-1] + self.step / 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Cells side by side that are in contact: `root` M with M^T M = C^-1, the row sums of C^-1 and
-    their sum.
+    """Cells side by side that are in contact.
+
+    Attributes
+    ----------
+    root : M with M^T M = C^-1
+    rows, row_sum : the row sums of C^-1, and their sum
     """
 
     root: Array
     rows: Array
-    whole: float
+    row_sum: float
 
     @cached_property
     def stiffness(self) -> Array:
-        """G = C^-1 less what a shift of all cells does: t = total rows/whole + G b has C t = b +
+        """G = C^-1 less what a shift of all cells does: t = total rows/row_sum + G b has C t = b +
         const and the sum `total`.
         """
-        return np.asarray(self.root.T @ self.root - np.outer(self.rows, self.rows / self.whole))
+        inverse = self.root.T @ self.root
+        return np.asarray(inverse - np.outer(self.rows, self.rows / self.row_sum))
+
+
+class ContactCells(NamedTuple):
+    """The cells of each grid that are in contact, side by side, (g,): the first, and how many."""
+
+    begin: NDArray[np.intp]
+    number: NDArray[np.intp]
+
+    @property
+    def end(self) -> NDArray[np.intp]:
+        """Number behind the last cell."""
+        return self.begin + self.number
+
+    def common_with(self, others: ContactCells) -> ContactCells:
+        """Cells that are in both; a number <= 0 where there are none."""
+        begin = np.maximum(self.begin, others.begin)
+        return ContactCells(begin, np.minimum(self.end, others.end) - begin)
+
+
+class Pressed(NamedTuple):
+    """The answer of the normal problem: p (g, k), cells in contact, delta (g,)."""
+
+    pressure: Array
+    contact: ContactCells
+    approach: Array
+
+
+class Dragged(NamedTuple):
+    """The answer of the tangential problem: q, s and direction of slip (g, k), U (g,)."""
+
+    shear: Array
+    slip: Array
+    directions: NDArray[np.intp]
+    shift: Array
 
 
 class Grid:
@@ -174,51 +223,48 @@ class Grid:
     ) -> None:
         """`extent` is (2,) the ends of one grid, or (g, 2) those of grids of one length."""
         ends = np.atleast_2d(np.asarray(extent, dtype=float))
-        self.alone, self._length, self.cells = (
-            np.ndim(extent) == 1,
-            float(ends[0, 1] - ends[0, 0]),
-            cells,
-        )
-        self.step, self.modulus, self.friction, self.dundurs = (
-            self._length / cells,
-            modulus,
-            friction,
-            dundurs,
-        )
+        self.alone = np.ndim(extent) == 1
+        self.cells = cells
+        self.modulus = modulus
+        self.friction = friction
+        self.dundurs = dundurs
+        self._length = float(ends[0, 1] - ends[0, 0])
+        self.step = self._length / cells
         self.x: Array = ends[:, :1] + self.step * (np.arange(cells) + 0.5)
-        self._height, self._numbers = height(self.x), np.arange(cells)
         self.datum = 2 / (math.pi * modulus) * math.log(self._length)
+        self._height = height(self.x)
+        self._numbers = np.arange(cells)
         self._compliance = self.compliance_at(self.x[0], 0)
-        self._coupling = (
-            dundurs / modulus * self.step * np.sign(self._numbers[:, None] - self._numbers)
-        )
-        self._begin, self._count = np.zeros((2, len(self.x)), dtype=int)  # of the cells in contact
-        # increments whose new cells did not slip before they were touched: `_drag`
-        self.without_early_slip = 0
-        self._shear: Array = np.zeros(self.x.shape)
-        self.slip: Array = np.zeros(self.x.shape)
+        signs = np.sign(self._numbers[:, None] - self._numbers)
+        self._coupling = dundurs / modulus * self.step * signs
+        cholesky_factor = scipy.linalg.cholesky(self._compliance, lower=True)
         self._root: Array = scipy.linalg.solve_triangular(
-            scipy.linalg.cholesky(self._compliance, lower=True), np.eye(cells), lower=True
+            cholesky_factor, np.eye(cells), lower=True
         )
         self._zones: dict[int, Zone] = {}
+        self._pressed: dict[tuple[float, float], Pressed] = {}
+        # increments whose new cells did not slip before they were touched: `_drag`
+        self.without_early_slip = 0
+        # where the grids stand
+        no_cells = np.zeros(len(self.x), dtype=int)
+        self._contact = ContactCells(no_cells, no_cells)
+        self._shear: Array = np.zeros(self.x.shape)
+        self.slip: Array = np.zeros(self.x.shape)
         self._shift: Array = np.zeros(len(self.x))
         self._strain = 0.0
         self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
         self._last: dict[str, Any] | None = None
-        self._pressed: dict[tuple[float, float], tuple[Array, Array, Array, Array]] = {}
 
     def compliance_at(self, x: Array, number: int) -> Array:
         """Displacement at points (m,) by a unit traction on each cell of a grid, (m, k); the grid's
         length is the datum length.
         """
-        ends = (
-            (x[:, None] - self.x[number])[..., None] + self.step * np.array([-0.5, 0.5])
-        ) / self._length
+        distance = (x[:, None] - self.x[number])[..., None]
+        ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
         with np.errstate(divide="ignore", invalid="ignore"):
             primitive = np.where(ends == 0, 0.0, ends * (np.log(np.abs(ends)) - 1))
-        return np.asarray(
-            -2 * self._length / (math.pi * self.modulus) * np.diff(primitive, axis=-1)[..., 0]
-        )
+        integral = np.diff(primitive, axis=-1)[..., 0]
+        return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
     def _zone(self, count: int) -> Zone:
         """Of so many cells: equal cells have one C wherever they lie, and the root of C^-1 is a
@@ -232,216 +278,204 @@ class Grid:
                 self._zones.pop(next(iter(self._zones)))
         return self._zones[count]
 
-    def _inside(self, begin: Array, count: Array) -> NDArray[np.bool_]:
-        """Which cells are among the `count` (g,) from `begin` (g,) on: (g, k)."""
-        return (self._numbers >= begin[:, None]) & (self._numbers < (begin + count)[:, None])
+    def _inside(self, contact: ContactCells) -> NDArray[np.bool_]:
+        """Which cells are in contact: (g, k)."""
+        begin = contact.begin[:, None]
+        end = contact.end[:, None]
+        return (self._numbers >= begin) & (self._numbers < end)
 
-    def _press(self, load: float, tilt: float, lifted: Array) -> tuple[Array, Array, Array, Array]:
-        """Pressure, first cell in contact, how many there are, and the normal approach of each
-        grid: p > 0 where g = 0.
-        """
+    def _press(self, load: float, tilt: float, lifted: Array) -> Pressed:
+        """Pressure, cells in contact and normal approach of each grid: p > 0 where g = 0."""
         height = lifted + tilt * self.x
-        begin, count = self._begin.copy(), self._count.copy()
-        if not count.all():
-            begin, count = np.argmin(height, axis=1) - 2, np.full(len(begin), 5)
+        contact = self._contact
+        if not contact.number.all():
+            contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
         for _ in range(_TURNS):
-            p, approach = np.zeros(height.shape), np.zeros(len(height))
-            for cells in np.unique(count).tolist():
-                zone, grids = self._zone(cells), np.flatnonzero(count == cells)
-                here = grids[:, None], begin[grids, None] + np.arange(cells)
-                approach[grids] = (load / self.step + height[here] @ zone.rows) / zone.whole
-                p[here] = (
-                    approach[grids, None] * zone.rows - (height[here] @ zone.root.T) @ zone.root
-                )
-            inside = self._inside(begin, count)
-            wanted = np.where(inside, p > 0, height - approach[:, None] + p @ self._compliance < 0)
-            first = np.argmax(wanted, axis=1)
-            many = self.cells - np.argmax(wanted[:, ::-1], axis=1) - first
-            if np.array_equal(wanted, inside):
+            pressure = np.zeros(height.shape)
+            approach = np.zeros(len(height))
+            for cells in np.unique(contact.number).tolist():
+                zone = self._zone(cells)
+                grids = np.flatnonzero(contact.number == cells)
+                at = (grids[:, None], contact.begin[grids, None] + np.arange(cells))
+                approach[grids] = (load / self.step + height[at] @ zone.rows) / zone.row_sum
+                by_height = (height[at] @ zone.root.T) @ zone.root
+                pressure[at] = approach[grids, None] * zone.rows - by_height
+            inside = self._inside(contact)
+            gap = height - approach[:, None] + pressure @ self._compliance
+            touches = np.where(inside, pressure > 0, gap < 0)
+            if np.array_equal(touches, inside):
                 break
-            begin, count = first, many
+            begin = np.argmax(touches, axis=1)
+            end = self.cells - np.argmax(touches[:, ::-1], axis=1)
+            contact = ContactCells(begin, end - begin)
         else:
             raise ArithmeticError("the contact area does not converge")
-        if np.any(begin == 0) or np.any(begin + count == self.cells):
+        if np.any(contact.begin == 0) or np.any(contact.end == self.cells):
             raise ArithmeticError("the contact meets the end of the grid")
-        return p, begin, count, approach
+        return Pressed(pressure, contact, approach)
 
-    def _drag(
-        self, force: float, moved: Array, limit: Array, earlier: tuple[Array, Array]
-    ) -> tuple[Array, Array, Array, Array]:
+    def _drag(self, force: float, moved: Array, limit: Array, earlier: ContactCells) -> Dragged:
         """Shear, slip, directions of slip and U: no slip where |q| < f p, once a cell is touched;
-        `earlier` were so at first.
+        the cells `earlier` were in contact before.
 
         Ahead of an edge that comes slip goes on as the root of the distance: a cell that is touched
         after a share t of the increment has then made 2/3 t of the way that it would have made, 1/3
         in the mean over all t.
         """
-        begin, end = self._begin, self._begin + self._count
-        first, last = np.maximum(begin, earlier[0]), np.minimum(end, earlier[0] + earlier[1])
-        start, grown = self.slip, np.flatnonzero((last > first) & ((first > begin) | (last < end)))
-        start, left = start.copy(), [grown] if len(grown) else []
-        while left:
-            grids = left.pop()
+        contact = self._contact
+        both = contact.common_with(earlier)
+        has_grown = (both.begin > contact.begin) | (both.end < contact.end)
+        grown = np.flatnonzero((both.number > 0) & has_grown)
+        start = self.slip.copy()
+        waiting = [grown] if len(grown) else []
+        while waiting:
+            grids = waiting.pop()
             try:
-                early = self._dragged(force, moved, limit, first, last - first, start, grids)[1]
-            except (
-                ArithmeticError
-            ):  # more than the earlier ones can carry: the new ones start from where they were
+                early_slip = self._dragged(force, moved, limit, both, start, grids).slip
+            except ArithmeticError:
+                # more than the earlier ones can carry: the new ones start from where they were
                 if len(grids) > 1:
-                    left += np.split(grids, len(grids))
+                    waiting += np.split(grids, len(grids))
                 else:
                     self.without_early_slip += 1
                 continue
-            new = (
-                self._inside(begin, self._count)[grids] & ~self._inside(first, last - first)[grids]
-            )
-            start[grids] += np.where(new, _TOUCHED * (early - start[grids]), 0.0)
-        return self._dragged(force, moved, limit, begin, self._count, start, np.arange(len(self.x)))
+            is_new = self._inside(contact)[grids] & ~self._inside(both)[grids]
+            start[grids] += np.where(is_new, _TOUCHED * (early_slip - start[grids]), 0.0)
+        return self._dragged(force, moved, limit, contact, start, np.arange(len(self.x)))
 
     def _dragged(
         self,
         force: float,
         moved: Array,
         limit: Array,
-        begin: Array,
-        count: Array,
+        contact: ContactCells,
         start: Array,
-        some: NDArray[np.intp],
-    ) -> tuple[Array, Array, Array, Array]:
-        """`_drag` of some grids where `count` cells from `begin` on are in contact, with the slip
-        `start`.
+        grids: NDArray[np.intp],
+    ) -> Dragged:
+        """`_drag` of some grids whose cells `contact` are in contact, with the slip `start`.
 
         q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells.
         Where grids have fewer cells in contact than others, open ones beside them slip without
         friction.
         """
-        contact = self._inside(begin, count)[some]
-        cells, every = int(count[some].max()), np.arange(len(some))[:, None]
-        zone, here = (
-            self._zone(cells),
-            np.minimum(begin[some], self.cells - cells)[:, None] + np.arange(cells),
-        )
-        free, touching = (moved - start)[some[:, None], here], contact[every, here]
-        most, allowed = np.where(touching, limit[some[:, None], here], 0.0), _ROUNDING * limit.max()
-        stuck = force / self.step / zone.whole * zone.rows + free @ zone.stiffness
+        inside = self._inside(contact)[grids]
+        cells = int(contact.number[grids].max())
+        zone = self._zone(cells)
+        first_column = np.minimum(contact.begin[grids], self.cells - cells)
+        columns = first_column[:, None] + np.arange(cells)
+        rows = np.arange(len(grids))[:, None]
+        here = (grids[:, None], columns)
+        free_slip = (moved - start)[here]
+        touching = inside[rows, columns]
+        limit_here = np.where(touching, limit[here], 0.0)
+        allowed = _ROUNDING * limit.max()
+        stuck_shear = force / self.step / zone.row_sum * zone.rows + free_slip @ zone.stiffness
         # Most cells go on as in the increment before: the first guess, unless it leaves none that
         # stick.
-        direction = np.where(touching, self._directions[some[:, None], here], 0)
+        direction = np.where(touching, self._directions[here], 0)
         direction[np.all((direction != 0) | ~touching, axis=1)] = 0
         for _ in range(_TURNS):
             slides = (direction != 0) | ~touching
-            number = np.sum(slides, axis=1)
-            if np.any(number == cells):
+            if np.any(np.all(slides, axis=1)):
                 raise ArithmeticError("all cells slip")
-            fixed, v, shear = direction * most, np.zeros(most.shape), stuck
-            if np.any(number):
-                # The cells that slip first, as many as of the grid with most of them: what is too
-                # much has the matrix 1.
-                order = np.argsort(~slides, axis=1, kind="stable")[:, : number.max()]
-                real = np.take_along_axis(slides, order, axis=1)
-                stiff = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
-                if not real.all():
-                    stiff *= real[:, :, None] & real[:, None, :]
-                    stiff[:, np.arange(order.shape[1]), np.arange(order.shape[1])] += ~real
-                right = np.where(real, np.take_along_axis(stuck - fixed, order, axis=1), 0.0)
-                np.put_along_axis(
-                    v, order, np.linalg.solve(stiff, right[..., None])[..., 0], axis=1
-                )
-                shear = np.where(slides, fixed, stuck - v @ zone.stiffness)
-            exceeds = ~slides & (np.abs(shear) > most + allowed)
-            wanted = np.where(
-                exceeds, np.sign(shear), np.where(direction * v > 0, direction, 0)
-            ).astype(int)
-            if np.array_equal(wanted, direction):
+            fixed_shear = direction * limit_here
+            slip = _slip_of_sliding(zone, slides, stuck_shear - fixed_shear)
+            shear = stuck_shear
+            if np.any(slides):
+                shear = np.where(slides, fixed_shear, stuck_shear - slip @ zone.stiffness)
+            exceeds = ~slides & (np.abs(shear) > limit_here + allowed)
+            goes_on = np.where(direction * slip > 0, direction, 0)
+            new_direction = np.where(exceeds, np.sign(shear), goes_on).astype(int)
+            if np.array_equal(new_direction, direction):
                 break
-            direction = wanted
+            direction = new_direction
         else:
             raise ArithmeticError("the slip zones do not converge")
-        q, directions = np.zeros(contact.shape), np.zeros(contact.shape, dtype=int)
-        q[every, here], directions[every, here] = shear, direction
-        shift = (force / self.step + (v - free) @ zone.rows) / zone.whole
-        return q, shift[:, None] + moved[some] - q @ self._compliance, directions, shift
+        all_shear = np.zeros(inside.shape)
+        all_directions = np.zeros(inside.shape, dtype=int)
+        all_shear[rows, columns] = shear
+        all_directions[rows, columns] = direction
+        shift = (force / self.step + (slip - free_slip) @ zone.rows) / zone.row_sum
+        all_slip = shift[:, None] + moved[grids] - all_shear @ self._compliance
+        return Dragged(all_shear, all_slip, all_directions, shift)
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
         """One increment to P, Q, eps and alpha: a row of `Fields`."""
-        last = self._shear
         strained: Array = -strain * self.x
-        p: Array
-        s: Array
-        shift: Array
         if load <= 0:
-            self._count, directions = (
-                np.zeros(len(self.x), dtype=int),
-                np.zeros(self.x.shape, dtype=int),
-            )
-            p, q, approach, shift = (
-                np.zeros(self.x.shape),
-                np.zeros(self.x.shape),
-                np.zeros(len(self.x)),
-                self._shift,
-            )
-            s = shift[:, None] + strained
+            pressed, dragged = self._open(strained)
         elif not self.dundurs:
             if (load, tilt) not in self._pressed:
                 self._pressed[load, tilt] = self._press(load, tilt, self._height)
-            earlier, (p, self._begin, self._count, approach) = (
-                (
-                    self._begin,
-                    self._count,
-                ),
-                self._pressed[load, tilt],
-            )
-            q, s, directions, shift = self._drag(force, strained, self.friction * p, earlier)
-        else:  # in turn
-            earlier = self._begin, self._count
-            for _ in range(_TURNS):
-                p, self._begin, self._count, approach = self._press(
-                    load, tilt, self._height + last @ self._coupling.T
-                )
-                q, s, directions, shift = self._drag(
-                    force, strained + p @ self._coupling.T, self.friction * p, earlier
-                )
-                change, last = float(np.max(np.abs(q - last))), q
-                if change <= _ROUNDING * self.friction * p.max():
-                    break
-            else:
-                raise ArithmeticError("pressure and shear by turns do not converge")
-        inside = self._inside(self._begin, self._count)
-        density = (self._shear + q) * (s - self.slip) / 2
-        self._shear, self.slip, self._shift, self._strain = q, s, shift, strain
-        self._directions = directions
-        found: dict[str, Any] = {
+            pressed = self._pressed[load, tilt]
+            earlier = self._contact
+            self._contact = pressed.contact
+            dragged = self._drag(force, strained, self.friction * pressed.pressure, earlier)
+        else:
+            pressed, dragged = self._press_and_drag_in_turn(load, force, tilt, strained)
+        q, slip, directions, shift = dragged
+        density = (self._shear + q) * (slip - self.slip) / 2
+        state = np.where(self._inside(self._contact), _STATES[directions], OPEN).astype(np.int8)
+        row: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
-            "pressure": p,
+            "pressure": pressed.pressure,
             "shear": q,
-            "slip": s,
-            "state": np.where(inside, _STATES[directions], OPEN).astype(np.int8),
-            "approach": approach - self.datum * load,
+            "slip": slip,
+            "state": state,
+            "approach": pressed.approach - self.datum * load,
             "displacement": shift - self.datum * force,
-            "moment": self.step * np.sum(self.x * p, axis=1),
+            "moment": self.step * np.sum(self.x * pressed.pressure, axis=1),
             "shear_moment": self.step * np.sum(self.x * q, axis=1),
             "density": density,
             "work": self.step * np.sum(density, axis=1),
         }
-        before = self._last or found
-        turned = (
-            (found["shear_moment"] + before["shear_moment"]) / 2 * (strain - before["loads"][2])
-        )
-        found["loop"] = (force + before["loads"][1]) / 2 * (
-            found["displacement"] - before["displacement"]
-        ) - turned
-        self._last = found
-        return found
+        row["loop"] = _loop_between(self._last or row, row)
+        self._shear = q
+        self.slip = slip
+        self._shift = shift
+        self._strain = strain
+        self._directions = directions
+        self._last = row
+        return row
+
+    def _open(self, strained: Array) -> tuple[Pressed, Dragged]:
+        """No contact: the bodies stay where they are, and strain."""
+        no_cells = np.zeros(len(self.x), dtype=int)
+        self._contact = ContactCells(self._contact.begin, no_cells)
+        no_traction = np.zeros(self.x.shape)
+        pressed = Pressed(no_traction, self._contact, np.zeros(len(self.x)))
+        directions = np.zeros(self.x.shape, dtype=int)
+        slip = self._shift[:, None] + strained
+        return pressed, Dragged(no_traction, slip, directions, self._shift)
+
+    def _press_and_drag_in_turn(
+        self, load: float, force: float, tilt: float, strained: Array
+    ) -> tuple[Pressed, Dragged]:
+        """Pressure and shear of unlike bodies, by turns until the shear rests."""
+        earlier = self._contact
+        shear_before = self._shear
+        for _ in range(_TURNS):
+            pressed = self._press(load, tilt, self._height + shear_before @ self._coupling.T)
+            self._contact = pressed.contact
+            moved = strained + pressed.pressure @ self._coupling.T
+            dragged = self._drag(force, moved, self.friction * pressed.pressure, earlier)
+            change = float(np.max(np.abs(dragged.shear - shear_before)))
+            shear_before = dragged.shear
+            if change <= _ROUNDING * self.friction * pressed.pressure.max():
+                return pressed, dragged
+        raise ArithmeticError("pressure and shear by turns do not converge")
 
     def slip_field(self) -> Callable[[Array], Array]:
         """Mean slip of the grids as they stand, as a function of points (m,), in contact and
         outside.
         """
-        shear, shift, strain = self._shear, float(np.mean(self._shift)), self._strain
+        shear = self._shear
+        mean_shift = float(np.mean(self._shift))
+        strain = self._strain
 
         def slip(x: Array) -> Array:
-            moved = [self.compliance_at(x, number) @ row for number, row in enumerate(shear)]
-            return np.asarray(shift - strain * x - np.mean(moved, axis=0))
+            by_shear = [self.compliance_at(x, number) @ row for number, row in enumerate(shear)]
+            return np.asarray(mean_shift - strain * x - np.mean(by_shear, axis=0))
 
         return slip
 
@@ -451,7 +485,7 @@ class Grid:
         """
         load, force, strain, tilt = loads.tolist()
         self.slip = np.stack([slip(x) for x in self.x])
-        _, self._begin, self._count, _ = self._press(load, tilt, self._height)
+        self._contact = self._press(load, tilt, self._height).contact
         self._increment(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> Fields:
@@ -461,17 +495,50 @@ class Grid:
         meets the end of the grid.
         """
         rows = []
-        for row in loads.tolist():
+        for load, force, strain, tilt in loads.tolist():
             try:
-                rows.append(self._increment(*row))
+                rows.append(self._increment(load, force, strain, tilt))
             except ArithmeticError as fault:
-                raise ArithmeticError(f"{fault} at P = {row[0]:.6g}, Q = {row[1]:.6g}") from fault
-        found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-        if self.alone:
-            found = {
-                name: values if name == "loads" else values[:, 0] for name, values in found.items()
-            }
-        return Fields(self.x[0] if self.alone else self.x, self.step, **found)
+                raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
+        fields = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        if not self.alone:
+            return Fields(self.x, self.step, **fields)
+        for name in fields.keys() - {"loads"}:
+            fields[name] = fields[name][:, 0]
+        return Fields(self.x[0], self.step, **fields)
+
+
+def _slip_of_sliding(zone: Zone, slides: NDArray[np.bool_], excess: Array) -> Array:
+    """Slip v of the cells that slide, (g, k) and 0 elsewhere: G v = q_0 - q over them, `excess`."""
+    slip = np.zeros(excess.shape)
+    most = int(np.max(np.sum(slides, axis=1)))
+    if not most:
+        return slip
+    # The cells that slip first, as many as of the grid with most of them: what is too much has the
+    # matrix 1.
+    cells = slides.shape[1]
+    order = np.argsort(~slides, axis=1, kind="stable")[:, :most]
+    is_sliding = np.take_along_axis(slides, order, axis=1)
+    stiffness = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
+    if not is_sliding.all():
+        stiffness *= is_sliding[:, :, None] & is_sliding[:, None, :]
+        diagonal = np.arange(most)
+        stiffness[:, diagonal, diagonal] += ~is_sliding
+    right_side = np.where(is_sliding, np.take_along_axis(excess, order, axis=1), 0.0)
+    solved = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
+    np.put_along_axis(slip, order, solved, axis=1)
+    return slip
+
+
+def _loop_between(before: dict[str, Any], row: dict[str, Any]) -> Array:
+    """Q dU - m_q d eps between two rows of `Fields`, by the trapezoidal rule."""
+    _, force_before, strain_before, _ = before["loads"]
+    _, force, strain, _ = row["loads"]
+    mean_moment = (row["shear_moment"] + before["shear_moment"]) / 2
+    displaced = row["displacement"] - before["displacement"]
+    return np.asarray(
+        (force + force_before) / 2 * displaced - mean_moment * (strain - strain_before)
+    )
 
 
 def solve(
@@ -492,10 +559,10 @@ def solve(
     The first instant is one increment from nothing; where P = 0 there, its eps is in place at first
     touch. `extent` is the grid. Raises ArithmeticError as `Grid.follow`.
 
-    >>> found = solve(
+    >>> fields = solve(
     ...     lambda x: x**2 / 2, (-1.0, 1.0), 200, 1.0, [0.4], [0.0]
     ... )  # Hertz: a = sqrt(4 P/pi), R = 1
-    >>> abs(found.edges(0)[1] - (1.6 / math.pi) ** 0.5) < found.step
+    >>> abs(fields.edges(0)[1] - (1.6 / math.pi) ** 0.5) < fields.step
     True
     """
     loads = np.stack(np.broadcast_arrays(np.atleast_1d(normal), shear, strain, tilt), axis=1)
@@ -503,6 +570,16 @@ def solve(
 
 
 # ------------------------------------------------------------------------------ a scene's load path
+class _Rows(NamedTuple):
+    """Increments of a cycle: P, Q, eps, alpha at its instants (n, 4); rows `at` which instants that
+    are asked for lie, and their numbers `which` among these, (k,) each.
+    """
+
+    loads: Array
+    at: NDArray[np.intp]
+    which: NDArray[np.intp]
+
+
 @dataclass(frozen=True, eq=False)
 class _Path:
     """A load path in increments."""
@@ -511,153 +588,231 @@ class _Path:
     increments: int
     _known: dict[bytes, Array] = field(default_factory=dict)
 
-    def rows(self, number: int, asked: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Of a cycle (-1: before): P, Q, eps, alpha at its instants (n, 4), rows of those `asked`
-        for, and which they are.
+    def rows(self, number: int, time: Array) -> _Rows:
+        """Of a cycle (-1: before), with the instants `time` (k,) among its own."""
+        path = self.loads.path
+        time_in_cycle = time - max(number, 0) * (path.period or 0.0)
+        legs = path.initial_loading if number < 0 else path.cycle
+        times = [
+            self._times_of_leg(leg, k, number < 0, time_in_cycle) for k, leg in enumerate(legs)
+        ]
+        loads = []
+        for times_of_leg in times:
+            key = times_of_leg.tobytes()
+            if key not in self._known:
+                self._known[key] = self.loads.values(times_of_leg).T
+            loads.append(self._known[key])
+        all_times = np.concatenate(times)
+        is_behind_start = (time_in_cycle > legs[0].start) | (number < 0)
+        which = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
+        at = [np.argmin(np.abs(all_times - max(t, path.start))) for t in time_in_cycle[which]]
+        return _Rows(np.concatenate(loads), np.array(at, dtype=int), which)
+
+    def _times_of_leg(
+        self, leg: LoadSegment, place: int, initial: bool, time_in_cycle: Array
+    ) -> Array:
+        """Times of the increments of a leg, number `place` of the initial loading or of the cycle.
+
+        Increments of its own make way for instants that are asked for, but where a load turns
+        round.
         """
-        path, first = self.loads.path, self.loads.path.initial_loading[0]
-        whole = path.cycle or path.initial_loading
-        length, own = whole[-1].end - whole[0].start, asked - max(number, 0) * (path.period or 0.0)
-        legs, times = path.initial_loading if number < 0 else path.cycle, []
-        for k, leg in enumerate(legs):
-            least = self.increments // 4 if number < 0 and (path.cycle or not k) else _OF_LEG
-            share = 0.0 if number < 0 and path.cycle else (leg.end - leg.start) / length
-            # From first touch in equal steps of the contact's size.
-            places = np.linspace(0, 1, max(least, math.ceil(self.increments * share)) + 1)[1:] ** (
-                2 if leg is first else 1
-            )
-            base, turns = leg.start + (leg.end - leg.start) * places, self.loads.turns(leg)
-            # Increments of its own make way for instants that are asked for, but where a load turns
-            # round.
-            new = own[(own > leg.start) & (own <= leg.end)]
-            new = np.append(new, path.start) if leg is first and np.any(own <= path.start) else new
-            near = np.min(np.abs(base[:, None] - new), axis=1, initial=math.inf) < 0.5 * (
-                leg.end - leg.start
-            ) / len(base)
-            new = new[
-                np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf)
-                > 2e-9 * (leg.end - leg.start)
-            ]
-            times.append(np.unique(np.concatenate([base[~near], turns, new])))
-            if (key := times[-1].tobytes()) not in self._known:
-                self._known[key] = self.loads.values(times[-1]).T
-        time = np.concatenate(times)
-        here = np.flatnonzero((own <= legs[-1].end) & ((own > legs[0].start) | (number < 0)))
-        nearest = np.array(
-            [np.argmin(np.abs(time - max(at, path.start))) for at in own[here]], dtype=int
+        path = self.loads.path
+        first_touch = leg is path.initial_loading[0]
+        duration = leg.end - leg.start
+        periodic_legs = path.cycle or path.initial_loading
+        least = _OF_LEG
+        if initial and (path.cycle or not place):
+            least = self.increments // 4
+        share = duration / (periodic_legs[-1].end - periodic_legs[0].start)
+        if initial and path.cycle:
+            share = 0.0
+        count = max(least, math.ceil(self.increments * share))
+        # From first touch in equal steps of the contact's size.
+        places = np.linspace(0, 1, count + 1)[1:] ** (2 if first_touch else 1)
+        even = leg.start + duration * places
+        turns = self.loads.turns(leg)
+        new = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
+        if first_touch and np.any(time_in_cycle <= path.start):
+            new = np.append(new, path.start)
+        to_new = np.min(np.abs(even[:, None] - new), axis=1, initial=math.inf)
+        even = even[to_new >= 0.5 * duration / count]
+        to_turn = np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf)
+        new = new[to_turn > 2e-9 * duration]
+        return np.unique(np.concatenate([even, turns, new]))
+
+
+@dataclass(eq=False)
+class _Answers:
+    """What g grids answer at n instants and m points, along cycles.
+
+    Attributes
+    ----------
+    share, slip : (n, m) means over the grids of q over f p and of s
+    share_of_each, slip_of_each : (g, n', m) of each grid, at every so many instants
+    stick_edges : (n, 2) means
+    loads : (4, n) P, Q, eps and alpha
+    displacement, shear_moment : (n,) means
+    zones : the largest number of zones that stick
+    begins : mean slip, as a function of x, where each cycle begins
+    increments : how many were made
+    works : (g, c) friction work of the cycles
+    work, loop : (g,) of the last; its closed integral of Q dU - m_q d eps
+    density : (g, k) friction work of the cells in the last
+    permanent : (2,) mean edges of what sticks through the last
+    """
+
+    share: Array
+    slip: Array
+    share_of_each: Array
+    slip_of_each: Array
+    stick_edges: Array
+    loads: Array
+    displacement: Array
+    shear_moment: Array
+    zones: int = 1
+    begins: list[Callable[[Array], Array]] = field(default_factory=list)
+    increments: int = 0
+    works: Array = field(default_factory=lambda: np.empty(0))
+    work: Array = field(default_factory=lambda: np.empty(0))
+    loop: Array = field(default_factory=lambda: np.empty(0))
+    density: Array = field(default_factory=lambda: np.empty(0))
+    permanent: Array = field(default_factory=lambda: np.full(2, np.nan))
+
+    @classmethod
+    def empty(cls, grids: int, instants: int, points: int, every: int) -> _Answers:
+        """Before anything is followed."""
+        of_each = (grids, -(-instants // every), points)
+        return cls(
+            share=np.zeros((instants, points)),
+            slip=np.zeros((instants, points)),
+            share_of_each=np.zeros(of_each),
+            slip_of_each=np.zeros(of_each),
+            stick_edges=np.full((instants, 2), np.nan),
+            loads=np.zeros((4, instants)),
+            displacement=np.zeros(instants),
+            shear_moment=np.zeros(instants),
         )
-        return np.concatenate([self._known[each.tobytes()] for each in times]), nearest, here
+
+
+class _State(NamedTuple):
+    """The grids at an instant: q over f p and s at points (g, m), edges of stick (g, 2), the
+    largest number of zones that stick.
+    """
+
+    share: Array
+    slip: Array
+    stick_edges: Array
+    zones: int
+
+
+def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
+    """Of the instant of this number; `kernels` (g, m, k) are displacements by unit tractions."""
+    grids = len(grid.x)
+    _, force, strain, _ = fields.loads[instant]
+    shift = fields.displacement[instant] + grid.datum * force
+    by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
+    slip = shift[:, None] - strain * x - by_shear
+    share = np.zeros((grids, len(x)))
+    edges = np.full((grids, 2), np.nan)
+    zones = 1
+    for number, state in enumerate(fields.state[instant]):
+        touching = np.flatnonzero(state != OPEN)
+        if not len(touching):
+            continue
+        middles = grid.x[number]
+        limit = grid.friction * fields.pressure[instant, number, touching]
+        ratio = fields.shear[instant, number, touching] / limit
+        share[number] = np.interp(x, middles[touching], ratio)
+        sticks = np.concatenate([[False], state == STICK, [False]]).astype(int)
+        begins_and_ends = np.flatnonzero(np.diff(sticks))
+        zones = max(zones, len(begins_and_ends) // 2)
+        if len(begins_and_ends):
+            first = begins_and_ends[0]
+            last = begins_and_ends[-1] - 1
+            # A cell that sticks at the edge of contact sticks up to it.
+            left = -np.inf if first == touching[0] else middles[first] - grid.step / 2
+            right = np.inf if last == touching[-1] else middles[last] + grid.step / 2
+            edges[number] = (left, right)
+    return _State(share, slip, edges, zones)
 
 
 def _run(
-    grid: Grid, path: _Path, x: Array, asked: Array, numbers: range, least: int, every: int = 1
-) -> dict[str, Any]:
+    grid: Grid, path: _Path, x: Array, time: Array, numbers: range, least: int, every: int = 1
+) -> _Answers:
     """What grids answer along cycles (-1: the initial loading) until one repeats the one before,
-    `least` cycles at any rate.
-
-    By the names of `Followed`. With the grids as first axis: `works` of the cycles (g, c), `work`,
-    `loop` and `density` of the last, and `share each`, `slip each` at every so many instants. As
-    means over them at n instants and m points: all else; `share` is q over f p, and `pieces` the
-    largest number of zones that stick. `begins` are the mean slips, as functions of x, where each
-    cycle begins.
+    `least` cycles at any rate; each of them at every so many of the instants `time` (n,).
     """
-    n, m, g, half, works = len(asked), len(x), len(grid.x), grid.step / 2, list[Array]()
-    out: dict[str, Any] = {name: np.zeros((n, m)) for name in ("share", "slip")} | {
-        "stick_edges": np.full((n, 2), np.nan)
-    }
-    out |= {f"{name} each": np.zeros((g, -(-n // every), m)) for name in ("share", "slip")} | {
-        "loads": np.zeros((4, n)),
-        "pieces": 1,
-        "begins": [],
-        "increments": 0,
-    }
-    out |= {name: np.zeros(n) for name in ("displacement", "shear_moment")}
-    kernels = np.array([grid.compliance_at(x, k) for k in range(g)]) if n else np.zeros(0)
+    grids = len(grid.x)
+    answers = _Answers.empty(grids, len(time), len(x), every)
+    works: list[Array] = []
+    kernels = np.zeros(0)
+    if len(time):
+        kernels = np.array([grid.compliance_at(x, number) for number in range(grids)])
     for number in numbers:
         if number >= 0:
-            out["begins"].append(grid.slip_field())
-        rows, wanted, here = path.rows(number, asked)
-        before = grid.slip
+            answers.begins.append(grid.slip_field())
+        rows = path.rows(number, time)
+        slip_before = grid.slip
         try:
-            found = grid.follow(rows)
+            fields = grid.follow(rows.loads)
         except ArithmeticError as fault:
             raise InputError(
                 f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
                 f" cycle {number + 1}; finite elements may take the scene"
             ) from fault
-        out["increments"] += len(rows)
-        out["loads"][:, here] = found.loads[wanted].T
-        for name in ("displacement", "shear_moment"):
-            out[name][here] = np.mean(getattr(found, name)[wanted], axis=1)
-        for i, k in zip(here.tolist(), wanted.tolist(), strict=True):
-            _, force, strain, _ = found.loads[k]
-            shift, share, ends = (
-                found.displacement[k] + grid.datum * force,
-                np.zeros((g, m)),
-                np.full((g, 2), np.nan),
-            )
-            slip = (
-                shift[:, None] - strain * x - np.matmul(kernels, found.shear[k][..., None])[..., 0]
-            )
-            for j, state in enumerate(found.state[k]):
-                touching = np.flatnonzero(state != OPEN)
-                runs = np.flatnonzero(
-                    np.diff(np.concatenate([[False], state == STICK, [False]]).astype(int))
-                )
-                if len(touching):
-                    limit = grid.friction * found.pressure[k, j, touching]
-                    share[j] = np.interp(
-                        x, grid.x[j, touching], found.shear[k, j, touching] / limit
-                    )
-                    out["pieces"] = max(out["pieces"], len(runs) // 2)
-                if len(runs):
-                    # A cell that sticks at the edge of contact sticks up to it.
-                    low = -np.inf if runs[0] == touching[0] else grid.x[j, runs[0]] - half
-                    high = (
-                        np.inf if runs[-1] - 1 == touching[-1] else grid.x[j, runs[-1] - 1] + half
-                    )
-                    ends[j] = low, high
-            out["share"][i], out["slip"][i], out["stick_edges"][i] = (
-                np.mean(each, axis=0) for each in (share, slip, ends)
-            )
+        answers.increments += len(rows.loads)
+        answers.loads[:, rows.which] = fields.loads[rows.at].T
+        answers.displacement[rows.which] = np.mean(fields.displacement[rows.at], axis=1)
+        answers.shear_moment[rows.which] = np.mean(fields.shear_moment[rows.at], axis=1)
+        for i, instant in zip(rows.which.tolist(), rows.at.tolist(), strict=True):
+            state = _state_at(grid, fields, instant, x, kernels)
+            answers.share[i] = np.mean(state.share, axis=0)
+            answers.slip[i] = np.mean(state.slip, axis=0)
+            answers.stick_edges[i] = np.mean(state.stick_edges, axis=0)
+            answers.zones = max(answers.zones, state.zones)
             if i % every == 0:
-                out["share each"][:, i // every], out["slip each"][:, i // every] = share, slip
+                answers.share_of_each[:, i // every] = state.share
+                answers.slip_of_each[:, i // every] = state.slip
         if number >= 0 or not path.loads.path.cycle:
-            works.append(np.sum(found.work, axis=0))
-        if len(works) >= max(least, 2) and abs(np.mean(works[-1] - works[-2])) <= STEADY * np.mean(
-            works[-1]
-        ):
-            break
-    slips = np.abs(np.diff(found.slip, axis=0, prepend=before[None]))
+            works.append(np.sum(fields.work, axis=0))
+        if len(works) >= max(least, 2):
+            change = abs(np.mean(works[-1] - works[-2]))
+            if change <= STEADY * np.mean(works[-1]):
+                break
+    answers.works = np.array(works).T
+    answers.work = works[-1]
+    answers.loop = np.sum(fields.loop, axis=0)
+    answers.density = np.sum(fields.density, axis=0)
+    answers.permanent = _permanent_edges(grid, fields, slip_before)
+    return answers
+
+
+def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
+    """Mean edges (2,) of the cells that stick all along the fields of a cycle; NaN where in some
+    grid none do.
+    """
+    slips = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
     # What opens does not stick: it counts as slip without end.
-    slid = np.sum(np.where(found.state == OPEN, np.inf, slips), axis=0)
-    density, stays = (
-        np.sum(found.density, axis=0),
-        slid <= _STAYS * np.max(slid, axis=1, where=np.isfinite(slid), initial=0.0)[:, None],
-    )
-    ends = np.array(
-        [
-            [np.min(own), np.max(own)] if len(own := each[some]) else [np.nan] * 2
-            for each, some in zip(grid.x, stays, strict=True)
-        ]
-    )
-    return out | {
-        "works": np.array(works).T,
-        "work": works[-1],
-        "loop": np.sum(found.loop, axis=0),
-        "density": density,
-        "permanent": np.mean(ends + half * np.array([-1, 1]), axis=0),
-    }
+    path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips), axis=0)
+    is_finite = np.isfinite(path_of_cell)
+    longest = np.max(path_of_cell, axis=1, where=is_finite, initial=0.0)
+    stays = path_of_cell <= _STAYS * longest[:, None]
+    edges = np.full((len(grid.x), 2), np.nan)
+    for number, middles in enumerate(grid.x):
+        stuck = middles[stays[number]]
+        if len(stuck):
+            edges[number] = (np.min(stuck) - grid.step / 2, np.max(stuck) + grid.step / 2)
+    return np.asarray(np.mean(edges, axis=0))
 
 
 def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     """Edges of contact at instants of the initial loading and of a cycle, (n, 2)."""
-    cut = _Path(loads, INCREMENTS)
-    rows = np.concatenate(
-        [cut.rows(number, np.zeros(0))[0] for number in ((-1, 0) if loads.path.cycle else (-1,))]
-    )
+    path = _Path(loads, INCREMENTS)
+    numbers = (-1, 0) if loads.path.cycle else (-1,)
+    rows = np.concatenate([path.rows(number, np.zeros(0)).loads for number in numbers])
     pressed = rows[rows[:, 0] > 0]
-    middle, half = contact.under(pressed[:, 0], pressed[:, 3])
+    load, _, _, tilt = pressed.T
+    middle, half = contact.under(load, tilt)
     return np.stack([middle - half, middle + half], axis=-1)
 
 
@@ -713,9 +868,10 @@ def cycles_needed(path: LoadPath, time: Array | None) -> int:
 
 def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
     """Index of the first cycle whose work is that of the one before, to a share of it."""
-    return next(
-        (k for k in range(1, len(works)) if abs(works[k] - works[k - 1]) <= share * works[k]), None
-    )
+    for number in range(1, len(works)):
+        if abs(works[number] - works[number - 1]) <= share * works[number]:
+            return number
+    return None
 
 
 def remainder_of(works: Sequence[float]) -> float:
@@ -732,14 +888,18 @@ def remainder_of(works: Sequence[float]) -> float:
     True
     """
     changes = np.abs(np.diff(works))
-    if len(changes) < 2 or changes[-1] == 0:
-        return float(changes[-1]) if len(changes) else math.inf
-    before, ratio = np.append(1.0, changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny))[
-        -2:
-    ].tolist()
-    if ratio < 0.5 and 0.8 * before < ratio < 1.05 * before:
-        return float(changes[-1]) * ratio / (1 - ratio)
-    return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
+    if not len(changes):
+        return math.inf
+    last_change = float(changes[-1])
+    if len(changes) < 2 or last_change == 0:
+        return last_change
+    ratios = changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny)
+    ratio = float(ratios[-1])
+    ratio_before = float(ratios[-2]) if len(ratios) > 1 else 1.0
+    if ratio < 0.5 and 0.8 * ratio_before < ratio < 1.05 * ratio_before:
+        return last_change * ratio / (1 - ratio)
+    bounded = min(ratio, 0.9)
+    return last_change * max(len(works) / 3, bounded / (1 - bounded))
 
 
 def follow_on_grid(
@@ -780,8 +940,8 @@ def follow_on_grid(
     time : (n,) instants in any order; every second increment if None
     most : largest number of cycles
     steady : whether the last cycle alone is wanted, without q and s; of `works` all but the last
-    are then of coarse grids pointwise : whether q, s and the state are wanted at points; NaN and
-    open otherwise
+        are then of coarse grids
+    pointwise : whether q, s and the state are wanted at points; NaN and open otherwise
     cells, increments : across the largest contact, a cycle
 
     Raises
@@ -795,125 +955,151 @@ def follow_on_grid(
     check([*path.initial_loading, *path.cycle], friction)
     period = path.period
     needed = cycles_needed(path, time)
-    coarse, fine = (_Path(loads, count) for count in (increments // 2, increments))
+    coarse_path = _Path(loads, increments // 2)
+    fine_path = _Path(loads, increments)
     edges = edges_along(loads, contact)
-    low, high = float(np.min(edges)), float(np.max(edges))
+    left = float(np.min(edges))
+    right = float(np.max(edges))
     modulus = 2 / contact.intervals.product
+    points = x if pointwise else np.zeros(0)
 
     def grids(cells: int, shifts: Array) -> Grid:
-        cell = (high - low) / cells
-        extents = np.stack([low - (2 + shifts) * cell, high + (3 - shifts) * cell], axis=1)
+        cell = (right - left) / cells
+        extents = np.stack([left - (2 + shifts) * cell, right + (3 - shifts) * cell], axis=1)
         return Grid(height, extents, cells + 5, friction, modulus)
 
-    def run(
-        cut: _Path, grid: Grid, asked: Array, numbers: range, least: int, every: int = 1
-    ) -> dict[str, Any]:
-        out = _run(grid, cut, x if pointwise else np.zeros(0), asked, numbers, least, every)
-        rows = zip(grid.x, out["density"], strict=True)
-        return out | {
-            "density": np.array(
-                [np.interp(x, middles, row, left=0.0, right=0.0) for middles, row in rows]
-            )
-        }
+    # The coarse grid goes first: how many cycles are there?
+    all_numbers = range(-1, max(most, needed)) if path.cycle else range(-1, 0)
+    last_alone = steady and time is None and period is not None
+    first_shifts = _SHIFTS if last_alone else _SHIFTS[:1]
+    no_instants = np.zeros(0)
+    first_grids = grids(cells // 2, first_shifts)
+    first = _run(first_grids, coarse_path, points, no_instants, all_numbers, needed)
+    cycles = first.works.shape[1]
 
-    whole = range(-1, max(most, needed)) if path.cycle else range(-1, 0)
-    alone = steady and time is None and period is not None
-    first = run(
-        coarse, grids(cells // 2, _SHIFTS if alone else _SHIFTS[:1]), np.zeros(0), whole, needed
-    )
-    count = first["works"].shape[1]
-    resumed = alone and count > _RESUMED
-    numbers = range(count - _RESUMED, count) if resumed else range(-1, count if path.cycle else 0)
-    if time is not None:
-        asked = np.asarray(time, dtype=float)
-    elif alone and period is not None:
-        last = path.cycle_start + (count - 1) * period
-        asked = np.linspace(last, last + period, increments // 2 + 1)[1:]
-    else:
-        legs = [
-            np.linspace(leg.start, leg.end, increments // 16 + 1) for leg in path.initial_loading
-        ]
-        if period is not None:
-            legs.append(
-                np.linspace(
-                    path.cycle_start,
-                    path.cycle_start + count * period,
-                    count * (increments // 2) + 1,
-                )
-            )
-        asked = np.unique(np.concatenate(legs))
-    every = max(len(asked) // _COMPARED, 1)
+    # The fine grids follow them, or take up the last ones.
+    resumed = last_alone and cycles > _RESUMED
+    numbers = range(-1, cycles if path.cycle else 0)
+    if resumed:
+        numbers = range(cycles - _RESUMED, cycles)
+    if time is None:
+        time = _default_times(path, cycles, increments, last_alone)
+    time = np.asarray(time, dtype=float)
+    every = max(len(time) // _COMPARED, 1)
     grid = grids(cells, _SHIFTS)
     if resumed:
-        grid.resume(first["begins"][numbers[0]], loads.values(np.array([path.cycle_start]))[:, 0])
-    own = run(fine, grid, asked, numbers, len(numbers), every)
-    rough = first
-    if not alone:
-        rough = run(coarse, grids(cells // 2, _SHIFTS), asked[::every], numbers, len(numbers))
+        loads_at_begin = loads.values(np.array([path.cycle_start]))[:, 0]
+        grid.resume(first.begins[numbers[0]], loads_at_begin)
+    fine = _run(grid, fine_path, points, time, numbers, len(numbers), every)
+    coarse_grids = first_grids
+    coarse = first
+    if not last_alone:
+        coarse_grids = grids(cells // 2, _SHIFTS)
+        coarse = _run(coarse_grids, coarse_path, points, time[::every], numbers, len(numbers))
 
-    def error(name: str, order: float, factor: Array | float = 1.0) -> float:
-        """Error of the mean over the grids, over the largest value; root mean squares.
-
-        What it changes from coarse grids over 2^order - 1, and twice the standard error by the
-        means over every fourth grid, which are evenly moved themselves.
-        """
-        fine_ones, coarse_ones = (factor * np.atleast_2d(each[name].T).T for each in (own, rough))
-        size = float(np.max(np.abs(fine_ones), initial=0.0))
-        quarters = np.array([np.mean(fine_ones[k::_GROUPS], axis=0) for k in range(_GROUPS)])
-        changed, spread = (
-            np.mean(fine_ones, axis=0) - np.mean(coarse_ones, axis=0),
-            np.var(quarters, axis=0) / (_GROUPS - 1),
-        )
-        apart = np.sqrt(np.mean(changed**2)) / (2**order - 1)
-        return float(2 * np.sqrt(np.mean(spread)) + apart) / size if size > 0 else 0.0
-
-    given = own["loads"]
-    middle, half = contact.under(given[0], given[3])
+    load, _, _, tilt = fine.loads
+    middle, half = contact.under(load, tilt)
     contact_edges = np.stack([middle - half, middle + half], axis=-1)
     pressure = contact.pressure_over(x, middle, half)
     touching = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
-    works = np.mean(own["works"], axis=0)
-    trend = np.mean(first["works"], axis=0) if resumed else works
+    shear = np.full(touching.shape, np.nan)
+    slip = shear
+    state = np.full(touching.shape, OPEN)
+    if pointwise:
+        share = np.where(touching, fine.share, 0.0)
+        shear = friction * pressure * share
+        slip = fine.slip
+        sliding = np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)
+        in_contact = np.where(np.abs(share) < 1 - 1e-12, STICK, sliding)
+        state = np.where(touching, in_contact, OPEN)
+
+    works = np.mean(fine.works, axis=0)
+    trend = works
     if resumed:
+        trend = np.mean(first.works, axis=0)
         works = np.append(trend[:-1], works[-1])
-    share = np.where(touching, own["share"], 0.0) if pointwise else np.full(touching.shape, np.nan)
-    state = np.where(
-        touching & pointwise,
-        np.where(np.abs(share) < 1 - 1e-12, STICK, np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)),
-        OPEN,
-    )
-    errors = {"dissipation": error("work", 1.5), "dissipation_density": error("density", 1)}
-    if pointwise and not alone:
-        errors["shear"] = error("share each", 1, friction * pressure[::every])
-        errors["slip"] = error("slip each", 0.9)
+
+    density = _density_at(grid, fine, x)
+    coarse_density = _density_at(coarse_grids, coarse, x)
+    errors = {
+        "dissipation": _error(fine.work, coarse.work, order=1.5),
+        "dissipation_density": _error(density, coarse_density, order=1),
+    }
+    if pointwise and not last_alone:
+        limit = friction * pressure[::every]
+        errors["shear"] = _error(limit * fine.share_of_each, limit * coarse.share_of_each, order=1)
+        errors["slip"] = _error(fine.slip_of_each, coarse.slip_of_each, order=0.9)
+
+    counts = {
+        "grids": 2 * len(_SHIFTS),
+        "cells": cells,
+        "increments": first.increments + fine.increments,
+        "pieces": fine.zones,
+    }
+    if not last_alone:
+        counts["increments"] += coarse.increments
+    if resumed:
+        counts["cycles on coarse grids alone"] = numbers[0]
+    if grid.without_early_slip:
+        counts["increments without early slip"] = grid.without_early_slip
     return Followed(
-        time=asked,
-        loads=given,
-        moment=contact.moment(middle, half, given[0], given[3]),
-        shear_moment=own["shear_moment"],
-        displacement=own["displacement"],
+        time=time,
+        loads=fine.loads,
+        moment=contact.moment(middle, half, load, tilt),
+        shear_moment=fine.shear_moment,
+        displacement=fine.displacement,
         contact_edges=contact_edges,
-        stick_edges=np.clip(own["stick_edges"], contact_edges[:, :1], contact_edges[:, 1:]),
+        stick_edges=np.clip(fine.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
         pressure=pressure,
-        shear=friction * pressure * share,
-        slip=own["slip"] if pointwise else np.full(touching.shape, np.nan),
+        shear=shear,
+        slip=slip,
         state=state.astype(np.int8),
         works=works,
-        loop=float(np.mean(own["loop"])),
+        loop=float(np.mean(fine.loop)),
         remainder=remainder_of(trend.tolist()),
         steady_from=first_repeat(trend, STEADY),
         steady_to=STEADY,
-        density=np.mean(own["density"], axis=0),
-        permanent_stick_edges=own["permanent"],
-        counts={
-            "grids": 2 * len(_SHIFTS),
-            "cells": cells,
-            "increments": (
-                first["increments"] + own["increments"] + (0 if alone else rough["increments"])
-            ),
-            "pieces": own["pieces"],
-        }
-        | ({"cycles on coarse grids alone": numbers[0]} if resumed else {})
-        | ({"increments without early slip": early} if (early := grid.without_early_slip) else {}),
+        density=np.mean(density, axis=0),
+        permanent_stick_edges=fine.permanent,
+        counts=counts,
         errors=errors,
     )
+
+
+def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
+    """Every second increment of the last of so many cycles, or of all of them; fewer of the initial
+    loading.
+    """
+    if last_alone and path.period is not None:
+        begin = path.cycle_start + (cycles - 1) * path.period
+        return np.linspace(begin, begin + path.period, increments // 2 + 1)[1:]
+    times = [np.linspace(leg.start, leg.end, increments // 16 + 1) for leg in path.initial_loading]
+    if path.period is not None:
+        end = path.cycle_start + cycles * path.period
+        times.append(np.linspace(path.cycle_start, end, cycles * (increments // 2) + 1))
+    return np.unique(np.concatenate(times))
+
+
+def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
+    """W(x) of each grid at points (m,): (g, m)."""
+    rows = [
+        np.interp(x, middles, density, left=0.0, right=0.0)
+        for middles, density in zip(grid.x, answers.density, strict=True)
+    ]
+    return np.array(rows)
+
+
+def _error(fine: Array, coarse: Array, order: float) -> float:
+    """Error of the mean over the grids (first axis), over the largest value; root mean squares.
+
+    What it changes from coarse grids over 2^order - 1, and twice the standard error by the means
+    over every fourth grid, which are evenly moved themselves.
+    """
+    size = float(np.max(np.abs(fine), initial=0.0))
+    if size <= 0:
+        return 0.0
+    change = np.mean(fine, axis=0) - np.mean(coarse, axis=0)
+    quarters = np.array([np.mean(fine[k::_GROUPS], axis=0) for k in range(_GROUPS)])
+    variance = np.var(quarters, axis=0) / (_GROUPS - 1)
+    by_change = np.sqrt(np.mean(change**2)) / (2**order - 1)
+    return float(2 * np.sqrt(np.mean(variance)) + by_change) / size
