@@ -16,11 +16,11 @@ at E and G it has two derivatives (it goes as d^(5/2)), at those of I and J more
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,16 +66,19 @@ _MEMBERS = 256
 # profile has many corners; samples beside the kinks, as shares of the smaller part of the slip
 # zone.
 _INSIDE = (1 - np.cos(math.pi * np.arange(1, 6) / 6)) / 2
-_FEW, _FEW_INSIDE = 8, slice(2, 3)
+_FEW = 8
+_FEW_INSIDE = slice(2, 3)
 _BESIDE_KINK = 0.03 * np.power(0.1, np.arange(4))
 # Samples that differ by less than this share of the largest, at more than this share of the slip
 # zone, get others in between.
-_LEVEL, _CLOSER = 0.01, np.array([0.25, 0.5, 0.75])
+_LEVEL = 0.01
+_CLOSER = np.array([0.25, 0.5, 0.75])
 # Share of the slip zone within which two samples are one.
 _ALIKE = 1e-10
 # A maximum is found when W may rise by this share of it only; by every second node of the rule at
 # first.
-_NEARLY, _KNOWN = 1e-5, 1e-10
+_NEARLY = 1e-5
+_KNOWN = 1e-10
 # Each round takes a bracket to a fourth where W is smooth, every other one to half at worst.
 _ROUNDS = 40
 _EVENLY = np.array([0.21, 0.47, 0.73])
@@ -97,97 +100,130 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     sample above its neighbours.
     """
     if len(e.mean) > _MEMBERS:
-        parts = [
-            e.take(slice(first, first + _MEMBERS)) for first in range(0, len(e.mean), _MEMBERS)
-        ]
-        return np.concatenate([maxima_of(part, contact) for part in parts], axis=1)
+        firsts = range(0, len(e.mean), _MEMBERS)
+        parts = [maxima_of(e.take(slice(k, k + _MEMBERS)), contact) for k in firsts]
+        return np.concatenate(parts, axis=1)
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
         forward, reverse = density_of(e.take(member), contact, x, every)
         return forward + reverse
 
-    points, count = _samples(e, contact), len(e.mean)
-    inner, outer = points[:, 0], points[:, -1]
-    new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * (outer - inner)[:, None]
-    member, x = np.nonzero(new)[0], points[new]
-    sample = density(member, x, 2)
-    spoilt = np.bincount(member, np.isnan(sample), count) > 0
-    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
-    # each other stay apart.
-    begin = np.flatnonzero(np.diff(member, prepend=-1))
-    sample[begin] = sample[np.append(begin[1:], len(x)) - 1] = 0.0
-    # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
-    # missed.
-    scale = (_LEVEL * np.maximum.reduceat(sample, begin))[member[:-1]]
-    level = (np.abs(np.diff(sample)) < scale) & (sample[:-1] > scale) & (sample[1:] > scale)
-    wide = np.flatnonzero(level & (np.diff(x) > _LEVEL * (outer - inner)[member[:-1]]))
-    more = (x[wide] + np.diff(x)[wide] * _CLOSER[:, None]).ravel()
-    member = np.concatenate([member, np.tile(member[wide], len(_CLOSER))])
-    x, sample = (
-        np.concatenate([x, more]),
-        np.concatenate([sample, density(member[len(x) :], more, 2)]),
-    )
-    order = np.lexsort((x, member))
-    member, x, sample = member[order], x[order], sample[order]
-    number = np.flatnonzero((sample[1:-1] > sample[:-2]) & (sample[1:-1] >= sample[2:])) + 1
+    members = len(e.mean)
+    points = _points_of_search(e, contact)
+    inner = points[:, 0]
+    outer = points[:, -1]
+    samples, is_spoilt = _samples(points, partial(density, every=2))
+    member, x, work = samples
+    is_top = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
+    number = np.flatnonzero(is_top) + 1
     owner = member[number]
-    near = _closer(
-        partial(density, every=2), owner, x[number + _THREE], sample[number + _THREE], _NEARLY
-    )[0]
-    near, works = _closer(
-        density, owner, near, np.stack([density(owner, row) for row in near]), _KNOWN
+    three_x, _ = _closer(
+        partial(density, every=2), owner, x[number + _THREE], work[number + _THREE], _NEARLY
     )
-    top, at, rise = _parabola(near, works)
-    order, best = np.argsort(top, kind="stable"), np.full(count, -1)
+    three_works = np.stack([density(owner, row) for row in three_x])
+    three_x, three_works = _closer(density, owner, three_x, three_works, _KNOWN)
+    vertex = _parabola(three_x, three_works)
+    order = np.argsort(vertex.work, kind="stable")
+    best = np.full(members, -1)
     best[owner[order]] = order
+
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
     # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
-    deepest, safe = e.deepest, np.where(e.deepest > 0, e.deepest, np.inf)
-    relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / safe
-    least = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
-    value, error = (np.where(spoilt, np.nan, known) for known in (0.0, least))
-    place, second_value, second_place = (np.full(count, np.nan) for _ in range(3))
-    some = np.flatnonzero((best >= 0) & ~spoilt)
-    largest = best[some]
-    value[some], place[some] = top[largest], at[largest]
-    rules = np.stack([density(some, place[some], every) for every in (1, 2, 4)])
-    error[some] = rise[largest] + top[largest] * (
-        quadrature_error(rules, rules[0]) + relative[some]
-    )
+    deepest = e.deepest
+    relative_error = LAST_DIGITS * (e.mean + e.amplitude) / np.where(deepest > 0, deepest, np.inf)
+    relative_error = PROMISED + 3 * relative_error
+    error_without_slip = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
+    value = np.where(is_spoilt, np.nan, 0.0)
+    error = np.where(is_spoilt, np.nan, error_without_slip)
+    place = np.full(members, np.nan)
+    second_value = np.full(members, np.nan)
+    second_place = np.full(members, np.nan)
+    slipping = np.flatnonzero((best >= 0) & ~is_spoilt)
+    largest = best[slipping]
+    value[slipping] = vertex.work[largest]
+    place[slipping] = vertex.place[largest]
+    rules = np.stack([density(slipping, place[slipping], every) for every in (1, 2, 4)])
+    error_of_rule = quadrature_error(rules, rules[0]) + relative_error[slipping]
+    error[slipping] = vertex.rise[largest] + vertex.work[largest] * error_of_rule
+
     # Other maxima count where W falls in between, and not by its last digits only.
     ends = np.sort(np.stack([number, number[best[owner]]]), axis=0)
-    dip = np.minimum.reduceat(sample, ends.T.ravel())[::2] if len(number) else sample
+    least_between = np.minimum.reduceat(work, ends.T.ravel())[::2] if len(number) else work
     fall = np.maximum(_DISTINCT * value, 2 * error)
-    others = order[(order != best[owner[order]]) & (dip[order] < top[order] - fall[owner[order]])]
-    second_value[owner[others]], second_place[owner[others]] = top[others], at[others]
+    is_other = order != best[owner[order]]
+    is_distinct = least_between[order] < vertex.work[order] - fall[owner[order]]
+    seconds = order[is_other & is_distinct]
+    second_value[owner[seconds]] = vertex.work[seconds]
+    second_place[owner[seconds]] = vertex.place[seconds]
     fraction = (place - inner) / np.where(outer > inner, outer - inner, 1.0)
     return np.stack([value, second_value, error, place, second_place, fraction])
 
 
-def _samples(e: Ellipses, contact: SymmetricContact) -> Array:
+class _Samples(NamedTuple):
+    """Points of members, one member after the other, ascending, and W there, (n,) each."""
+
+    member: Indices
+    x: Array
+    work: Array
+
+
+def _samples(
+    points: Array, density: Callable[[Indices, Array], Array]
+) -> tuple[_Samples, NDArray[np.bool_]]:
+    """Samples at points (m, n) and where W is nearly level; whether W of a member (m,) is not known
+    somewhere.
+    """
+    length = points[:, -1] - points[:, 0]
+    is_new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * length[:, None]
+    member = np.nonzero(is_new)[0]
+    x = points[is_new]
+    work = density(member, x)
+    is_spoilt = np.bincount(member, np.isnan(work), len(points)) > 0
+    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
+    # each other stay apart.
+    begin = np.flatnonzero(np.diff(member, prepend=-1))
+    end = np.append(begin[1:], len(x)) - 1
+    work[begin] = 0.0
+    work[end] = 0.0
+    # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
+    # missed.
+    scale = (_LEVEL * np.maximum.reduceat(work, begin))[member[:-1]]
+    is_high = (work[:-1] > scale) & (work[1:] > scale)
+    is_level = (np.abs(np.diff(work)) < scale) & is_high
+    is_wide = np.diff(x) > _LEVEL * length[member[:-1]]
+    gaps = np.flatnonzero(is_level & is_wide)
+    new_x = (x[gaps] + np.diff(x)[gaps] * _CLOSER[:, None]).ravel()
+    new_member = np.tile(member[gaps], len(_CLOSER))
+    work = np.concatenate([work, density(new_member, new_x)])
+    member = np.concatenate([member, new_member])
+    x = np.concatenate([x, new_x])
+    order = np.lexsort((x, member))
+    return _Samples(member[order], x[order], work[order]), is_spoilt
+
+
+def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal:
     (m, n).
     """
-    least, most = e.mean - e.amplitude, e.mean + e.amplitude
-    events = [
-        e.load(cosine)
-        for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
-    ]
+    least = e.mean - e.amplitude
+    most = e.mean + e.amplitude
+    cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
+    event_loads = [e.load(cosine) for cosine in cosines]
     corners = np.clip(contact.break_loads[:, None], e.permanent, most)
-    loads = np.clip(np.stack([e.permanent, least, *events, *corners, most]), e.permanent, most)
+    loads = np.stack([e.permanent, least, *event_loads, *corners, most])
+    loads = np.clip(loads, e.permanent, most)
+    least_in_slip_zone = loads[1:2]
     ends = contact.half_width(np.sort(loads, axis=0))
-    few = len(corners) <= _FEW
-    between = (
-        ends[:-1]
-        + np.diff(ends, axis=0) * (_INSIDE if few else _INSIDE[_FEW_INSIDE])[:, None, None]
-    )
-    kinks = contact.half_width(np.concatenate([loads[1:2], corners]) if few else loads[1:2])
+    few_corners = len(corners) <= _FEW
+    shares = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
+    between = ends[:-1] + np.diff(ends, axis=0) * shares[:, None, None]
+    kink_loads = least_in_slip_zone
+    if few_corners:
+        kink_loads = np.concatenate([least_in_slip_zone, corners])
+    kinks = contact.half_width(kink_loads)
     beside = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
-    points = [
-        ends,
-        *(part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside)),
-    ]
-    return np.sort(np.concatenate(points), axis=0).T
+    inside = [part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside)]
+    return np.sort(np.concatenate([ends, *inside]), axis=0).T
 
 
 def _closer(
@@ -199,57 +235,73 @@ def _closer(
     Round by round a parabola through the three says where the next ones go. Where that does not
     take the bracket to half, they divide it evenly.
     """
-    x, w = x.copy(), w.copy()
-    left, poor = np.arange(len(member)), np.zeros(len(member), dtype=bool)
+    x = x.copy()
+    w = w.copy()
+    waiting = np.arange(len(member))
+    is_slow = np.zeros(len(member), dtype=bool)
     for _ in range(_ROUNDS):
-        left = left[_parabola(x[:, left], w[:, left])[2] > known * np.abs(w[1, left])]
-        if not len(left):
+        vertex = _parabola(x[:, waiting], w[:, waiting])
+        is_rough = vertex.rise > known * np.abs(w[1, waiting])
+        waiting = waiting[is_rough]
+        if not len(waiting):
             break
-        low, middle, high = x[:, left]
-        length = high - low
-        vertex = np.clip(
-            _parabola(x[:, left], w[:, left])[1], low + 0.02 * length, high - 0.02 * length
-        )
-        step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
-        near = np.abs(vertex - middle) < 0.1 * step
-        centre = np.where(near, middle, vertex)
-        before, after = (
-            np.maximum(centre - step, (low + centre) / 2),
-            np.minimum(centre + step, (centre + high) / 2),
-        )
-        # A vertex that is all but the middle point needs no work of its own: the third point goes
-        # beyond.
-        third = np.where(near, (after + high) / 2, vertex)
-        added = np.where(
-            poor[left], low + length * _EVENLY[:, None], np.stack([before, third, after])
-        )
-        places = np.concatenate([x[:, left], added])
-        works = np.concatenate([w[:, left], [density(member[left], row) for row in added]])
+        bracket = x[:, waiting]
+        length = bracket[2] - bracket[0]
+        by_parabola = _next_points(bracket, vertex.place[is_rough])
+        evenly = bracket[0] + length * _EVENLY[:, None]
+        added = np.where(is_slow[waiting], evenly, by_parabola)
+        added_works = [density(member[waiting], row) for row in added]
+        places = np.concatenate([bracket, added])
+        works = np.concatenate([w[:, waiting], added_works])
         order = np.argsort(places, axis=0, kind="stable")
-        places, works = np.take_along_axis(places, order, 0), np.take_along_axis(works, order, 0)
+        places = np.take_along_axis(places, order, 0)
+        works = np.take_along_axis(works, order, 0)
         three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
-        x[:, left], w[:, left] = (
-            np.take_along_axis(places, three, 0),
-            np.take_along_axis(works, three, 0),
-        )
-        poor[left] = x[2, left] - x[0, left] > length / 2
+        x[:, waiting] = np.take_along_axis(places, three, 0)
+        w[:, waiting] = np.take_along_axis(works, three, 0)
+        is_slow[waiting] = x[2, waiting] - x[0, waiting] > length / 2
     return x, w
 
 
-def _parabola(x: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Of three points, (3, n): value and place of the vertex of the parabola through them, the
-    middle one where it bends up; how far a concave W may rise above w[1] between them, which is up
-    to the chord of the other two, drawn on.
+def _next_points(bracket: Array, vertex: Array) -> Array:
+    """Three points (3, n) about the vertices of parabolas within brackets (3, n)."""
+    low, middle, high = bracket
+    length = high - low
+    vertex = np.clip(vertex, low + 0.02 * length, high - 0.02 * length)
+    step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
+    is_middle = np.abs(vertex - middle) < 0.1 * step
+    centre = np.where(is_middle, middle, vertex)
+    before = np.maximum(centre - step, (low + centre) / 2)
+    after = np.minimum(centre + step, (centre + high) / 2)
+    # A vertex that is all but the middle point needs no work of its own: the third point goes
+    # beyond.
+    third = np.where(is_middle, (after + high) / 2, vertex)
+    return np.stack([before, third, after])
+
+
+class _Vertex(NamedTuple):
+    """The vertex of the parabola through three points, the middle one where it bends up, (n,) each:
+    W and place of it; how far a concave W may rise above the middle point.
     """
-    before, after = length = np.diff(x, axis=0)
-    first, second = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
-    whole = np.where(before + after > 0, before + after, np.inf)
-    bend, slope = (second - first) / whole, (first * after + second * before) / whole
+
+    work: Array
+    place: Array
+    rise: Array
+
+
+def _parabola(x: Array, w: Array) -> _Vertex:
+    """Of three points, (3, n); W rises at most up to the chord of the other two, drawn on."""
+    length = np.diff(x, axis=0)
+    before, after = length
+    slope_before, slope_after = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
+    span = np.where(before + after > 0, before + after, np.inf)
+    bend = (slope_after - slope_before) / span
+    slope = (slope_before * after + slope_after * before) / span
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
-    return (
-        w[1] + slope * shift / 2,
-        x[1] + shift,
-        np.maximum(np.abs(first) * after, np.abs(second) * before),
+    return _Vertex(
+        work=w[1] + slope * shift / 2,
+        place=x[1] + shift,
+        rise=np.maximum(np.abs(slope_before) * after, np.abs(slope_after) * before),
     )
 
 
@@ -264,7 +316,8 @@ _LOADS = (
 _BLOCK = 16384
 # Shares of P0 that P - P_c must reach for the quick way to Lam, which there loses 6e-11 of W by
 # formulas, 1e-12 by the table.
-_DEEP, _DEEP_ON_TABLE = 0.02, 0.04
+_DEEP = 0.02
+_DEEP_ON_TABLE = 0.04
 _LEAST = 1 / LARGEST
 _HALF = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
@@ -318,7 +371,8 @@ class PeakBatch:
     Attributes
     ----------
     value : max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0
-    where nothing slips place : |x| of the peak [length]; NaN where nothing slips
+        where nothing slips
+    place : |x| of the peak [length]; NaN where nothing slips
     fraction : the same between the permanent stick edge (0) and the largest contact (1)
     reason, notes : as in `DissipationBatch`
     second_value, second_place : the second largest maximum of W(x), where W falls by more than 1e-3
@@ -392,7 +446,7 @@ def dissipation(
     >>> [round(value, 12) for value in batch.value.tolist()], batch.reason.tolist()
     ([0.260168505754, nan], [0, 1])
     """
-    loads = (
+    loads = EllipseLoads(
         mean_normal_load,
         normal_amplitude,
         mean_tangential_load,
@@ -400,33 +454,32 @@ def dissipation(
         phase,
         friction_coefficient,
     )
-
-    def works(block: Block) -> Array:
-        loops = block.ellipses
-        results = np.empty((3, len(block.mirrored)))
-        if block.kind in ("hertz", "power_law"):
-            results[:2] = works_by_lam(loops, quick_bracket, careful_bracket, _DEEP)
-            results[2] = lam_error(loops, results[0] + results[1], _DEEP, 1.0)
-            results /= block.parameters[0] if block.kind == "power_law" else 2
-        elif block.kind == "flat_rounded":
-            results[:] = _works_on_table(
-                loops, block.modulus * _UNITS[block.kind](*block.parameters)[1]
-            )
-        else:
-            for members, contact, group, unit, _ in block.groups():
-                results[:, members] = dissipation_and_error(group, contact) * unit * unit
-        forward, reverse, error = results
-        value = forward + reverse
-        one_way = np.where(block.mirrored, reverse, forward)
-        other_way = np.where(block.mirrored, forward, reverse)
-        return np.stack([value, one_way, other_way, error, loops.permanent])
-
     material = _of_both(material)
-    (value, forward, reverse, error, stick), reason = _columns(
-        profile, material, loads, works, count=5, scaled=4
-    )
+    columns, reason = _columns(profile, material, loads, _works_of, count=5, scaled=4)
+    value, forward, reverse, error, stick = columns
     notes = tuple(neglected_coupling(material))
     return DissipationBatch(value, forward, reverse, stick, reason, error, notes=notes)
+
+
+def _works_of(members: Members) -> Array:
+    """W, its forward and reverse part, its error and P_T, (5, m)."""
+    loops = members.ellipses
+    kind = members.kind
+    forward, reverse, error = works = np.empty((3, len(members.mirrored)))
+    if kind in ("hertz", "power_law"):
+        works[:2] = works_by_lam(loops, quick_bracket, careful_bracket, _DEEP)
+        works[2] = lam_error(loops, works[0] + works[1], _DEEP, 1.0)
+        works /= members.parameters[0] if kind == "power_law" else 2
+    elif kind == "flat_rounded":
+        _, height, *_ = _UNITS[kind](*members.parameters)
+        works[:] = _works_on_table(loops, members.modulus * height)
+    else:
+        for group in members.groups():
+            of_group = dissipation_and_error(group.ellipses, group.contact)
+            works[:, group.members] = of_group * group.load_unit * group.load_unit
+    one_way = np.where(members.mirrored, reverse, forward)
+    other_way = np.where(members.mirrored, forward, reverse)
+    return np.stack([forward + reverse, one_way, other_way, error, loops.permanent])
 
 
 def peak_dissipation(
@@ -463,7 +516,7 @@ def peak_dissipation(
     >>> round(float(batch.fraction), 3)  # the paper: "just over 60 %"
     0.595
     """
-    loads = (
+    loads = EllipseLoads(
         mean_normal_load,
         normal_amplitude,
         mean_tangential_load,
@@ -471,21 +524,24 @@ def peak_dissipation(
         phase,
         friction_coefficient,
     )
-
-    def maxima(block: Block) -> Array:
-        found = np.empty((6, len(block.mirrored)))
-        for members, contact, loops, unit, length in block.groups():
-            found[:, members] = maxima_of(loops, contact)
-            found[:3, members] *= unit / length * unit
-            found[3:5, members] *= length
-        return found
-
     material = _of_both(material)
-    (value, second, error, place, second_place, fraction), reason = _columns(
-        profile, material, loads, maxima, count=6, scaled=3
-    )
+    columns, reason = _columns(profile, material, loads, _maxima_of, count=6, scaled=3)
+    value, second_value, error, place, second_place, fraction = columns
     notes = tuple(neglected_coupling(material))
-    return PeakBatch(value, place, fraction, reason, second, second_place, error, notes=notes)
+    return PeakBatch(value, place, fraction, reason, second_value, second_place, error, notes=notes)
+
+
+def _maxima_of(members: Members) -> Array:
+    """Both maxima of W(x) and the error of the first, their places, and the first place over the
+    half-width, (6, m).
+    """
+    maxima = np.empty((6, len(members.mirrored)))
+    for group in members.groups():
+        of_group = maxima_of(group.ellipses, group.contact)
+        of_group[:3] *= group.load_unit / group.length_unit * group.load_unit
+        of_group[3:5] *= group.length_unit
+        maxima[:, group.members] = of_group
+    return maxima
 
 
 def _works_on_table(e: Ellipses, unit: Array) -> Array:
@@ -504,11 +560,9 @@ def _works_on_table(e: Ellipses, unit: Array) -> Array:
         forward, reverse = works_by_lam(
             loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
         )
-        works[:, members] = (
-            forward,
-            reverse,
-            lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest),
-        )
+        works[0, members] = forward
+        works[1, members] = reverse
+        works[2, members] = lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest)
     return works * unit * unit
 
 
@@ -518,15 +572,49 @@ def _table(first: int, last: int) -> LamTable:
 
 
 # ------------------------------------------------------------------------ members and their reasons
+class EllipseLoads(NamedTuple):
+    """Loads of a batch and its friction, numbers or arrays (m,): P0, P1, Q0, Q1, phase, f."""
+
+    mean: ArrayLike
+    amplitude: ArrayLike
+    force: ArrayLike
+    tangential: ArrayLike
+    phase: ArrayLike
+    friction: ArrayLike
+
+
+class LoadArrays(NamedTuple):
+    """The same as arrays (m,)."""
+
+    mean: Array
+    amplitude: Array
+    force: Array
+    tangential: Array
+    phase: Array
+    friction: Array
+
+
+class Group(NamedTuple):
+    """Members (k,) whose profiles differ by units only: the contact in these units with E* = 1,
+    their loops, the units of load and of length, (k,) or one.
+    """
+
+    members: Indices
+    contact: SymmetricContact
+    ellipses: Ellipses
+    load_unit: Array | float
+    length_unit: Array | float
+
+
 @dataclass(frozen=True, eq=False)
-class Block:
-    """The good members of one block.
+class Members:
+    """The good members of some of a batch.
 
     Attributes
     ----------
     kind : of their profiles
     parameters : (m,) each, in the order of `_KEYS`; none for a table or a function
-    whole : the contact of a profile that is given as such; None where its parameters may vary
+    contact : of a profile that is given as such; None where its parameters may vary
     modulus : E*
     ellipses : their loops
     mirrored : (m,) whether Q goes round the other way
@@ -534,29 +622,21 @@ class Block:
 
     kind: str
     parameters: list[Array]
-    whole: SymmetricContact | None
+    contact: SymmetricContact | None
     modulus: float
     ellipses: Ellipses
     mirrored: NDArray[np.bool_]
 
-    def groups(
-        self,
-    ) -> Iterator[tuple[Indices, SymmetricContact, Ellipses, Array | float, Array | float]]:
-        """Members whose profiles differ by units only: their contact and loops in these; the units
-        of load and of length.
-        """
-        if self.whole is not None:
-            yield np.arange(len(self.mirrored)), self.whole, self.ellipses, 1.0, 1.0
+    def groups(self) -> Iterator[Group]:
+        """Members by their profiles."""
+        if self.contact is not None:
+            everybody = np.arange(len(self.mirrored))
+            yield Group(everybody, self.contact, self.ellipses, 1.0, 1.0)
             return
         for members, shape, length, height in _alike(self.kind, self.parameters):
-            unit = self.modulus * height
-            yield (
-                members,
-                _contact(self.kind, shape),
-                self.ellipses.take(members).over(unit),
-                unit,
-                length,
-            )
+            load_unit = self.modulus * height
+            loops = self.ellipses.take(members).over(load_unit)
+            yield Group(members, _contact(self.kind, shape), loops, load_unit, length)
 
 
 def _of_both(material: Materials | Elastic) -> Materials:
@@ -566,8 +646,8 @@ def _of_both(material: Materials | Elastic) -> Materials:
 def _columns(
     profile: Profile | Mapping[str, Any],
     material: Materials,
-    loads: tuple[ArrayLike, ...],
-    results_of: Callable[[Block], Array],
+    loads: EllipseLoads,
+    results_of: Callable[[Members], Array],
     count: int,
     scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
@@ -576,7 +656,7 @@ def _columns(
 
     Parameters
     ----------
-    results_of : results of a block, (count, m); the first one must be finite
+    results_of : results of some members, (count, m); the first one must be finite
     scaled : how many of them, from the first on, are over 2 f^2/(pi E*)
 
     Raises
@@ -587,58 +667,93 @@ def _columns(
     """
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
-    kind, given = _parameters_of(profile)
+    kind, parameters = _parameters_of(profile)
     arrays = [real_numbers(value, name) for name, value in zip(_LOADS, loads, strict=True)]
-    arrays += [real_numbers(value, f"profile: {name}") for name, value in given.items()]
+    arrays += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
     except ValueError as reason:
         raise InputError(f"the arrays of a batch must broadcast: {reason}") from reason
-    modulus, most, whole = composite_modulus(material), math.inf, None
-    if not isinstance(profile, Mapping):
-        whole = contact_of(profile, material)
-        if whole.extent < math.inf:
-            most = float(whole.load(whole.extent)) * (1 - 1e-12)
+    batch = _Batch(kind, material, profile)
     total = math.prod(shape)
-    found, reasons = np.full((count, total), np.nan), np.zeros(total, dtype=np.int8)
+    results = np.full((count, total), np.nan)
+    reasons = np.zeros(total, dtype=np.int8)
     for first in range(0, total, _BLOCK):
         last = min(first + _BLOCK, total)
         parts = [_part(array, shape, first, last) for array in arrays]
-        invalid = _invalid(*parts[: len(loads)])
-        if whole is None:
-            invalid |= _invalid_shapes(kind, parts[len(loads) :])
-        if kind in _UNITS:
-            invalid |= _beyond_units(kind, parts[len(loads) :], modulus, parts[0])
+        code, good, members, friction = batch.members_of(
+            LoadArrays(*parts[: len(loads)]), parts[len(loads) :]
+        )
+        if len(good):
+            of_members = results_of(members)
+            of_members[:scaled] *= 2 / (math.pi * batch.modulus) * friction**2
+            results[:, first + good] = of_members
+            code[good[~np.isfinite(of_members[0])]] = Reason.UNSETTLED
+        reasons[first:last] = code
+    results.flags.writeable = False
+    reasons.flags.writeable = False
+    return [column.reshape(shape) for column in results], reasons.reshape(shape)
+
+
+class _Batch:
+    """What all members of a batch share: kind of profile, E*, the contact and the largest load of
+    a profile whose parameters do not vary.
+    """
+
+    def __init__(
+        self, kind: str, material: Materials, profile: Profile | Mapping[str, Any]
+    ) -> None:
+        self.kind = kind
+        self.modulus = composite_modulus(material)
+        self.contact: SymmetricContact | None = None
+        self.largest_load = math.inf
+        if not isinstance(profile, Mapping):
+            self.contact = contact_of(profile, material)
+            if self.contact.extent < math.inf:
+                load_at_end = float(self.contact.load(self.contact.extent))
+                self.largest_load = load_at_end * (1 - 1e-12)
+
+    def members_of(
+        self, loads: LoadArrays, parameters: list[Array]
+    ) -> tuple[NDArray[np.int8], Indices, Members, Array]:
+        """Reason of each member (m,), the numbers of the good ones (k,), these, and their friction
+        (k,).
+        """
+        invalid = self._invalid(loads, parameters)
         if np.any(invalid):
-            parts = [np.where(invalid, 1.0, part) for part in parts]
-        mean, amplitude, force, tangential, phase, friction = parts[: len(loads)]
+            loads = LoadArrays(*(np.where(invalid, 1.0, column) for column in loads))
+            parameters = [np.where(invalid, 1.0, column) for column in parameters]
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive
         # coefficient gives that.
-        some_friction = np.where(friction > 0, friction, 1.0)
+        friction = np.where(loads.friction > 0, loads.friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
-            loops = ellipses_of(mean, amplitude, tangential, phase, some_friction)
-        mirrored = np.tan(phase / 2) < 0
-        code = _reasons(loops, np.where(mirrored, -force, force), tangential, friction)
-        code[(code == Reason.NONE) & (mean + amplitude > most)] = Reason.EXTENT
+            loops = ellipses_of(
+                loads.mean, loads.amplitude, loads.tangential, loads.phase, friction
+            )
+        mirrored = np.tan(loads.phase / 2) < 0
+        force = np.where(mirrored, -loads.force, loads.force)
+        code = _reasons(loops, force, loads.tangential, loads.friction)
+        is_too_large = loads.mean + loads.amplitude > self.largest_load
+        code[(code == Reason.NONE) & is_too_large] = Reason.EXTENT
         code[invalid] = Reason.INVALID
         good = np.flatnonzero(code == Reason.NONE)
-        if len(good):
-            if len(good) < len(code):
-                loops, mirrored, some_friction = (
-                    loops.take(good),
-                    mirrored[good],
-                    some_friction[good],
-                )
-                parts = [part[good] for part in parts]
-            results = results_of(Block(kind, parts[len(loads) :], whole, modulus, loops, mirrored))
-            results[:scaled] *= 2 / (math.pi * modulus) * some_friction**2
-            found[:, first + good] = results
-            code[good[~np.isfinite(results[0])]] = Reason.UNSETTLED
-        reasons[first:last] = code
-    for array in (found, reasons):
-        array.flags.writeable = False
-    return [column.reshape(shape) for column in found], reasons.reshape(shape)
+        if 0 < len(good) < len(code):
+            loops = loops.take(good)
+            mirrored = mirrored[good]
+            friction = friction[good]
+            parameters = [column[good] for column in parameters]
+        members = Members(self.kind, parameters, self.contact, self.modulus, loops, mirrored)
+        return code, good, members, friction
+
+    def _invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
+        """Members (m,) whose numbers are none that can be used."""
+        invalid = _invalid(loads)
+        if self.contact is None:
+            invalid |= _invalid_shapes(self.kind, parameters)
+        if self.kind in _UNITS:
+            invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean)
+        return invalid
 
 
 def _part(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
@@ -650,17 +765,13 @@ def _part(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
     return np.broadcast_to(array, shape).flat[first:last]
 
 
-def _invalid(
-    mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array
-) -> NDArray[np.bool_]:
+def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
     """Members (m,) with values that are NaN or too large to be squared, or negative where they must
     not be.
     """
-    numbers = (mean, amplitude, force, tangential, phase, friction)
-    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in numbers])
-    return np.asarray(
-        ~admitted | (mean < 1 / LARGEST) | (amplitude < 0) | (tangential < 0) | (friction < 0)
-    )
+    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in loads])
+    is_negative = (loads.amplitude < 0) | (loads.tangential < 0) | (loads.friction < 0)
+    return np.asarray(~admitted | (loads.mean < 1 / LARGEST) | is_negative)
 
 
 def _beyond_units(
@@ -670,7 +781,7 @@ def _beyond_units(
     squared.
     """
     with np.errstate(all="ignore"):
-        height = _UNITS[kind](*parameters)[1]
+        _, height, *_ = _UNITS[kind](*parameters)
         load = mean / modulus / height
     return ~((load >= 1 / LARGEST) & (load <= LARGEST))
 
@@ -684,9 +795,10 @@ def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> N
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
     slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
     slides |= (friction == 0) & (tangential > 0)
-    return np.where(
-        e.amplitude > e.mean, Reason.SEPARATION, np.where(slides, Reason.SLIDING, Reason.NONE)
-    ).astype(np.int8)
+    reasons = np.full(len(limit), Reason.NONE, dtype=np.int8)
+    reasons[slides] = Reason.SLIDING
+    reasons[e.amplitude > e.mean] = Reason.SEPARATION
+    return reasons
 
 
 # ------------------------------------------------------------------- profiles whose parameters vary
@@ -735,40 +847,38 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         For a kind whose parameters cannot vary, for a key too many or too few.
     """
     if not isinstance(profile, Mapping):
-        numbers = {
-            name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"
-        }
+        names = [name for name in _KEYS.get(profile.kind, ()) if name != "rises"]
+        numbers = {name: getattr(profile, name) for name in names}
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
-        return profile.kind, numbers | {
-            f"rise {number}": rise for number, rise in enumerate(rises, 1)
-        }
+        return profile.kind, numbers | _numbered(rises)
     # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for
     # that.
-    kind, given = (
-        profile.get("kind"),
-        {name: value for name, value in profile.items() if name not in ("kind", "fitted")},
-    )
+    kind = profile.get("kind")
+    values = {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
     if kind not in _KEYS:
         raise InputError(
             f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r};"
             " give the profile itself"
         )
-    if set(given) != set(_KEYS[kind]):
+    if set(values) != set(_KEYS[kind]):
         raise InputError(
             f"profile: {kind} comes with all its keys, {', '.join(_KEYS[kind])}, not"
-            f" {', '.join(given) or 'none'}"
+            f" {', '.join(values) or 'none'}"
         )
-    given = {name: given[name] for name in _KEYS[kind]}
-    rises = given.pop("rises", (0.0,))
+    values = {name: values[name] for name in _KEYS[kind]}
+    if kind != "polynomial":
+        return kind, values
+    rises = values.pop("rises")
     if not isinstance(rises, list | tuple) or not len(rises):
         raise InputError(
             "profile: rises is a list of numbers or arrays, one for each of the powers 2, 4, 6, ..."
         )
-    return kind, given | (
-        {f"rise {number}": value for number, value in enumerate(rises, 1)}
-        if kind == "polynomial"
-        else {}
-    )
+    return kind, values | _numbered(rises)
+
+
+def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
+    """The rises of a polynomial by a name each."""
+    return {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
 
 
 def _alike(
@@ -780,11 +890,13 @@ def _alike(
     with np.errstate(all="ignore"):
         length, height, *shape = _UNITS[kind](*parameters)
     if all(np.all(values == values[0]) for values in shape):
-        yield np.arange(len(length)), tuple(float(values[0]) for values in shape), length, height
+        everybody = np.arange(len(length))
+        yield everybody, tuple(float(values[0]) for values in shape), length, height
         return
     rows, fold = np.unique(np.stack(shape, axis=1), axis=0, return_inverse=True)
-    order = np.argsort(fold.reshape(-1), kind="stable")
-    ends = np.cumsum(np.bincount(fold.reshape(-1), minlength=len(rows)))
+    number = fold.reshape(-1)
+    order = np.argsort(number, kind="stable")
+    ends = np.cumsum(np.bincount(number, minlength=len(rows)))
     for row, members in zip(rows.tolist(), np.split(order, ends[:-1]), strict=True):
         yield members, tuple(row), length[members], height[members]
 
@@ -797,24 +909,22 @@ def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     """Members (m,) whose parameters their kind of profile does not admit."""
-    least = {
-        "power_law": (1.0, _LEAST, _LEAST),
-        "polynomial": (_LEAST, *[-LARGEST] * (len(parameters) - 1)),
-    }
-    bounds = least.get(kind, (_LEAST,) * len(parameters))
+    bounds = (_LEAST,) * len(parameters)
+    if kind == "power_law":
+        bounds = (1.0, _LEAST, _LEAST)
+    elif kind == "polynomial":
+        bounds = (_LEAST, *[-LARGEST] * (len(parameters) - 1))
     inside = [
         (values >= bound) & (values <= LARGEST)
         for values, bound in zip(parameters, bounds, strict=True)
     ]
-    wrong = ~np.logical_and.reduce(inside)
-    if kind in ("polynomial", "compound"):
+    invalid = ~np.logical_and.reduce(inside)
+    valid = np.flatnonzero(~invalid)
+    if kind in ("polynomial", "compound") and len(valid):
         # By the rules of the profile, and by those of one contact.
-        some = np.flatnonzero(~wrong)
-        for members, shape, *_ in (
-            _alike(kind, [values[some] for values in parameters]) if len(some) else ()
-        ):
+        for members, shape, _, _ in _alike(kind, [values[valid] for values in parameters]):
             try:
                 _contact(kind, shape)
             except InputError:
-                wrong[some[members]] = True
-    return wrong
+                invalid[valid[members]] = True
+    return invalid
