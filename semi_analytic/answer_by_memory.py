@@ -296,7 +296,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     return contact, path_result(path, request).snapshot
 
 
-# ---------------------------------------------------------------- states at instants, work of cycles
+# --------------------------------------------------------------- states at instants, work of cycles
 @dataclass(frozen=True, eq=False)
 class PathResult:
     """What a followed path leaves for an answer, whichever way it was followed.
@@ -966,7 +966,8 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
             size = "it" if name in ("dissipation", "loop_work") else "the largest value"
-            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}"
+            error_words = f"an error of {error:.1e} of {size}"
+            yield f"{name}: quadratures and rounding may have left {error_words}"
 
 
 def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
