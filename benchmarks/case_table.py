@@ -103,7 +103,7 @@ class Sheet:
         return replace(self, cases=(*kept, *renewed.values()))
 
 
-# ------------------------------------------------------------------------------- reading and writing
+# ------------------------------------------------------------------------------ reading and writing
 @cache
 def runs() -> dict[str, dict[str, Any]]:
     """Run -> what it is, tolerance, least, requirement of its baselines and of its references."""

@@ -1,8 +1,8 @@
 """The baselines of the table of cases made again, beside what they were and the references.
 
-    make cases                                    (python benchmarks/cases.py: all but the published)
-    make cases RUNS="regress coarse"              those runs alone
-    make cases SCENES="blocks layer"              those scenes alone
+    make cases                                (python benchmarks/cases.py: all but the published)
+    make cases RUNS="regress coarse"          those runs alone
+    make cases SCENES="blocks layer"          those scenes alone
     make cases ACCEPT="blocks:dissipation layer"  take these new values for baselines
     make regress                                  (... regress: half-plane theory, in seconds)
     make regress REFERENCES="blocks"              evaluate the references of these scenes again
@@ -159,7 +159,7 @@ def renew_references(names: Sequence[str]) -> None:
         )
 
 
-# --------------------------------------------------------------------------------------- the command
+# -------------------------------------------------------------------------------------- the command
 def show(found: Sequence[Line]) -> None:
     """Old, new and reference side by side; of a list where it is furthest from the old one."""
     head = ("scene", "quantity", "old", "new", "reference")

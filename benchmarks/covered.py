@@ -374,11 +374,8 @@ def blame() -> Iterator[Row]:
         faulty = with_fault(fault)
         caught = seen(faulty, healthy)
         blamed = faulty.blamed(next(iter(caught))) if caught else "nobody"
-        how = (
-            "seen by"
-            f" {', '.join(f'{key} ({ratio:.3g} bands)' for key, ratio in list(caught.items())[:3])};"
-            f" blamed: {blamed}"
-        )
+        strongest = [f"{key} ({ratio:.3g} bands)" for key, ratio in list(caught.items())[:3]]
+        how = f"seen by {', '.join(strongest)}; blamed: {blamed}"
         yield Row(fault.name, float(blamed != fault.blamed), 0.0, how)
 
 

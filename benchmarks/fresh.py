@@ -43,7 +43,12 @@ mount -t proc proc "$1/proc"
 mount -t devpts -o ptmxmode=666 devpts "$1/dev/pts"
 mount -t tmpfs -o mode=1777 tmpfs "$1/dev/shm"
 root=$1; shift
-while [ "$1" != -- ]; do mkdir -p "$root$1"; mount --rbind "$1" "$root$1"; mount -o remount,bind,ro "$root$1"; shift; done
+while [ "$1" != -- ]; do
+    mkdir -p "$root$1"
+    mount --rbind "$1" "$root$1"
+    mount -o remount,bind,ro "$root$1"
+    shift
+done
 shift
 exec chroot "$root" "$@"
 """

@@ -1,6 +1,7 @@
 """Claims of whole jobs: the page, a cold run, sweeps, spoilt files, kills.
 
-    python benchmarks/jobs.py [SPOILT FILES A DOOR] [KILLS]     faults alone (1,000 and 200 by default: half an hour)
+    python benchmarks/jobs.py [SPOILT FILES A DOOR] [KILLS]     faults alone
+                                        (1,000 and 200 by default: half an hour)
 
 The tests do the same with fewer faults (tests/test_fuzz_doors.py, tests/test_faults_processes.py).
 Wall times show the machine's other load as much as the job, so the load is stated beside them.

@@ -4,8 +4,10 @@ The scene is that of `halfplane init --bodies` (a pad on a block) with f = 0.7; 
 of time, P and Q as a machine would write them: 17 cycles in 2,000 rows, P with noise of 1 % of its
 mean and Q of its amplitude, from a fixed seed.
 
-    python benchmarks/long_record.py SCENE.toml [--rows N]                      write the scene, of N rows
-    python benchmarks/long_record.py SCENE.toml --run OUT [OPTIONS OF RUN]      and run it; print what it took
+    python benchmarks/long_record.py SCENE.toml [--rows N]
+        write the scene, of N rows
+    python benchmarks/long_record.py SCENE.toml --run OUT [OPTIONS OF RUN]
+        and run it; print what it took
 """
 
 from __future__ import annotations

@@ -55,8 +55,10 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
 # ----------------------------------------------------------------------------------------- licences
 HEAD = """# Licences
 
-halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install halfplane` brings, by their own
-metadata. Written by `python benchmarks/packages.py licences`; a test compares it with what is installed.
+halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install \
+halfplane` brings, by their own
+metadata. Written by `python benchmarks/packages.py licences`; a test compares it with what is \
+installed.
 
 | package | licence |
 |---|---|

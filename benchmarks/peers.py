@@ -439,10 +439,12 @@ def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
             continue
         ratio = "" if row["code"].startswith("halfplane") else "ours is nowhere as exact"
         if best:
-            ratio = (
-                f"{_spread([one / other for one in row['seconds'] for other in best['seconds']], '.2g')}"
-                f" ({best['size']})"
-            )
+            ratios = [
+                seconds / seconds_of_best
+                for seconds in row["seconds"]
+                for seconds_of_best in best["seconds"]
+            ]
+            ratio = f"{_spread(ratios, '.2g')} ({best['size']})"
         q = "" if row["q"] is None else f"{row['q']:.1e}"
         spent = _spread(row["seconds"], ".3g")
         cells.append(

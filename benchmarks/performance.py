@@ -293,7 +293,9 @@ found = {"seconds": min(spent), "dissipation": answer.dissipation}
 if scene.bodies.half_planes and scene.material.alike:
     last = np.flatnonzero(answer.time > answer.time[-1] - scene.load.path().period)
     some = last[:: max(1, len(last) // 60)]
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[some], fields=("pressure", "shear"))
+    exact = semi_analytic.solve(
+        scene, x=answer.x, time=answer.time[some], fields=("pressure", "shear")
+    )
     off = np.trapezoid((answer.shear[some] - exact.shear) ** 2, answer.x, axis=1)
     size = np.trapezoid(exact.pressure**2, answer.x, axis=1) * scene.friction.coefficient**2
     found["shear"] = float(np.sqrt(np.mean(off / size)))

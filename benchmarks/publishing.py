@@ -1,4 +1,4 @@
-"""The published reports, reports/published/: one page and one picture for each scene of the library.
+"""The published reports, reports/published/: a page and a picture for each scene of the library.
 
     make publish            (python benchmarks/publishing.py, some minutes)
     make publish PAGES=1    (... --pages: the pages alone, from the numbers that are there)
@@ -441,7 +441,8 @@ def renew(known: Sheet, now: Mapping[str, Case]) -> Sheet:
         old = before[key].value if key in before else "none"
         new = now[key].value if key in now else "none"
         say(
-            f"  {known.scene}: {key}: old {old!r}, new {new!r}, reference {exact.get(key, 'none')}: {why}"
+            f"  {known.scene}: {key}: old {old!r}, new {new!r},"
+            f" reference {exact.get(key, 'none')}: {why}"
         )
     say(
         f"{known.scene}: {len(changed)} baselines moved" if changed else f"{known.scene}: as it was"

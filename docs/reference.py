@@ -37,7 +37,8 @@ VARYING = {
     "WaveSum": "beside harmonics",
     "LineOfAction": "line_of_action",
 }
-VALUES = """A value is a number: in proportion to P during initial loading, constant afterwards. Or it varies with time:
+VALUES = """A value is a number: in proportion to P during initial loading, constant afterwards. \
+Or it varies with time:
 
 | load | value |
 |---|---|

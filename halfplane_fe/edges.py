@@ -556,8 +556,8 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> tuple[Ar
 
     Returns
     -------
-    The zero of a straight line through the squares of `to_limit` at seven nodes; and whether it is one:
-    False where they do not fall towards the edge, where the line through the next four says
+    The zero of a straight line through the squares of `to_limit` at seven nodes; and whether it is
+    one: False where they do not fall towards the edge, where the line through the next four says
     something else (an older stick edge is near), or where the zero is not near the last node.
     """
     element = x_out[last] - x_out[last - 2]

@@ -397,9 +397,9 @@ def peak_uncertainty(
 
     u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact and a thin body do to it. Where
     the profile has a tip, the difference is made there: of order n - 1 where the gap rises as |x|^n
-    with n < 2, of order 1 where the elements resolve that it is rounded. Elsewhere it is made by the edges of
-    contact: of order 2, or 1 where the curvature of the profile jumps in their zone. NaN where the
-    elements there are like those of the coarse run.
+    with n < 2, of order 1 where the elements resolve that it is rounded. Elsewhere it is made by
+    the edges of contact: of order 2, or 1 where the curvature of the profile jumps in their zone.
+    NaN where the elements there are like those of the coarse run.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ _TOML = re.compile(
     rf"""\#[^\n]*+                                                     # a comment
     | "{{3}}[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*(?:"{{3,5}}|\\?\Z)     # strings of several lines
     | '{{3}}[^']*+(?:'(?!'')[^']*+)*(?:'{{3,5}}|\Z)
-    | (?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST},}})     # keys; numbers and words look like them
+    | (?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST},}})     # keys; numbers look like them
     | (?P<long>[A-Za-z0-9_-]{{{_LONGEST},}}+)
     | {_PART}
     | (?P<sign>[][{{}}=])""",

@@ -6,11 +6,13 @@ spline; all convex.
 
 Each is a sum of kappa's with factors that are not negative, so that the contact can't split:
 
-    h(x) = h0 + alpha (x - x0) + sum over j of w_j B_j(s),   w_j >= 0,   B_j'' = kappa_j,   B_j(0) = B_j'(0) = 0
+    h(x) = h0 + alpha (x - x0) + sum over j of w_j B_j(s)
+    w_j >= 0,   B_j'' = kappa_j,   B_j(0) = B_j'(0) = 0
 
     parabola     kappa = 1
     flat         0 up to s = b, then 1
-    polynomial   1, u, u (u - c)^2 and (u - c)^2 with u = (s/L)^2: their sums are the polynomials without negative values at u >= 0
+    polynomial   1, u, u (u - c)^2 and (u - c)^2 with u = (s/L)^2: their sums are the polynomials
+                 without negative values at u >= 0
     spline       hat functions on evenly spaced knots; the squares of the steps of w are added with
                  a weight, which is that of the least expected error by Mallows (1973) from the
                  noise, or by generalised cross-validation without it

@@ -4,10 +4,19 @@ are extreme.
 The paper's letters (figure 2) belong to an ellipse that is gone round anticlockwise, Q lagging
 behind P by 0 < phase < 180 degrees:
 
-    A  the first cycle starts (Q least)      E  forward slip ends: u = Q - f P largest    I  full stick ends: u least
-    B  full stick ends: u least              F  P least                                   J  the front passes what G left
-    C  P largest                             G  reverse slip ends: v = Q + f P least      K  P largest
-    D  Q largest                             H  Q least                                   L  Q largest, M  as E
+    A  the first cycle starts (Q least)
+    B  full stick ends: u least
+    C  P largest
+    D  Q largest
+    E  forward slip ends: u = Q - f P largest
+    F  P least
+    G  reverse slip ends: v = Q + f P least
+    H  Q least
+    I  full stick ends: u least
+    J  the front passes what G left
+    K  P largest
+    L  Q largest
+    M  as E
 
 A to D are of the first cycle, E to M of the steady state; E to H follow on the first forward slip,
 I to M on the second. J comes before or after K: in the paper's own example after it. Clockwise

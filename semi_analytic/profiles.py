@@ -7,7 +7,8 @@ composite modulus, h(x) profile
 As functions of the advance d of the edge; of any symmetric profile (Abel transform of the slope
 h'):
 
-    P = E* a int cos(angle) h'(x) d angle,    dP/da = E* int cos(angle) (x h')' d angle,    x = a cos(angle), 0 < angle < pi/2
+    P     = E* a int cos(angle) h'(x) d angle,    x = a cos(angle), 0 < angle < pi/2
+    dP/da = E* int cos(angle) (x h')' d angle
 
 All else follows from these in `punch_superposition`; the parabola alone has closed forms
 throughout, in `hertz`.

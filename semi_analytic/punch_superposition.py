@@ -9,7 +9,7 @@ punches goes by the name of Mossakovskii too):
     p(x, P)  = (1/pi) int_x^a g/sqrt(alpha^2 - x^2) d alpha             g = dP/d alpha
     S(x, P)  = int g arccosh(|x|/alpha) d alpha,  alpha < min(a, |x|)   displacement outside a punch
     Lam      = int_c^a g ln(alpha/c) d alpha                            slip area: W gathers it
-    int ln(2 L/alpha) dP                                                movement of the bodies against a datum at distance L
+    int ln(2 L/alpha) dP                                movement against a datum at distance L
 
 # notation: a half-width, a_0 that of no load (0, or half the length of a flat), d = a - a_0 the
 #           advance of the edge, alpha and delta the same of a punch within, P or eta normal load,

@@ -13,9 +13,11 @@ the slip:
     D = t_G - t_E = t_M - t_J = arg(P1^2 - r^2 + 2 i r P1 sin(phase)),  t_J - t_I = pi - D
     exp(-i t_E) = (r exp(-i phase) - P1)/u
 
-    E-G  s = t - t_E:  rate f v sin(D - s),  P - P_c = u sin^2(s/2),         P_c - P_T = v sin^2((D - s)/2)
-    I-J  s = t - t_I:  rate f u sin s,       P - P_c = 2 P1 sin t_E sin s
-    J-M  s = t_M - t:  rate f u sin s,       P - P_c = v sin^2((D + s)/2),   P_c - P_T = u sin^2(s/2)
+    E-G  s = t - t_E:  rate f v sin(D - s)
+                       P - P_c = u sin^2(s/2),         P_c - P_T = v sin^2((D - s)/2)
+    I-J  s = t - t_I:  rate f u sin s,   P - P_c = 2 P1 sin t_E sin s
+    J-M  s = t_M - t:  rate f u sin s
+                       P - P_c = v sin^2((D + s)/2),   P_c - P_T = u sin^2(s/2)
 
     W    = (f A/pi) int w' Lam(P, P_c) dt,                 Lam = int_{P_c}^P ln(a(eta)/c) d eta
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt       over the times with c < |x| < a(P)
@@ -23,8 +25,12 @@ the slip:
 The forward part is that of I-M, the reverse part that of E-G. Each phase is cut at the angles at
 which P or P_c is the load P_b of a corner of the profile:
 
-    P = P_b    cos t = (P_b - P0)/P1:            E-G  t_E + s = t,     I-J  t_E + s = t +- pi,   J-M  t_E - s = +-t
-    P_c = P_b  E-G  v sin^2((D - s)/2) = P_b - P_T,   J-M  u sin^2(s/2) = P_b - P_T,   I-J  t_E - s = t +- pi
+    P = P_b, cos t = (P_b - P0)/P1:   E-G  t_E + s = t
+                                      I-J  t_E + s = t +- pi
+                                      J-M  t_E - s = +-t
+    P_c = P_b:                        E-G  v sin^2((D - s)/2) = P_b - P_T
+                                      J-M  u sin^2(s/2) = P_b - P_T
+                                      I-J  t_E - s = t +- pi
 
 Between corners all three phases are smooth in s. Where P - P_c is no small share of P0, W is taken
 apart into two courses of loads, P and P_c, by parts: w~ is w from the end of slip on, at G or M,
@@ -907,9 +913,12 @@ def phase_integrals(
     With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the
     same rule:
 
-        E-G  s = D (1 - y)    rate 2 f v S C       P_c = P_T + v S^2                    P - P_c = u S-bar^2
-        J-M  s = D y          rate 2 f u S C       P_c = P_T + u S^2                    P - P_c = v S-bar^2 + k S C
-        I-J  s = 2 g y        rate 2 f u s c       P_c = P_min + (alpha c - beta s)^2   P - P_c = k s c,   s, c = sin, cos (g y)
+        E-G  s = D (1 - y)   rate 2 f v S C   P_c = P_T + v S^2
+                                              P - P_c = u S-bar^2
+        J-M  s = D y         rate 2 f u S C   P_c = P_T + u S^2
+                                              P - P_c = v S-bar^2 + k S C
+        I-J  s = 2 g y       rate 2 f u s c   P_c = P_min + (alpha c - beta s)^2
+                                              P - P_c = k s c,   s, c = sin, cos (g y)
 
     No difference is taken but one that is squared. One tangent a node stands for sine and cosine:
     numpy has it in vector code.

@@ -26,9 +26,9 @@ eps = eps_0 + kappa Q, the intervals I(eta) take the place of the flat punches o
 contact. They are nested while |kappa| <= A/(pi a). The memory curve is what it is without tilt and
 bulk, and its integrals take other kernels:
 
-    dp/d eta = [1/pi - (kappa/A) t]/sqrt(c^2 - t^2)                                       inside, q = int M' dp
-    s = (A/pi) int M' [arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2)] d eta        outside
-    U = (A/pi) int M' [ln(2 L/c) + (pi kappa/A) m] d eta                                  of x = 0
+    inside   dp/d eta = [1/pi - (kappa/A) t]/sqrt(c^2 - t^2),   q = int M' dp
+    outside  s = (A/pi) int M' [arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2)] d eta
+    x = 0    U = (A/pi) int M' [ln(2 L/c) + (pi kappa/A) m] d eta
     m_q = int x q = int M' mu d eta,  mu = m - (pi kappa/(2 A)) c^2,  and int x p = int mu d eta
     W = closed-int Q dU - m_q d eps = -closed-int (U + kappa m_q) dQ
 
@@ -472,8 +472,10 @@ class CurvedProfile(ConvexProfile):
     # notation: <f> = (1/pi) int_0^pi f(xi) d theta, xi = m + c cos(theta), t = xi - m; x = m +- c
     cosh(u) outside
 
-        pi A p = pi sqrt(c^2 - (x - m)^2) <(h'(xi) - h'(x))/(xi - x)>         A int x p = pi <(m t + t^2 - c^2/2) h'>
-        gap = <+-c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u t h'(xi)>    approach = <h> + alpha m + (A P/pi) ln(2 L/c)
+        pi A p    = pi sqrt(c^2 - (x - m)^2) <(h'(xi) - h'(x))/(xi - x)>
+        A int x p = pi <(m t + t^2 - c^2/2) h'>
+        gap       = <+-c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u t h'(xi)>
+        approach  = <h> + alpha m + (A P/pi) ln(2 L/c)
 
     With h' = sum b_k cos(k theta) these are p = (1/A) sum b_k sin(k theta) and its potential, by
     Glauert's integrals.

@@ -37,8 +37,10 @@ from scenes import ContactSolution
 # last bit.
 TIMED = ("seconds", "command", "condensations", "sparse factorisations")
 PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
-STUDY = """scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
-[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop = 2.0, count = 40}\n"""
+STUDY = """scene = "hertz-paper"\nengines = ["exact"]
+figures = ["exact.dissipation", "exact.peak_dissipation"]
+[[axes]]\nname = "f"\nkey = "friction.coefficient"
+linear = {start = 1.0, stop = 2.0, count = 40}\n"""
 JOBS = {
     "run": ("run", "hertz-paper", *COARSE, "--out", "out"),
     "sweep": ("sweep", "study.toml", "--workers", "1", "--out", "out", "--resume"),

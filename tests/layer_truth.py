@@ -3,7 +3,8 @@ half-planes nor finite elements.
 
 The surface of the layer, thickness t, sinks under a pressure p(k) cos kx by
 
-    u(k) = 2 (1 - nu^2)/(E k) L(k t) p(k),    L(w) = (2 kappa sinh 2w - 4w)/(2 kappa cosh 2w + 1 + kappa^2 + 4 w^2)
+    u(k) = 2 (1 - nu^2)/(E k) L(k t) p(k)
+    L(w) = (2 kappa sinh 2w - 4w)/(2 kappa cosh 2w + 1 + kappa^2 + 4 w^2)
 
 with kappa = 3 - 4 nu. With p = sqrt(1 - s^2) sum c_j U_2j(s), s = x/a, the part of L = 1 is in
 closed form, and the rest decays like exp(-2 k t). The slope u' = -x/R is met at the zeros of

@@ -13,7 +13,8 @@ Memory:  Coulomb's law asks low + f eta <= s M(eta) <= high - f eta of every pun
          looking back, and
          P_c(t) = [min of high over (tau, t) - low(t)]/(2 f), tau being the last time at which low
          was above low(t).
-Work:    W(x) = (f A/pi) int p(x, P) low' arccosh(|x|/c) dt,    W = (f A/pi) int low' int_{P_c}^P ln(a(eta)/c) d eta dt.
+Work:    W(x) = (f A/pi) int p(x, P) low' arccosh(|x|/c) dt,
+         W = (f A/pi) int low' int_{P_c}^P ln(a(eta)/c) d eta dt.
 
 Each integral by one rule for singular ends between all knots and corners. Of the fields the knots
 of the memory are the engine's own.

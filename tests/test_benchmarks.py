@@ -55,7 +55,7 @@ def cases(tool: Tool) -> ModuleType:
     return tool("cases")
 
 
-# -------------------------- the table of cases: complete, good now, and able to fail in either column
+# ------------------------ the table of cases: complete, good now, and able to fail in either column
 def test_every_scene_of_the_library_is_in_the_table_and_good(
     cases: ModuleType, regress: ModuleType
 ) -> None:
@@ -72,8 +72,8 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(
     # so.
     assert scenes("dissipation", known=True) == {line.scene for line in lines} == names
     assert scenes("dissipation_density", "slip zone", known=True) == set(regress.POINTWISE)
-    # Each field has a baseline in each scene, and a reference in the Hertz scenes with friction that
-    # are no rows.
+    # Each field has a baseline in each scene, and a reference in the Hertz scenes with friction
+    # that are no rows.
     known = {
         scene.name
         for scene in map(load_scene, names)

@@ -1,4 +1,4 @@
-"""The table of cases: complete, each value once, references and baselines apart, and able to fail."""
+"""The table of cases: complete, each value once, references and baselines apart, able to fail."""
 
 from __future__ import annotations
 

@@ -319,9 +319,7 @@ def test_each_number_in_a_text_has_a_key_two_marks_and_no_mark_at_the_start_of_a
     ]
 
 
-def test_values_are_quoted_by_their_keys_with_two_digits_and_a_unit_and_rounding_alone_is_forgiven() -> (
-    None
-):
+def test_values_are_quoted_by_keys_with_two_digits_and_a_unit_and_rounding_is_forgiven() -> None:
     """Planted: a number changed by hand, a key that is not there, the same words in two
     sections.
     """
@@ -511,11 +509,8 @@ def test_each_package_has_its_page_and_the_citation_is_of_this_version() -> None
     assert all(f".. automodule:: {package}\n" in TEXTS[f"api/{package}.md"] for package in PACKAGES)
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'version: "{version("halfplane")}"' in citation
-    assert (
-        "license:"
-        f" {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n"
-        in citation
-    )
+    pyproject = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert f"license: {pyproject['project']['license']}\n" in citation
 
 
 # ---------------------------------------------------------------------------- the paper's own words

@@ -540,7 +540,7 @@ def test_the_form_that_every_smooth_edge_has_is_found_exactly():
     assert np.isnan(contact_edges(x, pressures, gaps, closed & False, modulus)).all()
 
 
-def test_the_fitted_edge_of_a_known_pressure_is_better_than_its_form_whatever_the_outermost_nodes_say():
+def test_the_fitted_edge_is_better_than_its_form_whatever_the_outermost_nodes_say():
     """Hertz, the outermost nodes 5 % off; an edge elsewhere leaves the form."""
     x, a = np.linspace(-1.5, 1.5, 301), np.linspace(0.9, 0.95, 23)[:, None]
     closed, pressure = np.abs(x) < a, np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2

@@ -329,7 +329,7 @@ def test_every_line_of_costly_names_a_test(request: pytest.FixtureRequest) -> No
     assert lost == set()
 
 
-# ------------------------------------------------------------ the way of a scene, and where things go
+# ---------------------------------------------------------- the way of a scene, and where things go
 def test_the_ten_functions_of_the_way_exist_and_say_what_they_do() -> None:
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     names = re.findall(r"^ ?\d+  (\S+) ", page, re.M)

@@ -110,32 +110,40 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
 MOVING = """() => ({
   lines: [...document.querySelectorAll("path[data-field]")].map((e) => e.getAttribute("d")),
   strips: [...document.querySelectorAll("g.strip")].map((e) => e.innerHTML),
-  rings: [...document.querySelectorAll("circle.follow")].map((e) => e.getAttribute("cx") + " " + e.getAttribute("cy")),
-  cursors: [...document.querySelectorAll("line.cursor")].map((e) => ["x1", "y1"].map((n) => e.getAttribute(n)).join(" ")),
+  rings: [...document.querySelectorAll("circle.follow")].map(
+    (e) => e.getAttribute("cx") + " " + e.getAttribute("cy")),
+  cursors: [...document.querySelectorAll("line.cursor")].map(
+    (e) => ["x1", "y1"].map((n) => e.getAttribute(n)).join(" ")),
 })"""
 # Figures without a single mark that has a size.
-EMPTY = """() => [...document.querySelectorAll("figure")].filter((figure) => ![...figure.querySelectorAll(
-  "svg:not(.legend svg) :is(.marks *, .body, .strip rect)")].some((mark) => {
-    const box = mark.getBoundingClientRect(); return box.width > 1 || box.height > 1; })).map((figure) => figure.id)"""
+EMPTY = """() => [...document.querySelectorAll("figure")].filter(
+  (figure) => ![...figure.querySelectorAll(
+    "svg:not(.legend svg) :is(.marks *, .body, .strip rect)")].some((mark) => {
+    const box = mark.getBoundingClientRect(); return box.width > 1 || box.height > 1; })
+  ).map((figure) => figure.id)"""
 # Pairs of texts of one drawing of which more than a hair's breadth lies over another.
 OVERLAPS = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flatMap((svg) => {
-  const texts = [...svg.querySelectorAll("text")].map((e) => [e.textContent, e.getBoundingClientRect()]);
+  const texts = [...svg.querySelectorAll("text")].map(
+    (e) => [e.textContent, e.getBoundingClientRect()]);
   return texts.flatMap(([a, p], k) => texts.slice(k + 1).filter(([, q]) =>
-    Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1.5 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 3
+    Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1.5 &&
+    Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 3
   ).map(([b]) => `${svg.id}: ${a} / ${b}`)); })"""
 # Whatever reaches beyond the window, or scrolls sideways in a box of its own; code in the manual
 # may, and side bars that are away.
 WIDER = """(but) => [...document.querySelectorAll("body *:not(svg *)")].filter((e) => {
   if (!e.getClientRects().length || e.closest(but)) return false;
   const box = e.getBoundingClientRect();
-  return (e.clientWidth > 1 && e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).overflowX !== "visible")
+  return (e.clientWidth > 1 && e.scrollWidth > e.clientWidth + 1
+      && getComputedStyle(e).overflowX !== "visible")
     || (box.width > 1 && box.right > innerWidth + 1);
 }).map((e) => `${e.tagName}#${e.id}.${e.className} ${e.scrollWidth} > ${e.clientWidth}`)"""
 MANUAL = Path(__file__).parents[1] / "docs" / "_build" / "html"
 CUT_OFF = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flatMap((svg) => {
   const box = svg.getBoundingClientRect();
   return [...svg.querySelectorAll("text")].filter((e) => { const t = e.getBoundingClientRect();
-    return t.left < box.left - 1 || t.right > box.right + 1 || t.top < box.top - 1 || t.bottom > box.bottom + 1;
+    return t.left < box.left - 1 || t.right > box.right + 1
+      || t.top < box.top - 1 || t.bottom > box.bottom + 1;
   }).map((e) => `${svg.id || "sketch"}: ${e.textContent}`); })"""
 
 

@@ -903,12 +903,16 @@ needs_dask = pytest.mark.skipif(
     not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]"
 )
 POINTS = 500
-STUDY = f"""scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
-[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {{start = 1.0, stop = 2.0, count = {POINTS}}}\n"""
+STUDY = f"""scene = "hertz-paper"\nengines = ["exact"]
+figures = ["exact.dissipation", "exact.peak_dissipation"]
+[[axes]]\nname = "f"\nkey = "friction.coefficient"
+linear = {{start = 1.0, stop = 2.0, count = {POINTS}}}\n"""
 LIGHT = STUDY.replace("hertz-paper", "cattaneo-mindlin")  # a quarter of the time
 BLOCKS_FILE = """scene = "blocks"\nfigures = ["error.dissipation", "stick_edge"]
-[set]\n"mesh.element_size" = 0.25\n"mesh.edge_element_size" = 0.125\n"mesh.order" = 1\n"mesh.growth" = 1.0
-"solver.steps_per_cycle" = 24\n[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop = 2.0, count = 8}
+[set]\n"mesh.element_size" = 0.25\n"mesh.edge_element_size" = 0.125
+"mesh.order" = 1\n"mesh.growth" = 1.0
+"solver.steps_per_cycle" = 24\n[[axes]]\nname = "f"\nkey = "friction.coefficient"
+linear = {start = 1.0, stop = 2.0, count = 8}
 """
 
 

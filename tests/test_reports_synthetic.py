@@ -17,7 +17,8 @@ from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, l
 LOAD_RATIO = 0.6
 HALF_WIDTH = 1.0
 SCRIPT = "<script>document.title='run'</script>"
-EVIL = f"""{SCRIPT}</script><img src=x onerror="document.title='run'"> " onmouseover="x" $\\frac{{ {{{{ 7*7 }}}} &amp; ]]> <!--"""
+EVIL = f"""{SCRIPT}</script><img src=x onerror="document.title='run'"> " onmouseover="x" \
+$\\frac{{ {{{{ 7*7 }}}} &amp; ]]> <!--"""
 
 
 def closed_form_dissipation(scene: Scene) -> float:

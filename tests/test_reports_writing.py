@@ -493,9 +493,7 @@ def plate(name: str = "all") -> Plate:
     return Plate(name, NASTY, "", "", (plain, Cell((log, pixels), 3)), {"x": x}, keys)
 
 
-def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style_sheet_on_a_light_page() -> (
-    None
-):
+def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_a_light_page() -> None:
     shown = {
         "x / a_ref": "x / a<sub>ref</sub>",
         "A f² P_ref²": "A f² P<sub>ref</sub>²",

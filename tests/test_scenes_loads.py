@@ -231,7 +231,7 @@ def test_times_on_harmonics_are_found_however_they_turn(normal, tangential, fric
     )
 
 
-def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_one_that_is_no_number_nowhere():
+def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_no_number_is_nowhere():
     segment = SEGMENTS["series"]
     for begin, end in ((0.5, 2.0), (2.0, 0.5)):
         assert segment._time_inside(NORMAL_LOAD, np.array([9.0]), 9.0, begin, end).tolist() == [end]

@@ -34,7 +34,8 @@ gmsh.option.setNumber("General.Terminal", 0)
 gmsh.model.occ.addDisk(0, 0, 0, 1, 1)
 gmsh.model.occ.synchronize()
 gmsh.model.mesh.generate(2)
-print(len(gmsh.model.mesh.getNodes()[0]), "nodes in a disc, gmsh", gmsh.option.getString("General.Version"))
+version = gmsh.option.getString("General.Version")
+print(len(gmsh.model.mesh.getNodes()[0]), "nodes in a disc, gmsh", version)
 gmsh.finalize()
 """
 _SCREEN = """

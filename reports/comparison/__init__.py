@@ -23,9 +23,9 @@ first:
                     `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
                     `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
                     `SUPPORT_WORDS` `sentence` `read_in_words` `cost` `stretch`; in cells:
-                    `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells` `first_rows` `summary_rows`
-                    `budget_table`; and as JSON: `as_json` `whole_content` `solution_content`
-                    `strict`
+                    `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells` `first_rows`
+                    `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content`
+                    `solution_content` `strict`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
                     `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
                     `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`

@@ -83,7 +83,7 @@ def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
     return tuple(name for name in OF_BULK if getattr(source, name) is not None)
 
 
-# ----------------------------------------------------------------------- the last cycle of a solution
+# --------------------------------------------------------------------- the last cycle of a solution
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
@@ -143,7 +143,7 @@ def _cycle_of_steps(
     )
 
 
-# ------------------------------------------------------------- on the points and instants of another
+# ------------------------------------------------------------ on the points and instants of another
 
 
 def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:

@@ -1,5 +1,5 @@
-"""The functions that measure: each takes a `Pair` and gives one `Measured`, for one row of the table
-in metrics.py.
+"""The functions that measure: each takes a `Pair` and gives one `Measured`, for one row of the
+table in metrics.py.
 
 Every one is a pure function of two last cycles on the same points and instants, dimensionless:
 result − reference over a scale, signed wherever a sign has a meaning.
@@ -75,7 +75,7 @@ class Measured(PythonNumbers):
     amounts: tuple[float, float] | None = None
 
 
-# --------------------------------------------------------------------------- norms, shares, the worst
+# ------------------------------------------------------------------------- norms, shares, the worst
 
 
 def norm(x: Array, values: Array) -> Array:

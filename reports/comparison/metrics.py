@@ -108,7 +108,7 @@ class Metric(Measured):
         return tolerances.get(self.key, tolerances.get(self.judged_by))
 
 
-# ------------------------------------------------------------------------------ judging by the table
+# ----------------------------------------------------------------------------- judging by the table
 
 
 def missing(solution: ContactSolution) -> dict[str, str]:
@@ -406,7 +406,9 @@ _ROWS = (
     Metric(
         key="stick_edge",
         label="Stick edge",
-        how="outward shift of the worse edge, where both have one (in full stick: the contact edge)",
+        how=(
+            "outward shift of the worse edge, where both have one (in full stick: the contact edge)"
+        ),
         why="it shows an error of friction or history first",
         unit="of a_ref",
         norm=_WORST_INSTANT,

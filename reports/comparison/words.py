@@ -690,10 +690,8 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     _, length, stress = units(scene)
     dissipation = _or_none(solution.dissipation)
     if not np.isnan(apart):
-        dissipation += (
-            f" ± {apart:.2g}{f' ({apart / solution.dissipation:.2%})' if solution.dissipation else ''},"
-            " by mesh and steps"
-        )
+        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
+        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
     last = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )

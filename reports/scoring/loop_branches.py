@@ -8,7 +8,8 @@ the memory curve of a branch.
 At constant P nothing depends on the form of Q or of U over time. By Masing's rule a branch hangs on
 its turning point:
 
-    rising:  U = -u(R/2) + 2 u((Q - Q_min)/2),   falling:  U = u(R/2) - 2 u((Q_max - Q)/2),   u(h; f) = f v(h/f)
+    rising:   U = -u(R/2) + 2 u((Q - Q_min)/2)
+    falling:  U = u(R/2) - 2 u((Q_max - Q)/2),   u(h; f) = f v(h/f)
 
 A row is placed by its Q and its branch. f, the turning points, C and the origin of U are found by
 least squares of

@@ -92,9 +92,8 @@ def percent(error: float, doubt: float) -> str:
     ('−48.1 ± 0.2 %', '+0.012 ± 0.04 % (not resolved)')
     """
     digits = max(0, min(3, -math.floor(math.log10(100 * doubt)))) if doubt > 0 else 3
-    text = f"{100 * error:+.{max(digits, 3 if abs(error) < 1e-3 else 1)}f} ± {100 * doubt:.1g} %".replace(
-        "-", "−"
-    )
+    digits = max(digits, 3 if abs(error) < 1e-3 else 1)
+    text = f"{100 * error:+.{digits}f} ± {100 * doubt:.1g} %".replace("-", "−")
     return text + (" (not resolved)" if abs(error) <= doubt else "")
 
 

@@ -344,9 +344,8 @@ def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Z
         width[places] / case.length
         for width in (solution.contact_half_width, solution.stick_half_width)
     )
-    stick[::count] = contact[
-        ::count
-    ]  # a turning point belongs to what ends there; the second time to what starts, where all sticks
+    # A turning point belongs to what ends there; the second time to what starts, where all sticks.
+    stick[::count] = contact[::count]
     return Zones(time, contact, stick, np.repeat([way for _, way in marks[:-1]], count))
 
 
