@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +97,8 @@ def write(
     ----------
     found : what `compare` or `score` returned, or a `Report` of more
     out : folder; made if need be; of what is in it already only an earlier run's own files are
-    replaced vtu_instants : times at which both bodies are written for ParaView; none by default
+        replaced
+    vtu_instants : times at which both bodies are written for ParaView; none by default
     command : what reproduces the report
     seconds : stage -> wall time, for the page
     stress_instants : where the page shows von Mises' stress; nowhere by default
@@ -111,43 +112,48 @@ def write(
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
     with filled(out, solutions=SOLUTIONS) as folder:
-        for name, solution in zip(
-            SOLUTIONS, (comparison.reference, comparison.result), strict=True
-        ):
-            # before the page: one that fails must not cost what took long to solve
-            solution.save(folder / name)
+        # before the page: one that fails must not cost what took long to solve
+        comparison.reference.save(folder / SOLUTIONS[0])
+        comparison.result.save(folder / SOLUTIONS[1])
         drawings = draw(report)
         if stress_instants:
-            import halfplane_fe
-            from reports.field_output.pictures import scales_of, stress
-
-            answer = with_bodies(comparison.result, "--stress")
-            snapshots = halfplane_fe.fields(answer, [instant.time for instant in stress_instants])
-            drawings += (stress(answer, snapshots, stress_instants, scales_of(snapshots)),)
+            drawings += (_stress(comparison, stress_instants),)
+        tables = {drawing.name: drawing.csv() for drawing in drawings}
         (folder / "figures").mkdir()
-        texts = {drawing.name: drawing.csv() for drawing in drawings}
-        for name, text in texts.items():
+        for name, text in tables.items():
             (folder / "figures" / f"{name}.csv").write_text(text, encoding="utf-8")
-        (folder / "scene.json").write_text(
-            comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8"
-        )
-        (folder / "comparison.json").write_text(
-            as_json(report, command, seconds) + "\n", encoding="utf-8"
-        )
+        scene_text = comparison.scene.model_dump_json(indent=1) + "\n"
+        (folder / "scene.json").write_text(scene_text, encoding="utf-8")
+        comparison_text = as_json(report, command, seconds) + "\n"
+        (folder / "comparison.json").write_text(comparison_text, encoding="utf-8")
         if vtu_instants is not None and len(vtu_instants):
-            import halfplane_fe
-
-            answer = with_bodies(comparison.result, "--vtu")
-            write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
-        words = _write_third(comparison, report.third, folder) if report.third else None
-        live = _cycle_data(_Shown(comparison)) | {"tables": _tables(texts)}
-        page = render(report, drawings, command, seconds or {}, live, words)
+            _write_vtu(comparison, vtu_instants, folder / "fields")
+        third = _write_third(comparison, report.third, folder) if report.third else None
+        live = _cycle_data(_Shown(comparison)) | {"tables": _tables(tables)}
+        page = render(report, drawings, command, seconds or {}, live, third)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
-            (folder / "run.log").write_text(
-                "\n".join([*log, headline(report), verdict(report)]) + "\n", encoding="utf-8"
-            )
+            log_text = "\n".join([*log, headline(report), verdict(report)]) + "\n"
+            (folder / "run.log").write_text(log_text, encoding="utf-8")
     return Path(out) / "report.html"
+
+
+def _stress(comparison: Comparison, instants: Sequence[Instant]) -> Plate:
+    """Von Mises' stress of the result's bodies at these instants."""
+    import halfplane_fe
+    from reports.field_output.pictures import scales_of, stress
+
+    answer = with_bodies(comparison.result, "--stress")
+    snapshots = halfplane_fe.fields(answer, [instant.time for instant in instants])
+    return stress(answer, snapshots, instants, scales_of(snapshots))
+
+
+def _write_vtu(comparison: Comparison, times: Sequence[float], folder: Path) -> None:
+    """Both bodies of the result at these times, for ParaView."""
+    import halfplane_fe
+
+    answer = with_bodies(comparison.result, "--vtu")
+    write_fields(answer, halfplane_fe.fields(answer, times), folder)
 
 
 def _write_third(comparison: Comparison, third: ThirdAnswer, folder: Path) -> dict[str, Any]:
@@ -180,10 +186,13 @@ def render(
     third : words of the third solver, where it ran
     """
     comparison = report.comparison
-    scene, said = comparison.scene, words.said(report)
+    scene = comparison.scene
+    sentences = words.said(report)
+    profile_findings = findings(scene)[0]
+    bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
     program, digest = script()
     return template("report.html").render(
-        said | {"bodies": [said["bodies"], said["unlike_materials"], *findings(scene)[0]]},
+        sentences | {"bodies": bodies},
         title=scene.title or scene.name,
         scene=scene,
         comparison=comparison,
@@ -231,12 +240,14 @@ def _commit() -> str:
 
 def _notes(comparison: Comparison) -> list[str]:
     """What a reader must not miss: of the metrics, then of the solutions."""
-    named = [(m.label, m.note) for m in comparison.headlines if m.note]
-    own = [
-        words.sentence(note if note.lower().startswith(label.lower()) else f"{label}: {note}")
-        for label, note in named
-    ]
-    return [*own, *comparison.notes]
+    of_metrics = []
+    for metric in comparison.headlines:
+        note, label = metric.note, metric.label
+        if note and note.lower().startswith(label.lower()):
+            of_metrics.append(words.sentence(note))
+        elif note:
+            of_metrics.append(words.sentence(f"{label}: {note}"))
+    return [*of_metrics, *comparison.notes]
 
 
 def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
@@ -248,24 +259,25 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
 
     polygon = comparison.polygon_reference
     for solution in filter(None, (comparison.reference, polygon, comparison.result)):
-        normal, loop, work = normal_work(solution), solution.loop_work, solution.dissipation
+        name = name_of(solution.engine)
+        if solution is polygon:
+            name += ", on the polygon of the steps"
+        work = solution.dissipation
+        loop = solution.loop_work
+        normal = normal_work(solution)
+        difference = "–"
+        if work and not np.isnan(loop):
+            difference = minus(f"{abs((loop + (normal or 0.0)) / work - 1):.1e}")
         yield {
-            "name": (
-                name_of(solution.engine)
-                + (", on the polygon of the steps" if solution is polygon else "")
-            ),
+            "name": name,
             "value": shown(work),
             "scaled": shown(work / comparison.scales.dissipation),
             "loop": shown(loop),
             # of the instants that the solution has
             "bulk": shown(bulk_work(last_cycle(solution), solution.scene.material)),
             "normal": shown(normal),
-            "apart": (
-                "–"
-                if np.isnan(loop) or not work
-                else minus(f"{abs((loop + (normal or 0.0)) / work - 1):.1e}")
-            ),
-            "cycles": ", ".join(shown(one, 6) for one in solution.cycle_dissipation),
+            "apart": difference,
+            "cycles": ", ".join(shown(of_cycle, 6) for of_cycle in solution.cycle_dissipation),
         }
 
 
@@ -275,21 +287,23 @@ def _flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
     >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
     """
-    found: dict[str, str] = {}
+    flat: dict[str, str] = {}
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            found |= _flat(value, f"{above}{name}.")
+            flat |= _flat(value, f"{above}{name}.")
         else:
-            found[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return found
+            flat[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return flat
 
 
 # ---------------------------------------------------------------------------- what the slider moves
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
-_MOST_INSTANTS, _MOST_VALUES = 200, 100_000
+_MOST_INSTANTS = 200
+_MOST_VALUES = 100_000
 # Letters of the longest CSV that a page carries.
 _LETTERS = 1_500_000
-_STEPS, _NOTHING = 32766, -32768
+_STEPS = 32766
+_NOTHING = -32768  # stands for what is no number
 
 
 def _quantised(values: Array) -> dict[str, Any]:
@@ -301,71 +315,88 @@ def _quantised(values: Array) -> dict[str, Any]:
     """
     finite = np.isfinite(values)
     step = float(np.max(np.abs(values[finite]), initial=0.0)) / _STEPS or 1.0
-    whole = np.where(finite, np.rint(np.where(finite, values, 0.0) / step), _NOTHING).astype("<i2")
-    return {"step": step, "data": base64.b64encode(whole.tobytes()).decode()}
+    steps = np.rint(np.where(finite, values, 0.0) / step)
+    numbers = np.where(finite, steps, _NOTHING).astype("<i2")
+    return {"step": step, "data": base64.b64encode(numbers.tobytes()).decode()}
 
 
 def _cycle_data(shown: _Shown) -> dict[str, Any]:
     """Everything that the slider moves, and how much of the cycle that is."""
-    comparison, expected, found, scales = (
-        shown.comparison,
-        shown.expected,
-        shown.found,
-        shown.scales,
-    )
-    # All instants, or evenly many of them with the first, the last and the chosen ones; of the
-    # points those that are drawn.
-    last = len(found.time) - 1
-    even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
-    rows = np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
-    inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
-    points = np.unique(
-        [
-            *inside[:: -(-len(inside) * len(rows) // _MOST_VALUES)].tolist(),
-            inside[-1],
-            *_places(comparison),
-        ]
-    )
-    grid = np.ix_(rows, points)
+    comparison, scene = shown.comparison, shown.scene
+    rows = _carried_instants(shown)
+    points = _carried_points(shown, len(rows))
     series = {
         "t": shown.time,
-        "P": found.normal_load,
-        "Q": found.tangential_load,
-        "U0": expected.tangential_displacement,
-        "U1": found.tangential_displacement,
-        "V0": _sheared_shift(expected),
-        "V1": _sheared_shift(found),
+        "P": shown.found.normal_load,
+        "Q": shown.found.tangential_load,
+        "U0": shown.expected.tangential_displacement,
+        "U1": shown.found.tangential_displacement,
+        "V0": _sheared_shift(shown.expected),
+        "V1": _sheared_shift(shown.found),
     }
-    sizes = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear), "s": ("slip", 1.0)}
-    fields = {}
-    for key, (name, size) in sizes.items():
-        theirs, ours = getattr(expected, name)[grid] / size, getattr(found, name)[grid] / size
-        fields[key] = _quantised(theirs)
-        fields[f"d{key}"] = _quantised(ours - theirs)
-    states = expected.state[grid].astype(np.uint8) + 4 * found.state[grid].astype(np.uint8)
+    fields, states = _carried_fields(shown, np.ix_(rows, points))
+    places = _places(comparison)
     return {
         "instants": len(rows),
         "points": len(points),
-        "of": [len(found.time), len(found.x)],
+        "of": [len(shown.found.time), len(shown.found.x)],
         "stretch": shown.stretch,
         "rows": rows.tolist(),
-        "x": [float(f"{v:.7g}") for v in shown.x[points]],
-        "series": {
-            name: [float(f"{v:.7g}") if np.isfinite(v) else None for v in values[rows]]
-            for name, values in series.items()
-        },
+        "x": [_seven_digits(place) for place in shown.x[points]],
+        "series": {name: list(map(_seven_digits, values[rows])) for name, values in series.items()},
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
-        "events": [
-            [int(np.flatnonzero(rows == event.index)[0]), event.label] for event in shown.chosen
-        ],
-        "start": int(np.flatnonzero(rows == shown.start)[0]),
-        "slip_points": [int(np.flatnonzero(points == place)[0]) for place in _places(comparison)],
+        "events": [[_place_of(event.index, rows), event.label] for event in shown.chosen],
+        "start": _place_of(shown.start, rows),
+        "slip_points": [_place_of(place, points) for place in places],
         "time_words": shown.time_words,
-        "load_unit": load_unit(comparison.scene),
-        "length": units(comparison.scene)[1],
-        "engines": [name for _, _, name in shown.sides],
+        "load_unit": load_unit(scene),
+        "length": units(scene)[1],
+        "engines": [side.engine for side in shown.sides],
     }
+
+
+def _carried_instants(shown: _Shown) -> NDArray[np.int_]:
+    """All instants, or evenly many of them with the first, the last and the chosen ones."""
+    last = len(shown.found.time) - 1
+    even = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
+    return np.unique([*even.tolist(), 0, last, *(event.index for event in shown.chosen)])
+
+
+def _carried_points(shown: _Shown, instants: int) -> NDArray[np.int_]:
+    """Of the points that are drawn as many as fit, with the last and those whose slip is shown."""
+    inside = np.flatnonzero(np.abs(shown.x) <= 1.02 * shown.wide)
+    stride = -(-len(inside) * instants // _MOST_VALUES)
+    return np.unique([*inside[::stride].tolist(), inside[-1], *_places(shown.comparison)])
+
+
+def _carried_fields(
+    shown: _Shown, grid: tuple[NDArray[np.int_], ...]
+) -> tuple[dict[str, Any], NDArray[np.uint8]]:
+    """p, q and s of the reference with the differences of the result, and the states of both."""
+    sizes = {
+        "p": ("pressure", shown.scales.pressure),
+        "q": ("shear", shown.scales.shear),
+        "s": ("slip", 1.0),
+    }
+    fields = {}
+    for key, (name, size) in sizes.items():
+        of_reference = getattr(shown.expected, name)[grid] / size
+        of_result = getattr(shown.found, name)[grid] / size
+        fields[key] = _quantised(of_reference)
+        fields[f"d{key}"] = _quantised(of_result - of_reference)
+    state_of_result = shown.found.state[grid].astype(np.uint8)
+    return fields, shown.expected.state[grid].astype(np.uint8) + 4 * state_of_result
+
+
+def _seven_digits(value: float) -> float | None:
+    """A number for the page; None for what is no number."""
+    return float(f"{value:.7g}") if np.isfinite(value) else None
+
+
+def _place_of(index: int, indices: NDArray[np.int_]) -> int:
+    """Where an index stands among those that the page carries."""
+    return int(np.flatnonzero(indices == index)[0])
 
 
 def _carried(data: dict[str, Any]) -> str:
@@ -407,10 +438,19 @@ _X = "x / a_ref"
 _LINES = tuple(f"line-{k}" for k in range(7)) * 3
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
-_COLUMNS, _ROWS = 440, 360
+_COLUMNS = 440
+_ROWS = 360
 # Rows of the table of states: of a long path evenly many instants, 25 MB.
 _MOST_STATES = 500_000
 _ZERO = Rule(0.0, "zero")
+
+
+class _Side(NamedTuple):
+    """One engine in the figures."""
+
+    look: str  # of its lines
+    cycle: Cycle
+    engine: str  # its name
 
 
 class _Shown:
@@ -418,8 +458,8 @@ class _Shown:
 
     Attributes
     ----------
-    sides : look of its lines, last cycle and name, of the reference and of the result; keys : their
-    entries of a legend chosen : the instants that have a number in every figure
+    sides : the reference and the result; keys : their entries of a legend
+    chosen : the instants that have a number in every figure
     start : of these the one that a page shows first: with most points slipping, of equal ones the
     most loaded time, time_words : the axis of figures through the last cycle
     stretch, noun : what the values are of, "last cycle", "whole record" or "whole path", and its
@@ -429,29 +469,38 @@ class _Shown:
     """
 
     def __init__(self, comparison: Comparison) -> None:
-        expected, found = comparison.expected, comparison.found
-        names = [name_of(solution.engine) for solution in (comparison.reference, comparison.result)]
-        self.comparison, self.scene, self.scales = comparison, comparison.scene, comparison.scales
+        self.comparison = comparison
+        self.scene = comparison.scene
+        self.scales = comparison.scales
         self.stretch = words.stretch(comparison.scene)
         self.noun = self.stretch.split()[-1]
-        self.expected, self.found = expected, found
-        self.sides = (("r", expected, names[0]), ("f", found, names[1]))
-        self.keys = [Key(f"{who} p", name) for who, _, name in self.sides]
-        self.chosen = events(found, self.scene.friction.coefficient)
-        self.start = max(
-            (event.index for event in self.chosen),
-            key=lambda k: (int((found.state[k] >= 2).sum()), float(found.normal_load[k])),
+        self.expected = comparison.expected
+        self.found = comparison.found
+        self.sides = (
+            _Side("r", self.expected, name_of(comparison.reference.engine)),
+            _Side("f", self.found, name_of(comparison.result.engine)),
         )
-        repeats = self.scene.load.path().period is not None and found.whole
-        self.time, self.time_words = (
-            (found.fraction, "time / period") if repeats else (found.time, "time")
-        )
-        self.x = found.x / self.scales.half_width
-        outer = (
-            max(float(np.nanmax(np.abs(c.contact_edges), initial=0.0)) for c in (expected, found))
-            or np.inf
-        )
-        self.wide = min(1.12 * outer, float(np.abs(found.x).max())) / self.scales.half_width
+        self.keys = [Key(f"{side.look} p", side.engine) for side in self.sides]
+        self.chosen = events(self.found, self.scene.friction.coefficient)
+        self.start = max((event.index for event in self.chosen), key=self._slip_and_load)
+        self.time = self.found.time
+        self.time_words = "time"
+        if self.scene.load.path().period is not None and self.found.whole:
+            self.time = self.found.fraction
+            self.time_words = "time / period"
+        self.x = self.found.x / self.scales.half_width
+        self.wide = self._largest_place() / self.scales.half_width
+
+    def _slip_and_load(self, instant: int) -> tuple[int, float]:
+        """How many points slip at an instant, and P there."""
+        slipping = int((self.found.state[instant] >= 2).sum())
+        return slipping, float(self.found.normal_load[instant])
+
+    def _largest_place(self) -> float:
+        """The largest |x| that is drawn [length]; every point where nothing touches."""
+        edges = (self.expected.contact_edges, self.found.contact_edges)
+        outer = max(float(np.nanmax(np.abs(edge), initial=0.0)) for edge in edges) or np.inf
+        return min(1.12 * outer, float(np.abs(self.found.x).max()))
 
     def over_time(self, count: int = 5) -> Axis:
         """The axis of time."""
@@ -463,9 +512,8 @@ class _Shown:
 
     def largest(self, difference: Array, unit: str) -> str:
         """The numbers of a difference over time."""
-        return _measured(
-            difference, self.time, "t/T = {}" if "period" in self.time_words else "t = {}", unit
-        )
+        where = "t/T = {}" if "period" in self.time_words else "t = {}"
+        return _measured(difference, self.time, where, unit)
 
 
 def draw(report: Report) -> tuple[Plate, ...]:
@@ -556,10 +604,13 @@ def _measured(
     rms = np.sqrt(np.average(difference[known] ** 2, weights=np.maximum(lengths[known], 1e-300)))
     worst = int(np.argmax(np.where(known, np.abs(difference), -1.0)))
     place = where.format(minus(f"{along[worst] + 0.0:.3g}"))
-    size, most = (
-        f"{v:.2g}" if abs(v) < 100 else f"{v:.0f}" for v in (rms, difference[worst] + 0.0)
-    )
-    return minus(f"rms {size}{unit}, largest {most}{unit} at ") + place
+    largest = difference[worst] + 0.0
+    return minus(f"rms {_short(rms)}{unit}, largest {_short(largest)}{unit} at ") + place
+
+
+def _short(value: float) -> str:
+    """Two digits, or all before the point."""
+    return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
 
 
 def _broad(
@@ -1297,7 +1348,8 @@ def _loop_compliance(cycle: Cycle) -> float:
 # ------------------------------------------------------------------- error budget, mesh convergence
 # Height of a row [units of a drawing]; one that is so many times as long as the middle one is cut
 # off, so that others can be read.
-_ROW, _CUT = 44.0, 3.0
+_ROW = 44.0
+_CUT = 3.0
 
 
 def _bars(budget: ErrorBudget) -> Plate | None:
@@ -1307,97 +1359,150 @@ def _bars(budget: ErrorBudget) -> Plate | None:
     What adds to the metric lies right of zero, what takes from it left: the two stacks together are
     E. Where the scene states no tolerance at all, the metrics of the first table in per cent.
     """
-    judged = [one for one in budget.budgets if one.metric.tolerance]
-    drawn = judged or [one for one in budget.budgets if one.metric.headline]
-    if not drawn:
+    with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
+    headlines = [row for row in budget.budgets if row.metric.headline]
+    budgets = with_tolerance or headlines
+    if not budgets:
         return None
-    rest = "unexplained" if drawn[0].half_planes else "idealisation"
-    names = [*(term.name for term in drawn[0].terms), rest]
 
-    def over(one: Budget, *values: float | None) -> Array:
-        found = np.array([value or 0.0 for value in values]) / (
-            (one.metric.tolerance or 1.0) if judged else 0.01
-        )
-        return np.where(np.isfinite(found), found, 0.0)
+    judged = bool(with_tolerance)
+    rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
+    term_names = [term.name for term in budgets[0].terms]
+    names = [*term_names, rest_name]
+    stacks = [_stack(row, judged) for row in budgets]
+    half_width = _half_width_of_bars(stacks, judged)
 
-    stacks = [over(one, *(term.value for term in one.terms), one.rest) for one in drawn]
-    totals = [over(one, one.total, one.uncertainty) for one in drawn]
-    reaches = [
-        max(
-            float(shares[shares > 0].sum()),
-            float(-shares[shares < 0].sum()),
-            float(np.abs(total).sum()),
-        )
-        for shares, total in zip(stacks, totals, strict=True)
-    ]
-    wide = 1.08 * max(
-        1.05 if judged else 0.0, min(max(reaches), _CUT * float(np.median(reaches))) or 1.0
-    )
     marks: list[Mark] = []
-    for row, (one, shares) in enumerate(zip(drawn, stacks, strict=True)):
-        low, ends = float(len(drawn) - row - 1), {True: 0.0, False: 0.0}
-        # Zero and the limits are drawn beside the bars alone: on a phone labels reach across them.
-        for place, css in ((0.0, "zero"), *(((-1.0, "limit"), (1.0, "limit")) if judged else ())):
-            marks.append(Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css))
-        for k, (share, name) in enumerate(zip(shares.tolist(), names, strict=True)):
-            start = ends[share > 0]
-            ends[share > 0] = start + share
-            if share:
-                label = minus(f"{name}: {share:+.3g} {'of the tolerance' if judged else '%'}")
-                marks.append(
-                    Block((start, start + share), (low + 0.14, low + 0.5), f"term-{k} edge", label)
-                )
-        marks += _total(low, float(totals[row][0]), float(totals[row][1]), wide)
-        words = (
-            f"{one.metric.label}:"
-            f" {value_of(one.metric)}{', cut off' if reaches[row] > wide else ''}"
-        )
-        marks.append(Note(-wide, low + 0.7, words, "tick over", shift=(6.0, 0.0)))
-    across = Axis(-wide, wide, "share of the tolerance" if judged else "per cent", count=8)
-    up, room = Axis(0.0, float(len(drawn)), "", count=0), (20.0, 12.0, 20.0, 46.0)
+    for row, stack in enumerate(stacks):
+        low = float(len(stacks) - row - 1)
+        marks += _limits_of_bar(low, judged)
+        marks += _blocks_of_bar(low, stack, names, judged)
+        marks += _total(low, stack.total, stack.uncertainty, half_width)
+        cut_off = ", cut off" if stack.reach > half_width else ""
+        text = f"{stack.budget.metric.label}: {value_of(stack.budget.metric)}{cut_off}"
+        marks.append(Note(-half_width, low + 0.7, text, "tick over", shift=(6.0, 0.0)))
+
     panel = _broad(
         "budget",
-        across,
-        up,
+        Axis(-half_width, half_width, _axis_of_bars(judged), count=8),
+        Axis(0.0, float(len(budgets)), "", count=0),
         marks,
         "Error budget as stacked bars",
-        _ROW * len(drawn) + 60,
-        room=room,
+        _ROW * len(budgets) + 60,
+        room=(20.0, 12.0, 20.0, 46.0),
     )
+    keys = [Key(f"term-{place}", name, patch=True) for place, name in enumerate(names)]
+    table = _budget_table(budgets, term_names, rest_name)
+    return worded("budget", [panel], table, keys, columns=1, judged=judged)
+
+
+def _axis_of_bars(judged: bool) -> str:
+    """Words of the axis along the bars."""
+    return "share of the tolerance" if judged else "per cent"
+
+
+class _Stack(NamedTuple):
+    """The budget of a metric as shares of its tolerance, or in per cent."""
+
+    budget: Budget
+    shares: Array  # (k,) of each term, then of what no term explains
+    total: float  # E
+    uncertainty: float  # of E
+
+    @property
+    def reach(self) -> float:
+        """How far its bar goes from zero, on the longer side."""
+        right = float(self.shares[self.shares > 0].sum())
+        left = float(-self.shares[self.shares < 0].sum())
+        return max(right, left, abs(self.total) + self.uncertainty)
+
+
+def _stack(budget: Budget, judged: bool) -> _Stack:
+    """The stack of a metric; what is unknown or infinite has no length."""
+    unit = 0.01
+    if judged:
+        unit = budget.metric.tolerance or 1.0
+
+    def share(value: float | None) -> float:
+        length = (value or 0.0) / unit
+        return length if math.isfinite(length) else 0.0
+
+    shares = [share(term.value) for term in budget.terms]
+    shares.append(share(budget.rest))
+    total = share(budget.total)
+    uncertainty = share(budget.uncertainty)
+    return _Stack(budget, np.array(shares), total, uncertainty)
+
+
+def _half_width_of_bars(stacks: Sequence[_Stack], judged: bool) -> float:
+    """Half the width of the axis: the longest bar, or where one is far longer than the middle one
+    a multiple of that; the limits at 1 are always on it.
+    """
+    reaches = [stack.reach for stack in stacks]
+    longest = min(max(reaches), _CUT * float(np.median(reaches))) or 1.0
+    return 1.08 * max(1.05 if judged else 0.0, longest)
+
+
+def _limits_of_bar(low: float, judged: bool) -> Iterator[Mark]:
+    """Zero, and the limits of the tolerance, beside the bar alone: on a phone labels reach across
+    them.
+    """
+    lines = [(0.0, "zero")]
+    if judged:
+        lines += [(-1.0, "limit"), (1.0, "limit")]
+    for place, css in lines:
+        yield Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css)
+
+
+def _blocks_of_bar(low: float, stack: _Stack, names: Sequence[str], judged: bool) -> Iterator[Mark]:
+    """A block for each term, to the right of those that add, to the left of those that take."""
+    right_end = 0.0
+    left_end = 0.0
+    unit = "of the tolerance" if judged else "%"
+    for place, (share, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
+        if share > 0:
+            start = right_end
+            right_end += share
+        else:
+            start = left_end
+            left_end += share
+        if share:
+            label = minus(f"{name}: {share:+.3g} {unit}")
+            ends = (start, start + share)
+            yield Block(ends, (low + 0.14, low + 0.5), f"term-{place} edge", label)
+
+
+def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
+    """A row for each metric: tolerance, E, its terms, what is left, uncertainty."""
     columns: dict[str, list[float | None]] = {
-        "tolerance": [one.metric.tolerance for one in drawn],
-        "E": [one.total for one in drawn],
+        "tolerance": [row.metric.tolerance for row in budgets],
+        "E": [row.total for row in budgets],
     }
-    columns |= {name: [one.terms[k].value for one in drawn] for k, name in enumerate(names[:-1])}
-    columns |= {rest: [one.rest for one in drawn], "u": [one.uncertainty for one in drawn]}
-    table = {
-        name: [math.nan if value is None else value for value in values]
-        for name, values in columns.items()
-    }
-    keys = [Key(f"term-{k}", name, patch=True) for k, name in enumerate(names)]
-    return worded(
-        "budget",
-        [panel],
-        {"metric": [one.metric.key for one in drawn], **table},
-        keys,
-        columns=1,
-        judged=bool(judged),
-    )
+    for place, name in enumerate(term_names):
+        columns[name] = [row.terms[place].value for row in budgets]
+    columns[rest_name] = [row.rest for row in budgets]
+    columns["u"] = [row.uncertainty for row in budgets]
+    table: dict[str, Any] = {"metric": [row.metric.key for row in budgets]}
+    for name, values in columns.items():
+        table[name] = [math.nan if value is None else value for value in values]
+    return table
 
 
-def _total(low: float, total: float, uncertainty: float, wide: float) -> Iterator[Mark]:
+def _total(low: float, total: float, uncertainty: float, half_width: float) -> Iterator[Mark]:
     """E as an upright mark with its uncertainty across it; a head at the edge where it goes on
     beyond.
     """
     middle = low + 0.32
-    if abs(total) <= wide:
+    if abs(total) <= half_width:
         yield Curve([total, total], [low + 0.06, low + 0.58], "total")
-    left, right = max(total - uncertainty, -wide), min(total + uncertainty, wide)
+    left = max(total - uncertainty, -half_width)
+    right = min(total + uncertainty, half_width)
     if right > left:
         yield Curve([left, right], [middle, middle], "whisker")
     for side in (-1, 1):
-        if side * total + uncertainty > wide:
-            tip, back = side * 0.998 * wide, side * 0.985 * wide
+        if side * total + uncertainty > half_width:
+            tip = side * 0.998 * half_width
+            back = side * 0.985 * half_width
             yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
 
 
@@ -1405,88 +1510,98 @@ def _mesh_refinement(budget: ErrorBudget) -> Plate | None:
     """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where
     no metric converges.
     """
-    runs, curves = [run for run in budget.refinements.mesh if not run.failure], {}
-    for one in budget.budgets:
-        values = [(run.size, run.values.get(one.metric.key)) for run in runs]
-        points = [
+    runs = [run for run in budget.refinements.mesh if not run.failure]
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for row in budget.budgets:
+        metric = row.metric
+        points = [(run.size, run.values.get(metric.key)) for run in runs]
+        known = [
             (size, float(value))
-            for size, value in values
+            for size, value in points
             if value is not None and math.isfinite(value)
         ]
-        if one.metric.headline and len(points) >= 3:
-            found = extrapolate(
-                Refinement(
-                    tuple(size for size, _ in points),
-                    tuple(value for _, value in points),
-                    2.0,
-                    ROUNDING,
-                )
-            )
-            if found.kind == "monotone" and found.value is not None:
-                curves[one.metric.label] = [
-                    (size, abs(value - found.value))
-                    for size, value in points
-                    if value != found.value
-                ]
-    words = "element size, over that of the run", "distance from the value at size zero"
-    return _convergence("mesh_refinement", words, curves, [run.size for run in runs])
+        if not metric.headline or len(known) < 3:
+            continue
+        sizes = tuple(size for size, _ in known)
+        values = tuple(value for _, value in known)
+        limit = extrapolate(Refinement(sizes, values, 2.0, ROUNDING))
+        if limit.kind == "monotone" and limit.value is not None:
+            curves[metric.label] = [
+                (size, abs(value - limit.value)) for size, value in known if value != limit.value
+            ]
+    axes = "element size, over that of the run", "distance from the value at size zero"
+    return _convergence("mesh_refinement", axes, curves, [run.size for run in runs])
 
 
 def _distances(study: Study) -> Plate | None:
     """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for
     two meshes or where none does.
     """
-    sizes, curves = [level.size for level in study.levels], {}
+    sizes = [level.size for level in study.levels]
+    curves: dict[str, list[tuple[float, float]]] = {}
     for line in study.lines:
-        if (
-            line.metric.headline
-            and line.found.kind == "monotone"
-            and (limit := line.found.value) is not None
-        ):
+        limit = line.found.value
+        converges = line.found.kind == "monotone" and limit is not None
+        if line.metric.headline and converges:
             curves[line.metric.label] = [
                 (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)
             ]
-    return _convergence(
-        "study", ("element size at the contact", "distance from the value at h = 0"), curves, sizes
-    )
+    axes = "element size at the contact", "distance from the value at h = 0"
+    return _convergence("study", axes, curves, sizes)
 
 
 def _convergence(
     name: str,
-    words: tuple[str, str],
-    found: Mapping[str, list[tuple[float, float]]],
-    used: Sequence[float],
+    axes: tuple[str, str],
+    distances: Mapping[str, list[tuple[float, float]]],
+    element_sizes: Sequence[float],
 ) -> Plate | None:
-    """Distances over the element size, both logarithmic, beside lines of order 1 and 2."""
+    """Distances over the element size, both logarithmic, beside lines of order 1 and 2.
+
+    Parameters
+    ----------
+    axes : words of the two axes
+    distances : label of a metric -> (element size, distance); one that is 0 everywhere is left out
+    element_sizes : of all meshes; None is returned for fewer than three
+    """
     curves = {
-        label: points for label, points in found.items() if any(height > 0 for _, height in points)
+        label: points
+        for label, points in distances.items()
+        if any(distance > 0 for _, distance in points)
     }
-    if len(used) < 3 or not curves:
+    if len(element_sizes) < 3 or not curves:
         return None
-    sizes, places = (
-        np.array(sorted(used)),
-        [point for points in curves.values() for point in points],
-    )
-    heights = [height for _, height in places if height > 0]
-    top, marks, keys = max(heights), list[Mark](), []
+
+    sizes = np.array(sorted(element_sizes))
+    all_points = [point for points in curves.values() for point in points]
+    positive = [distance for _, distance in all_points if distance > 0]
+    top = max(positive)
+
     slopes = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
-    marks += [
-        Curve(sizes, top * (sizes / sizes[-1]) ** order, key.css, key.text)
-        for order, key in enumerate(slopes, 1)
-    ]
+    marks: list[Mark] = []
+    for order, key in enumerate(slopes, 1):
+        marks.append(Curve(sizes, top * (sizes / sizes[-1]) ** order, key.css, key.text))
+    keys = []
     for (label, points), css in zip(curves.items(), _LINES, strict=False):
-        marks.append(Curve([h for h, _ in points], [height for _, height in points], css, label))
-        marks += [Dot(h, height, f"{css} knot", 3.2) for h, height in points if height > 0]
+        curve_sizes = [size for size, _ in points]
+        curve_distances = [distance for _, distance in points]
+        marks.append(Curve(curve_sizes, curve_distances, css, label))
+        for size, distance in points:
+            if distance > 0:
+                marks.append(Dot(size, distance, f"{css} knot", 3.2))
         keys.append(Key(css, label))
-    across = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words[0], log=True)
+
+    words_across, words_up = axes
+    across = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
     # Below a millionth of the largest distance a curve is round-off.
-    up = Axis(max(min(heights), 1e-6 * top) / 3, 3 * top, words[1], log=True)
-    panel = _broad(
-        name, across, up, marks, "Convergence with the mesh, both axes logarithmic", 360.0
-    )
-    table: dict[str, Any] = {"metric": [label for label, points in curves.items() for _ in points]}
-    table |= {
-        column: [point[k] for point in places] for k, column in enumerate(("size", "distance"))
+    lowest = max(min(positive), 1e-6 * top)
+    up = Axis(lowest / 3, 3 * top, words_up, log=True)
+    alt = "Convergence with the mesh, both axes logarithmic"
+    panel = _broad(name, across, up, marks, alt, 360.0)
+    table: dict[str, Any] = {
+        "metric": [label for label, points in curves.items() for _ in points],
+        "size": [size for size, _ in all_points],
+        "distance": [distance for _, distance in all_points],
     }
     return worded(name, [panel], table, [*keys, *slopes], columns=1)
 
