@@ -436,6 +436,7 @@ Array = NDArray[np.float64]
 _X = "x / a_ref"
 # Looks of lines, one after the other, then from the first again.
 _LINES = tuple(f"line-{k}" for k in range(7)) * 3
+_MOST_TOLERANCES = 8.0  # that an axis of discrepancies holds
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
 _COLUMNS = 440
@@ -521,10 +522,12 @@ def draw(report: Report) -> tuple[Plate, ...]:
     result does not hold.
     """
     comparison = report.comparison
-    shown, result = _Shown(comparison), comparison.result
+    shown = _Shown(comparison)
+    half_width = comparison.scales.half_width
+    right_edge = float(np.nanmax(comparison.expected.contact_edges))
     drawings: list[Plate | None] = [
-        sketch(comparison.scene, comparison.scales.half_width),
-        fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
+        sketch(comparison.scene, half_width),
+        fit_residuals(comparison.scene, right_edge),
         _load_path(shown),
         _now(shown),
         _hysteresis(shown),
@@ -534,22 +537,25 @@ def draw(report: Report) -> tuple[Plate, ...]:
         _dissipation_density(shown),
         _errors(shown),
         _tractions(shown),
-        _distances(report.study) if report.study is not None else None,
     ]
+    if report.study is not None:
+        drawings.append(_distances(report.study))
     if report.budget is not None:
         drawings += [_bars(report.budget), _mesh_refinement(report.budget)]
-    if meshes := getattr(result, "bodies", ()):
+    meshes = getattr(comparison.result, "bodies", ())
+    if meshes:
         from reports.field_output.pictures import mesh
 
-        drawings.append(
-            mesh(
-                meshes,
-                comparison.scales.half_width,
-                float(np.nanmax(comparison.found.contact_edges)),
-            )
-        )
-    needed = {"slip": "slip_history", "dissipation_density": "dissipation_density"}
-    left_out = {needed[name] for name in needed if name in missing(result)}
+        edge_of_result = float(np.nanmax(comparison.found.contact_edges))
+        drawings.append(mesh(meshes, half_width, edge_of_result))
+
+    left_out = set()
+    for field, name in (
+        ("slip", "slip_history"),
+        ("dissipation_density", "dissipation_density"),
+    ):
+        if field in missing(comparison.result):
+            left_out.add(name)
     if len(shown.time) < 2:
         left_out |= {"state_map", "half_widths", "slip_history", "errors"}
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
@@ -573,9 +579,8 @@ def figure(found: Comparison | Report, name: str) -> str:
     >>> reports.figure(reports.compare(exact, exact), "hysteresis")[:11]
     '<svg xmlns='
     """
-    figures = {
-        plate.name: plate for plate in draw(found if isinstance(found, Report) else Report(found))
-    }
+    report = found if isinstance(found, Report) else Report(found)
+    figures = {plate.name: plate for plate in draw(report)}
     if name not in figures:
         raise InputError(
             f"figure: {name!r} is no figure of this comparison; its figures are"
@@ -622,223 +627,238 @@ def _broad(
 
 # ------------------------------------------------------------------------------------------- over x
 def _traction_keys(shown: _Shown) -> tuple[Key, ...]:
-    lines = [Key(f"{who} {key}", f"{key}, {name}") for who, _, name in shown.sides for key in "pq"]
-    return (*lines, Key("d p", "difference of p"), Key("d q", "difference of q"))
+    """Legend: p and q of each engine, then the differences."""
+    keys = [
+        Key(f"{side.look} {letter}", f"{letter}, {side.engine}")
+        for side in shown.sides
+        for letter in "pq"
+    ]
+    return (*keys, Key("d p", "difference of p"), Key("d q", "difference of q"))
 
 
 def _tractions(shown: _Shown) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
-    rows, scales, points = [event.index for event in shown.chosen], shown.scales, len(shown.x)
-    cells = [
-        Cell(
-            _traction_panels(
-                shown, event.index, rows, f"event-{n}", (320.0, 220.0), f"{n}  {event.label}"
-            ),
+    instants = [event.index for event in shown.chosen]
+    cells = []
+    for count, event in enumerate(shown.chosen, start=1):
+        panels = _traction_panels(
+            shown,
             event.index,
+            instants,
+            f"event-{count}",
+            (320.0, 220.0),
+            f"{count}  {event.label}",
         )
-        for n, event in enumerate(shown.chosen, start=1)
-    ]
+        cells.append(Cell(panels, event.index))
     table = {
-        "time": np.repeat(shown.found.time[rows], points),
-        "x": np.tile(shown.found.x, len(rows)),
+        "time": np.repeat(shown.found.time[instants], len(shown.x)),
+        "x": np.tile(shown.found.x, len(instants)),
+        "x/a_ref": np.tile(shown.x, len(instants)),
     }
-    table["x/a_ref"] = np.tile(shown.x, len(rows))
-    for key, field, unit, size in (
-        ("p", "pressure", "p_ref", scales.pressure),
-        ("q", "shear", "(f p_ref)", scales.shear),
-    ):
+    units_of = {"p": "p_ref", "q": "(f p_ref)"}
+    for letter, (field, size) in _traction_fields(shown).items():
         for role, cycle in (("reference", shown.expected), ("result", shown.found)):
-            table[f"{key}_{role}/{unit}"] = (getattr(cycle, field)[rows] / size).ravel()
+            column = f"{letter}_{role}/{units_of[letter]}"
+            table[column] = (getattr(cycle, field)[instants] / size).ravel()
     return worded("tractions", cells, table, _traction_keys(shown), columns=3)
+
+
+def _traction_fields(shown: _Shown) -> dict[str, tuple[str, float]]:
+    """Letter -> name of the field, and what it is drawn over."""
+    return {"p": ("pressure", shown.scales.pressure), "q": ("shear", shown.scales.shear)}
 
 
 def _traction_panels(
     shown: _Shown,
-    k: int,
-    rows: Sequence[int],
+    instant: int,
+    instants: Sequence[int],
     name: str,
     size: tuple[float, float],
     title: str = "",
     *,
     live: bool = False,
 ) -> tuple[Panel, Panel]:
-    """Tractions at instant k in a drawing of that size, and the difference; axes hold the instants
-    of `rows`.
+    """Tractions at an instant in a drawing of that size, and the difference; axes hold all
+    `instants`.
 
     `live` if the slider moves them.
     """
-    (width, height), scales = size, shown.scales
-    near = np.abs(shown.x) <= shown.wide * 1.02
-    x, fields = shown.x[near], {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
-    # Instant k, which is drawn, before the others that the axes hold; a line copies its row, or it
-    # would keep all in memory.
-    grid = np.ix_(np.array(list(dict.fromkeys((k, *rows)))), np.flatnonzero(near))
-    both = {
-        key: [getattr(cycle, field)[grid] / unit for _, cycle, _ in shown.sides]
-        for key, (field, unit) in fields.items()
+    width, height = size
+    drawn = np.abs(shown.x) <= shown.wide * 1.02
+    x = shown.x[drawn]
+    # The instant, which is drawn, before the others that the axes hold; a line copies its row, or
+    # it would keep all in memory.
+    rows = np.array(list(dict.fromkeys((instant, *instants))))
+    grid = np.ix_(rows, np.flatnonzero(drawn))
+    tractions: dict[str, tuple[Array, Array]] = {}  # of the reference, of the result
+    for letter, (field, unit) in _traction_fields(shown).items():
+        of_reference = getattr(shown.expected, field)[grid] / unit
+        of_result = getattr(shown.found, field)[grid] / unit
+        tractions[letter] = (of_reference, of_result)
+    differences = {
+        letter: 100 * (of_result - of_reference)
+        for letter, (of_reference, of_result) in tractions.items()
     }
-    apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
-    touching = (both["p"][0][0] != 0) | (both["p"][1][0] != 0)
 
     def curve(values: Array, css: str, label: str, field: str) -> Curve:
         return Curve(x, values.copy(), css, label, {"field": field} if live else {})
 
     lines: list[Mark] = [_ZERO]
-    for n, (who, _, engine) in enumerate(shown.sides):
-        lines += [
-            curve(both[key][n][0], f"{who} {key}", f"{key}, {engine}", f"{key}{n}") for key in "pq"
-        ]
-    differences: list[Mark] = [
-        _ZERO,
-        *(curve(apart[key][0], f"d {key}", f"difference of {key}, %", f"d{key}") for key in "pq"),
-    ]
-    up = Axis(
-        *limits(*(series for pair in both.values() for series in pair), zero=True),
-        "p/p_ref,  q/(f p_ref)",
+    for number_of_side, side in enumerate(shown.sides):
+        for letter in "pq":
+            values = tractions[letter][number_of_side][0]
+            css = f"{side.look} {letter}"
+            label = f"{letter}, {side.engine}"
+            lines.append(curve(values, css, label, f"{letter}{number_of_side}"))
+    difference_lines: list[Mark] = [_ZERO]
+    for letter in "pq":
+        values = differences[letter][0]
+        label = f"difference of {letter}, %"
+        difference_lines.append(curve(values, f"d {letter}", label, f"d{letter}"))
+
+    pressures = tractions["p"]
+    touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
+    notes = []
+    for letter in "pq":
+        numbers = _measured(differences[letter][0], x, "x = {} a_ref", " %", touching)
+        notes.append(f"{letter}: {numbers}")
+    series = [values for pair in tractions.values() for values in pair]
+    above = Panel(
+        name,
+        shown.over_x(""),
+        Axis(*limits(*series, zero=True), "p/p_ref,  q/(f p_ref)"),
+        lines,
+        f"Pressure and shear over x. {title}".strip(),
+        width,
+        height,
+        title,
+        room=(72.0, 26.0 if title else 12.0, 20.0, 20.0),
     )
-    below = Axis(*limits(*apart.values(), zero=True, least=1e-9), "difference, %", count=3)
-    notes = [
-        f"{key}: {_measured(apart[key][0], x, 'x = {} a_ref', ' %', touching)}" for key in "pq"
-    ]
-    alts = [
-        f"{what} over x. {title}".strip()
-        for what in ("Pressure and shear", "Result less reference")
-    ]
-    room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
-    return (
-        Panel(name, shown.over_x(""), up, lines, alts[0], width, height, title, room=room),
-        Panel(
-            f"{name}-difference",
-            shown.over_x(),
-            below,
-            differences,
-            alts[1],
-            width,
-            0.56 * height + 56,
-            notes=notes,
-        ),
+    below = Panel(
+        f"{name}-difference",
+        shown.over_x(),
+        Axis(*limits(*differences.values(), zero=True, least=1e-9), "difference, %", count=3),
+        difference_lines,
+        f"Result less reference over x. {title}".strip(),
+        width,
+        0.56 * height + 56,
+        notes=notes,
     )
+    return above, below
 
 
 def published(comparison: Comparison) -> str:
     """The picture of a published scene, two panels as SVG: tractions at the largest load, and the
     loop or the half-widths.
     """
-    shown, scene, expected = _Shown(comparison), comparison.scene, comparison.expected
+    shown = _Shown(comparison)
+    scene = comparison.scene
+    expected = comparison.expected
     # Where P is largest, and of these instants where |Q| is.
-    largest = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
-    k = int(np.argmax(np.where(largest, np.abs(expected.tangential_load), -1.0)))
-    first, _ = _traction_panels(
-        shown, k, [k], "tractions", (440.0, 330.0), f"t = {expected.time[k]:.4g}"
-    )
-    first = replace(first, x=shown.over_x(), room=None)
+    at_largest_load = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
+    shear_loads = np.where(at_largest_load, np.abs(expected.tangential_load), -1.0)
+    instant = int(np.argmax(shear_loads))
+    title = f"t = {expected.time[instant]:.4g}"
+    tractions, _ = _traction_panels(shown, instant, [instant], "tractions", (440.0, 330.0), title)
+    tractions = replace(tractions, x=shown.over_x(), room=None)
+
     moves = np.ptp(expected.tangential_displacement) > 1e-9 * comparison.scales.shift
     loop = _hysteresis(shown) if moves else None
-    shown.time, shown.time_words = shown.found.time, "time"
-    beside = loop.panels[1] if loop else _half_widths(shown).panels[0]
+    shown.time = shown.found.time
+    shown.time_words = "time"
+    second = loop.panels[1] if loop else _half_widths(shown).panels[0]
     keys = _traction_keys(shown)[:4]
-    return (
-        Plate(
-            scene.name,
-            scene.title or scene.name,
-            "",
-            f"Both engines on {scene.name}",
-            (first, beside),
-            {},
-            keys,
-        ).svg()
-        + "\n"
-    )
+    alt = f"Both engines on {scene.name}"
+    plate = Plate(scene.name, scene.title or scene.name, "", alt, (tractions, second), {}, keys)
+    return plate.svg() + "\n"
 
 
 def _now(shown: _Shown) -> Plate:
     """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing
     leaves them as it moves.
     """
-    expected, found, width = shown.expected, shown.found, 560.0
-    above, difference = _traction_panels(
-        shown, shown.start, range(len(found.time)), "now", (width, 300.0), live=True
+    width = 560.0
+    every_instant = range(len(shown.found.time))
+    tractions, difference = _traction_panels(
+        shown, shown.start, every_instant, "now", (width, 300.0), live=True
     )
-    strips = list[Mark]()  # open, stick and slip along x, which the slider recolours
-    for k, (_, cycle, engine) in enumerate(shown.sides):
-        top, x, state = 20.0 + 40.0 * k, cycle.x / shown.scales.half_width, cycle.state[shown.start]
-        turns = np.flatnonzero(np.diff(state))
-        ends = [
-            -shown.wide,
-            *np.clip((x[turns + 1] + x[turns]) / 2, -shown.wide, shown.wide).tolist(),
-            shown.wide,
-        ]
-        runs = zip(ends[:-1], ends[1:], state[[0, *(turns + 1).tolist()]].tolist(), strict=True)
-        blocks = tuple(Block((a, b), (top, top + 16), f"state-{s}") for a, b, s in runs if b > a)
-        strips += [
-            Note(-shown.wide, top - 5, engine),
-            Group(blocks, "strip", {"strip": k, "top": f"{top:g}"}),
-        ]
-        strips.append(Block((-shown.wide, shown.wide), (top, top + 16), "outline"))
-    alt, room = "Open, stick and slip along x, a strip for each engine", (72.0, 0.0, 20.0, 0.0)
-    zones = Panel(
+    marks: list[Mark] = []
+    for strip, side in enumerate(shown.sides):
+        marks += _strip_of_states(shown, side, strip)
+    strips = Panel(
         "zones",
         shown.over_x(""),
         Axis(84.0, 0.0, ""),
-        strips,
-        alt,
+        marks,
+        "Open, stick and slip along x, a strip for each engine",
         width,
         84.0,
         css="zones",
         bare=True,
-        room=room,
+        room=(72.0, 0.0, 20.0, 0.0),
     )
+    states_differ = shown.expected.state != shown.found.state
     table = {
-        "time": found.time,
-        "fraction": found.fraction,
-        "P": found.normal_load,
-        "Q": found.tangential_load,
+        "time": shown.found.time,
+        "fraction": shown.found.fraction,
+        "P": shown.found.normal_load,
+        "Q": shown.found.tangential_load,
+        "U_reference": shown.expected.tangential_displacement,
+        "U_result": shown.found.tangential_displacement,
+        "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
     }
-    table |= {
-        "U_reference": expected.tangential_displacement,
-        "U_result": found.tangential_displacement,
-    }
-    table["points_where_states_differ"] = (
-        (expected.state != found.state).sum(axis=1).astype(np.int64)
-    )
-    return worded("cycle", (above, zones, difference), table, _traction_keys(shown), columns=1)
+    panels = (tractions, strips, difference)
+    return worded("cycle", panels, table, _traction_keys(shown), columns=1)
+
+
+def _strip_of_states(shown: _Shown, side: _Side, strip: int) -> Iterator[Mark]:
+    """Open, stick and slip along x of one engine, which the slider recolours."""
+    top = 20.0 + 40.0 * strip
+    bottom = top + 16
+    x = side.cycle.x / shown.scales.half_width
+    state = side.cycle.state[shown.start]
+    # A state ends midway between two points of different states.
+    last_of_state = np.flatnonzero(np.diff(state))
+    between = np.clip((x[last_of_state + 1] + x[last_of_state]) / 2, -shown.wide, shown.wide)
+    ends = [-shown.wide, *between.tolist(), shown.wide]
+    states = state[[0, *(last_of_state + 1).tolist()]].tolist()
+    blocks = []
+    for left, right, code in zip(ends[:-1], ends[1:], states, strict=True):
+        if right > left:
+            blocks.append(Block((left, right), (top, bottom), f"state-{code}"))
+    yield Note(-shown.wide, top - 5, side.engine)
+    yield Group(tuple(blocks), "strip", {"strip": strip, "top": f"{top:g}"})
+    yield Block((-shown.wide, shown.wide), (top, bottom), "outline")
 
 
 def _state_map(shown: _Shown) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they
     differ.
     """
-    expected, found, time, wide = shown.expected, shown.found, shown.time, shown.wide
-    inside = np.flatnonzero(np.abs(shown.x) <= wide)
-    columns = np.abs(shown.x[:, None] - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
-    rows = np.abs(time[:, None] - np.linspace(time[-1], time[0], _ROWS)).argmin(axis=0)
-    written = (
-        np.linspace(0, len(time) - 1, min(len(time), max(_MOST_STATES // len(inside), 2)))
-        .round()
-        .astype(int)
-    )
+    expected, found = shown.expected, shown.found
     metric = shown.comparison.metric("state")
     # The metric's own number: points crowd at the edges, so that counting them would give another,
     # larger share.
     share = "" if metric.value is None else value_of(metric)
-    differ = (
-        "map-difference",
-        expected.state != found.state,
-        ("#ffffff", "#111111"),
-        f"they differ: {share}".rstrip(": "),
+    maps = (
+        ("map-reference", expected.state, _STATES, shown.sides[0].engine),
+        ("map-result", found.state, _STATES, shown.sides[1].engine),
+        (
+            "map-difference",
+            expected.state != found.state,
+            ("#ffffff", "#111111"),
+            f"they differ: {share}".rstrip(": "),
+        ),
     )
+    pixels = _pixels(shown)
     panels = []
-    for name, states, palette, title in (
-        ("map-reference", expected.state, _STATES, shown.sides[0][2]),
-        ("map-result", found.state, _STATES, shown.sides[1][2]),
-        differ,
-    ):
-        marks = [Bitmap(states[np.ix_(rows, columns)].astype(np.uint8), palette)]
-        axes = shown.over_x(), shown.over_time()
+    for name, states, palette, title in maps:
+        marks = [Bitmap(states[pixels].astype(np.uint8), palette)]
         panels.append(
             Panel(
                 name,
-                *axes,
+                shown.over_x(),
+                shown.over_time(),
                 marks,
                 f"Map of states: {title}",
                 340.0,
@@ -848,19 +868,18 @@ def _state_map(shown: _Shown) -> Plate:
                 css="pick",
             )
         )
-    codes, grid = (
-        ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items()),
-        np.ix_(written, inside),
-    )
+
+    inside = np.flatnonzero(np.abs(shown.x) <= shown.wide)
+    most = min(len(shown.time), max(_MOST_STATES // len(inside), 2))
+    written = np.linspace(0, len(shown.time) - 1, most).round().astype(int)
+    grid = np.ix_(written, inside)
+    codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
     table = {
         "time": np.repeat(found.time[written], len(inside)),
         "x": np.tile(found.x[inside], len(written)),
-    }
-    table |= {
         f"state_reference ({codes})": expected.state[grid].ravel(),
         f"state_result ({codes})": found.state[grid].ravel(),
     }
-    kept, of = len(written), len(time)
     return worded(
         "state_map",
         panels,
@@ -868,10 +887,19 @@ def _state_map(shown: _Shown) -> Plate:
         STATE_KEYS,
         columns=3,
         share=share,
-        written=kept,
-        instants=of,
+        written=len(written),
+        instants=len(shown.time),
         stretch=shown.stretch,
     )
+
+
+def _pixels(shown: _Shown) -> tuple[NDArray[np.int_], ...]:
+    """For each row and column of a map the instant and the point nearest to it; time goes up."""
+    places = np.linspace(-shown.wide, shown.wide, _COLUMNS)
+    points = np.abs(shown.x[:, None] - places).argmin(axis=0)
+    times = np.linspace(shown.time[-1], shown.time[0], _ROWS)
+    instants = np.abs(shown.time[:, None] - times).argmin(axis=0)
+    return np.ix_(instants, points)
 
 
 def _dissipation_density(shown: _Shown) -> Plate | None:
@@ -879,52 +907,68 @@ def _dissipation_density(shown: _Shown) -> Plate | None:
     dissipated anywhere.
     """
     x, scales = shown.x, shown.scales
-    theirs, ours = (
-        cycle.dissipation_density / (scales.dissipation / scales.half_width)
-        for _, cycle, _ in shown.sides
-    )
-    if not (np.any(theirs) or np.any(ours)):
+    unit = scales.dissipation / scales.half_width
+    of_reference = shown.expected.dissipation_density / unit
+    of_result = shown.found.dissipation_density / unit
+    if not (np.any(of_reference) or np.any(of_result)):
         return None
+
     stick = _permanent_edges(shown.comparison.reference) / scales.half_width
     lines: list[Mark] = [
         Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)
     ]
-    lines += [
-        Curve(x, w, key.css, key.text) for w, key in zip((theirs, ours), shown.keys, strict=True)
-    ]
-    peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
-    lines.append(Dot(float(x[peak]), float(ours[peak]), "event"))
-    apart = 100 * (ours - theirs) / (float(np.nanmax(np.abs(theirs), initial=0.0)) or 1.0)
-    note = _measured(
-        apart, x, "x = {} a_ref", " %", (np.abs(x) <= shown.wide) & ((theirs != 0) | (ours != 0))
+    for density, key in zip((of_reference, of_result), shown.keys, strict=True):
+        lines.append(Curve(x, density, key.css, key.text))
+    peak = int(np.nanargmax(np.where(np.isfinite(of_result), of_result, -np.inf)))
+    lines.append(Dot(float(x[peak]), float(of_result[peak]), "event"))
+    densities = Panel(
+        "work",
+        shown.over_x(),
+        Axis(*limits(of_reference, of_result, zero=True), "w / (A f² P_ref²/a_ref)"),
+        lines,
+        "Dissipation density over x",
+        css="pick",
     )
-    ends = (
-        f"±{stick[1]:.4g}" if stick[0] == -stick[1] else minus(f"{stick[0]:.4g} and {stick[1]:.4g}")
+
+    largest = float(np.nanmax(np.abs(of_reference), initial=0.0)) or 1.0
+    difference = 100 * (of_result - of_reference) / largest
+    dissipates = (of_reference != 0) | (of_result != 0)
+    note = _measured(difference, x, "x = {} a_ref", " %", (np.abs(x) <= shown.wide) & dissipates)
+    differences = Panel(
+        "work-difference",
+        shown.over_x(),
+        Axis(*limits(difference, zero=True, least=1e-9), "difference, % of the largest"),
+        [_ZERO, Curve(x, difference, "d p", "difference")],
+        "Difference of the dissipation density",
+        notes=[note],
     )
-    up = Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
-    below = Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest")
-    marks: list[Mark] = [_ZERO, Curve(x, apart, "d p", "difference")]
-    unit = "(A f^2 P_ref^2/a_ref)"
+    columns = "(A f^2 P_ref^2/a_ref)"
+    table = {
+        "x": shown.found.x,
+        "x/a_ref": x,
+        f"w_reference/{columns}": of_reference,
+        f"w_result/{columns}": of_result,
+    }
     return worded(
         "dissipation_density",
-        (
-            Panel("work", shown.over_x(), up, lines, "Dissipation density over x", css="pick"),
-            Panel(
-                "work-difference",
-                shown.over_x(),
-                below,
-                marks,
-                "Difference of the dissipation density",
-                notes=[note],
-            ),
-        ),
-        {"x": shown.found.x, "x/a_ref": x, f"w_reference/{unit}": theirs, f"w_result/{unit}": ours},
+        (densities, differences),
+        table,
         (*shown.keys, Key("d p", "difference")),
         stretch=shown.stretch,
-        peak=f"{ours[peak]:.4g}",
+        peak=f"{of_result[peak]:.4g}",
         place=signed(float(x[peak])),
-        stick=ends if np.isfinite(stick).all() else "",
+        stick=_ends_in_words(stick),
     )
+
+
+def _ends_in_words(ends: Array) -> str:
+    """Both ends of the permanent stick zone over a_ref; nothing where there is none."""
+    left, right = ends
+    if not np.isfinite(ends).all():
+        return ""
+    if left == -right:
+        return f"±{right:.4g}"
+    return minus(f"{left:.4g} and {right:.4g}")
 
 
 # ---------------------------------------------------------------------------------------- over time
@@ -932,67 +976,72 @@ def _half_widths(shown: _Shown) -> Plate:
     """Contact and stick edges of both engines through the last cycle, the difference of the
     half-widths beside them.
     """
-    length, time = shown.scales.half_width, shown.time
-    lines, keys, apart, table = (
-        list[Curve](),
-        list[Key](),
-        dict[str, Array](),
-        {"time": shown.found.time},
-    )
-    for role, (who, cycle, engine) in zip(("reference", "result"), shown.sides, strict=True):
+    half_width = shown.scales.half_width
+    lines: list[Curve] = []
+    keys: list[Key] = []
+    table = {"time": shown.found.time}
+    half_widths: dict[str, list[Array]] = {"contact": [], "stick": []}
+    for role, side in zip(("reference", "result"), shown.sides, strict=True):
         for kind, css in (("contact", "p"), ("stick", "q")):
-            edges, key = (
-                getattr(cycle, f"{kind}_edges"),
-                Key(f"{who} {css}", f"{kind} edge, {engine}"),
-            )
-            lines += [Curve(time, edges[:, side] / length, key.css, key.text) for side in (0, 1)]
+            edges = getattr(side.cycle, f"{kind}_edges")
+            left, right = edges.T
+            key = Key(f"{side.look} {css}", f"{kind} edge, {side.engine}")
             keys.append(key)
-            half = np.ptp(edges, axis=1) / 2 / length
-            apart[kind] = half - apart[kind] if kind in apart else half
-            table |= {
-                f"{side}_{kind}_edges_{role}": edges[:, k]
-                for k, side in enumerate(("left", "right"))
-            }
-    x = shown.found.x
-    outer = float(np.nanmax(np.abs(shown.found.contact_edges), initial=0.0))
-    spacing = (
-        float(np.median(np.diff(x)[np.abs(np.abs(x[1:]) - outer) < 0.3 * (outer or np.inf)]))
-        / length
-        if outer
-        else np.nan
-    )
-    up = Axis(*limits(*apart.values(), zero=True, least=1e-12), "difference of half-widths / a_ref")
-    marks: list[Mark] = [
-        _ZERO,
-        *(
-            Curve(time, apart[kind], css, kind)
-            for kind, css in (("contact", "d p"), ("stick", "d q"))
-        ),
-    ]
-    notes = [f"{kind}: {shown.largest(values, ' a_ref')}" for kind, values in apart.items()]
-    edges, title = (
+            lines.append(Curve(shown.time, left / half_width, key.css, key.text))
+            lines.append(Curve(shown.time, right / half_width, key.css, key.text))
+            half_widths[kind].append((right - left) / 2 / half_width)
+            table[f"left_{kind}_edges_{role}"] = left
+            table[f"right_{kind}_edges_{role}"] = right
+    above = Panel(
+        "edges",
+        shown.over_time(),
         Axis(*limits(*(line.y for line in lines)), _X),
+        lines,
         f"Contact and stick edges through the {shown.noun}",
+        time="x",
     )
+
+    differences = {
+        kind: of_result - of_reference for kind, (of_reference, of_result) in half_widths.items()
+    }
+    difference_axis = Axis(
+        *limits(*differences.values(), zero=True, least=1e-12),
+        "difference of half-widths / a_ref",
+    )
+    below = Panel(
+        "edges-difference",
+        shown.over_time(),
+        difference_axis,
+        [
+            _ZERO,
+            Curve(shown.time, differences["contact"], "d p", "contact"),
+            Curve(shown.time, differences["stick"], "d q", "stick"),
+        ],
+        "Difference of the half-widths",
+        notes=[f"{kind}: {shown.largest(d, ' a_ref')}" for kind, d in differences.items()],
+        time="x",
+    )
+    spacing = _spacing_at_the_edge(shown.found) / half_width
+    legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
     return worded(
         "half_widths",
-        (
-            Panel("edges", shown.over_time(), edges, lines, title, time="x"),
-            Panel(
-                "edges-difference",
-                shown.over_time(),
-                up,
-                marks,
-                "Difference of the half-widths",
-                notes=notes,
-                time="x",
-            ),
-        ),
+        (above, below),
         table,
-        (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick")),
+        legend,
         stretch=shown.stretch,
         spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
     )
+
+
+def _spacing_at_the_edge(cycle: Cycle) -> float:
+    """The middle distance of points about the contact edges [length]; NaN where nothing
+    touches.
+    """
+    outer = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
+    if not outer:
+        return math.nan
+    about_the_edge = np.abs(np.abs(cycle.x[1:]) - outer) < 0.3 * outer
+    return float(np.median(np.diff(cycle.x)[about_the_edge]))
 
 
 def _errors(shown: _Shown) -> Plate:
@@ -1001,38 +1050,48 @@ def _errors(shown: _Shown) -> Plate:
 
     Where no tolerance was given, those that half-planes are judged by, in per cent.
     """
-    time, series = shown.time, [m for m in shown.comparison.metrics if m.series is not None]
-    judged = [m for m in series if m.tolerance is not None]
-    drawn = judged or [m for m in series if m.key in OWN_TOLERANCES]
-    lines, keys, largest = list[Mark]([Rule(1.0, "limit")] if judged else []), [], 0.0
-    for m, css in zip(drawn, _LINES, strict=False):
-        over = (m.tolerance or 1.0) if judged else 0.01
-        size = np.where(shown.comparison.judged, np.abs(np.asarray(m.series)) / over, np.nan)
+    metrics = [m for m in shown.comparison.metrics if m.series is not None]
+    with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
+    judged = bool(with_tolerance)
+    drawn = with_tolerance or [metric for metric in metrics if metric.key in OWN_TOLERANCES]
+    lines: list[Mark] = []
+    if judged:
+        lines.append(Rule(1.0, "limit"))
+    keys = []
+    largest = 0.0
+    for metric, css in zip(drawn, _LINES, strict=False):
+        unit = (metric.tolerance or 1.0) if judged else 0.01
+        shares = np.abs(np.asarray(metric.series)) / unit
+        size = np.where(shown.comparison.judged, shares, np.nan)
         worst = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
         largest = max(largest, float(np.nanmax(size, initial=0.0)))
-        lines.append(Curve(time, size, css, m.label))
-        keys.append(
-            Key(
-                css,
-                minus(f"{m.label}: {size[worst]:.2g}{'' if judged else ' %'} at {time[worst]:.3g}"),
-            )
-        )
+        lines.append(Curve(shown.time, size, css, metric.label))
+        per_cent = "" if judged else " %"
+        text = f"{metric.label}: {size[worst]:.2g}{per_cent} at {shown.time[worst]:.3g}"
+        keys.append(Key(css, minus(text)))
     if judged:
-        lines.append(Note(float(time[-1]), 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
-    most = min(max(1.0, largest), 8.0) if judged else largest or 1.0
-    up = Axis(0.0, 1.08 * most, "|discrepancy| / tolerance" if judged else "|discrepancy|, %")
+        end = float(shown.time[-1])
+        lines.append(Note(end, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+    top = min(max(1.0, largest), _MOST_TOLERANCES) if judged else largest or 1.0
+    axis_words = "|discrepancy| / tolerance" if judged else "|discrepancy|, %"
     panel = _broad(
-        "errors", shown.over_time(8), up, lines, f"Discrepancy through the {shown.noun}", time="x"
+        "errors",
+        shown.over_time(8),
+        Axis(0.0, 1.08 * top, axis_words),
+        lines,
+        f"Discrepancy through the {shown.noun}",
+        time="x",
     )
-    table = {"time": shown.found.time} | {m.key: np.asarray(m.series) for m in drawn}
+    table = {"time": shown.found.time}
+    table |= {metric.key: np.asarray(metric.series) for metric in drawn}
     return worded(
         "errors",
         [panel],
         table,
         keys,
         columns=1,
-        judged=bool(judged),
-        cut=bool(judged) and largest > 8,
+        judged=judged,
+        cut=judged and largest > _MOST_TOLERANCES,
         stretch=shown.stretch,
     )
 
@@ -1050,60 +1109,58 @@ def _places(comparison: Comparison, count: int = 4) -> list[int]:
 
     Indices into the result's points, on the right-hand side, none twice.
     """
-    expected, x = comparison.expected, comparison.found.x
-    outer = float(np.nanmax(np.abs(expected.contact_edges), initial=0.0)) or float(np.abs(x).max())
+    edges = comparison.expected.contact_edges
+    x = comparison.found.x
     if comparison.turned:
-        outer = float(np.nanmax(expected.contact_edges, initial=float(x[0])))
-    inner = _permanent_edges(comparison.reference)[1]
-    inner = float(inner) if np.isfinite(inner) and inner < outer else min(0.0, outer)
-    wanted = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
-    return sorted({int(np.abs(x - place).argmin()) for place in wanted})
+        outer = float(np.nanmax(edges, initial=float(x[0])))
+    else:
+        outer = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())
+    inner = float(_permanent_edges(comparison.reference)[1])
+    if not np.isfinite(inner) or inner >= outer:
+        inner = min(0.0, outer)
+    places = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
+    return sorted({int(np.abs(x - place).argmin()) for place in places})
 
 
 def _slip_histories(shown: _Shown) -> Plate:
     """Slip of chosen points through the last cycle, both engines, from where each stood at the
     start of the cycle.
     """
-    rows, x, length = _places(shown.comparison), shown.found.x, units(shown.scene)[1]
-    named = [f"x = {shown.x[row]:.3f} a_ref" for row in rows]
-    slips = [cycle.slip[:, rows] - cycle.slip[0, rows] for _, cycle, _ in shown.sides]
-    lines = [
-        Curve(shown.time, slip[:, k], f"{look} point-{k}", f"{name}, {engine}")
-        for look, slip, (_, _, engine) in zip(("wide", "thin"), slips, shown.sides, strict=True)
-        for k, name in enumerate(named)
-    ]
+    points = _places(shown.comparison)
+    length = units(shown.scene)[1]
+    names = [f"x = {shown.x[point]:.3f} a_ref" for point in points]
+    slips = [side.cycle.slip[:, points] - side.cycle.slip[0, points] for side in shown.sides]
+    lines = []
+    for look, slip, side in zip(("wide", "thin"), slips, shown.sides, strict=True):
+        for place, name in enumerate(names):
+            css = f"{look} point-{place}"
+            lines.append(Curve(shown.time, slip[:, place], css, f"{name}, {side.engine}"))
+    of_reference, of_result = slips
     table = {"time": shown.found.time}
-    for k, row in enumerate(rows):
-        for role, slip in zip(("reference", "result"), slips, strict=True):
-            table[f"slip_{role}(x = {x[row]:.6g}) [{length}]"] = slip[:, k]
-    apart = slips[1] - slips[0]
-    point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(apart)), axis=0)))
+    for place, point in enumerate(points):
+        where = f"(x = {shown.found.x[point]:.6g}) [{length}]"
+        table[f"slip_reference{where}"] = of_reference[:, place]
+        table[f"slip_result{where}"] = of_result[:, place]
+
+    difference = of_result - of_reference
+    worst = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
-        f"result − reference at {named[point]}, where it is largest:",
-        shown.largest(apart[:, point], f" {length}"),
+        f"result − reference at {names[worst]}, where it is largest:",
+        shown.largest(difference[:, worst], f" {length}"),
     ]
-    up = Axis(
-        *limits(*slips, zero=True, least=1e-12 * shown.scales.half_width),
-        f"slip since the start  [{length}]",
-    )
+    least = 1e-12 * shown.scales.half_width
     panel = _broad(
         "slip",
         shown.over_time(8),
-        up,
+        Axis(*limits(*slips, zero=True, least=least), f"slip since the start  [{length}]"),
         lines,
         "Slip of chosen points over time",
         320.0,
         notes=notes,
         time="x",
     )
-    return worded(
-        "slip_history",
-        [panel],
-        table,
-        [Key(f"point-{k}", name) for k, name in enumerate(named)],
-        columns=1,
-        stretch=shown.stretch,
-    )
+    keys = [Key(f"point-{place}", name) for place, name in enumerate(names)]
+    return worded("slip_history", [panel], table, keys, columns=1, stretch=shown.stretch)
 
 
 # ------------------------------------------------------------------- the loads, and load over shift
@@ -1113,120 +1170,156 @@ def _load_path(shown: _Shown) -> Plate:
 
     Beneath it bulk stress, tilt and moment over the cycle, where there are any.
     """
-    solution, cycle = shown.comparison.result, shown.found
-    friction, unit, path = (
-        solution.scene.friction.coefficient,
-        load_unit(solution.scene),
-        solution.scene.load.path(),
+    cycle = shown.found
+    friction = shown.comparison.result.scene.friction.coefficient
+    unit = load_unit(shown.comparison.result.scene)
+    parts = _parts_of_path(shown.comparison.result.scene)
+    normal = np.concatenate([part.normal_load for part in parts])
+    tangential = np.concatenate([part.tangential_load for part in parts])
+    largest_normal = 1.08 * float(normal.max())
+    largest_tangential = 1.25 * max(float(np.abs(tangential).max()), 0.15 * largest_normal)
+
+    marks: list[Mark] = []
+    if friction:
+        for sign in (1, -1):
+            limit = sign * largest_normal * friction
+            marks.append(Curve([0, largest_normal], [0, limit], "cone", "|Q| = f P"))
+    marks += [Curve(part.normal_load, part.tangential_load, part.look, part.name) for part in parts]
+    lowest = min(-0.3 * largest_tangential, 1.25 * float(tangential.min()))
+    panel = Panel(
+        "load-path",
+        Axis(0.0, largest_normal, f"normal load P  [{unit}]"),
+        Axis(lowest, largest_tangential, f"tangential load Q  [{unit}]"),
+        marks,
+        "Load path in the plane of P and Q",
+        height=330.0,
     )
-    parts = {"initial loading" if path.cycle else "path": path.initial_loading, "cycle": path.cycle}
-    time = {
-        name: np.concatenate([sampled(leg, 257) for leg in legs])
-        for name, legs in parts.items()
-        if legs
-    }
-    loads = {
-        name: [np.asarray(load) for load in path.at(instants)] for name, instants in time.items()
-    }
-    normal, tangential = (np.concatenate([pair[k] for pair in loads.values()]) for k in (0, 1))
-    top = 1.08 * float(normal.max())
-    reached = 1.25 * max(float(np.abs(tangential).max()), 0.15 * top)
-    looks = {name: "initial-loading" if name == "initial loading" else "loop" for name in loads}
-    marks: list[Mark] = [
-        Curve([0, top], [0, s * friction * top], "cone", "|Q| = f P") for s in (1, -1) if friction
-    ]
-    marks += [Curve(p, q, looks[name], name) for name, (p, q) in loads.items()]
-    up = Axis(
-        min(-0.3 * reached, 1.25 * float(tangential.min())), reached, f"tangential load Q  [{unit}]"
-    )
-    across, alt = Axis(0.0, top, f"normal load P  [{unit}]"), "Load path in the plane of P and Q"
-    panel = Panel("load-path", across, up, marks, alt, height=330.0)
     marks += _events(panel, cycle.normal_load, cycle.tangential_load, shown.chosen)
-    marks.append(
-        _follower("P", cycle.normal_load[shown.start], cycle.tangential_load[shown.start], "now")
-    )
-    keys = [
-        *(Key(looks[name], name) for name in reversed(loads)),
-        *([Key("cone", "|Q| = f P")] if friction else []),
-    ]
+    start = shown.start
+    marks.append(_follower("P", cycle.normal_load[start], cycle.tangential_load[start], "now"))
+
+    keys = [Key(part.look, part.name) for part in reversed(parts)]
+    if friction:
+        keys.append(Key("cone", "|Q| = f P"))
     panels = [panel]
     for name, title, lines in _beside_the_forces(shown):
-        up = Axis(
-            *limits(*(values for _, _, values in lines), zero=True, margin=0.12), title, count=3
-        )
-        over: list[Mark] = [
-            _ZERO,
-            *(Curve(shown.time, values, css, text) for css, text, values in lines),
-        ]
+        series = [line.values for line in lines]
+        curves: list[Mark] = [_ZERO]
+        curves += [Curve(shown.time, line.values, line.css, line.text) for line in lines]
         panels.append(
-            Panel(name, shown.over_time(), up, over, f"{title} over time", height=190.0, time="x")
+            Panel(
+                name,
+                shown.over_time(),
+                Axis(*limits(*series, zero=True, margin=0.12), title, count=3),
+                curves,
+                f"{title} over time",
+                height=190.0,
+                time="x",
+            )
         )
-        keys += [Key(css, text) for css, text, _ in lines]
-    part = [name for name in time for _ in time[name]]
+        keys += [Key(line.css, line.text) for line in lines]
     table: Table = {
-        "time": np.concatenate([*time.values()]),
-        "part": part,
+        "time": np.concatenate([part.time for part in parts]),
+        "part": [part.name for part in parts for _ in part.time],
         "P": normal,
         "Q": tangential,
     }
+    with_more = len(panels) > 1
     return worded(
-        "load_path", panels, table, keys, columns=1, beside=len(panels) > 1, stretch=shown.stretch
+        "load_path", panels, table, keys, columns=1, beside=with_more, stretch=shown.stretch
     )
 
 
-def _beside_the_forces(shown: _Shown) -> Iterator[tuple[str, str, list[tuple[str, str, Array]]]]:
-    """Name, words of the axis and lines (look, words, values) of what a scene has beside P and Q,
-    each with its unit.
-    """
-    (force, _, stress), cycle = units(shown.scene), shown.found
-    pulled = [
-        (f"σ, {name} body", getattr(cycle, f"bulk_stress_{name}")) for name in ("lower", "upper")
-    ]
-    pulled = [(words, values) for words, values in pulled if values is not None and np.any(values)]
-    if pulled:
-        yield (
-            "bulk-stress",
-            f"bulk stress σ  [{stress}]",
-            [(f"line-{k} fine", *line) for k, line in enumerate(pulled)],
-        )
+class _PathPart(NamedTuple):
+    """Initial loading or cycle of a load path, at many instants."""
+
+    name: str
+    look: str  # of its line
+    time: Array
+    normal_load: Array
+    tangential_load: Array
+
+
+def _parts_of_path(scene: Scene) -> list[_PathPart]:
+    """Initial loading and cycle; one path where nothing repeats."""
+    path = scene.load.path()
+    named = [("path", "loop", path.initial_loading)]
+    if path.cycle:
+        named = [
+            ("initial loading", "initial-loading", path.initial_loading),
+            ("cycle", "loop", path.cycle),
+        ]
+    parts = []
+    for name, look, legs in named:
+        if legs:
+            time = np.concatenate([sampled(leg, 257) for leg in legs])
+            normal, tangential = path.at(time)
+            loads = np.asarray(normal), np.asarray(tangential)
+            parts.append(_PathPart(name, look, time, *loads))
+    return parts
+
+
+class _Line(NamedTuple):
+    """A line of a figure over time."""
+
+    css: str
+    text: str
+    values: Array
+
+
+def _beside_the_forces(shown: _Shown) -> Iterator[tuple[str, str, list[_Line]]]:
+    """Name, words of the axis and lines of what a scene has beside P and Q, each with its unit."""
+    force, _, stress_unit = units(shown.scene)
+    cycle = shown.found
+    stresses = []
+    for body in ("lower", "upper"):
+        stress = getattr(cycle, f"bulk_stress_{body}")
+        if stress is not None and np.any(stress):
+            stresses.append(_Line(f"line-{len(stresses)} fine", f"σ, {body} body", stress))
+    if stresses:
+        yield "bulk-stress", f"bulk stress σ  [{stress_unit}]", stresses
     if cycle.tilt is not None and np.any(cycle.tilt):
-        yield "tilt", "tilt α  [rad]", [("line-2 fine", "tilt of the upper body", cycle.tilt)]
+        yield "tilt", "tilt α  [rad]", [_Line("line-2 fine", "tilt of the upper body", cycle.tilt)]
     if cycle.moment is not None and np.any(cycle.moment) and shown.scene.load.moment_given:
-        yield "moment", f"moment M  [{force}]", [("line-3 fine", "moment", cycle.moment)]
+        yield "moment", f"moment M  [{force}]", [_Line("line-3 fine", "moment", cycle.moment)]
 
 
 def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
     """Numbered dots, numbers outside the loop that the dots lie on; a number that would stand on
     another one is left out.
     """
-    x, y = panel.frame.x.place(across), panel.frame.y.place(up)
-    taken: list[Array] = []
+    x = panel.frame.x.place(across)
+    y = panel.frame.y.place(up)
+    numbers: list[Array] = []  # places of those that are drawn
     for count, event in enumerate(chosen, start=1):
-        k, data = event.index, {"event": event.index}
-        away = 13 * _outward(x, y, k)
-        place = np.array([x[k], y[k]]) + away
-        yield Dot(float(across[k]), float(up[k]), "event", 3.4, data=data)
-        if all(np.hypot(*(place - other)) > 11 for other in taken):
-            taken.append(place)
+        k = event.index
+        index = {"event": k}
+        shift = 13 * _outward(x, y, k)
+        place = np.array([x[k], y[k]]) + shift
+        yield Dot(float(across[k]), float(up[k]), "event", 3.4, data=index)
+        if all(np.hypot(*(place - other)) > 11 for other in numbers):
+            numbers.append(place)
             yield Note(
                 float(across[k]),
                 float(up[k]),
                 str(count),
                 "number",
                 "middle",
-                (float(away[0]), float(away[1]) + 4),
-                data,
+                (float(shift[0]), float(shift[1]) + 4),
+                index,
             )
 
 
 def _outward(x: Array, y: Array, k: int) -> Array:
     """Unit vector across the line at its k-th place, away from the middle of all places."""
-    before, after = max(k - 1, 0), min(k + 1, len(x) - 1)
+    before = max(k - 1, 0)
+    after = min(k + 1, len(x) - 1)
     across = np.array([y[before] - y[after], x[after] - x[before]])
     from_middle = np.array([x[k] - x.mean(), y[k] - y.mean()])
     if not np.all(np.isfinite(across)) or not np.hypot(*across):
         across = from_middle
-    across = -across if across @ from_middle < 0 else across
+    if across @ from_middle < 0:
+        across = -across
     return np.asarray(across / (np.hypot(*across) or 1.0))
 
 
@@ -1243,79 +1336,45 @@ def _hysteresis(shown: _Shown) -> Plate | None:
 
     None where neither load nor shift moves, or the result holds no shift.
     """
-    comparison, scene, cycles = shown.comparison, shown.scene, (shown.expected, shown.found)
-    series = (shown.found.tangential_load, *(cycle.tangential_displacement for cycle in cycles))
-    if "tangential_displacement" in missing(comparison.result) or all(
-        np.ptp(values) == 0 for values in series
-    ):
+    comparison, scene = shown.comparison, shown.scene
+    cycles = (shown.expected, shown.found)
+    shifts = [cycle.tangential_displacement for cycle in cycles]
+    moving = [shown.found.tangential_load, *shifts]
+    nothing_moves = all(np.ptp(values) == 0 for values in moving)
+    if "tangential_displacement" in missing(comparison.result) or nothing_moves:
         return None
-    load, (force, length, _), loads, panels = (
-        load_unit(scene),
-        units(scene),
-        [c.tangential_load for c in cycles],
-        [],
-    )
-    for name, title, letter, of in (
-        ("hysteresis", f"tangential displacement U  [{length}]", "U", "stroke"),
-        ("hysteresis-sheared", f"U − k Q, about its mean  [{length}]", "V", "width"),
-    ):
-        shifts = [
-            _sheared_shift(cycle) if letter == "V" else cycle.tangential_displacement
-            for cycle in cycles
-        ]
-        stroke = float(np.ptp(shifts[0])) or 1.0
-        note = _measured(
-            100 * (shifts[1] - shifts[0]) / stroke, shown.found.fraction, "{}", " %"
-        ).rpartition(" at ")[0]
-        marks: list[Mark] = [
-            Curve(u, q, key.css, key.text)
-            for key, u, q in zip(shown.keys, shifts, loads, strict=True)
-        ]
-        across = Axis(*limits(*shifts, margin=0.12), title, count=4)
-        up = Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load}]")
-        notes = [f"{note}, of the {of}"] if note else []
-        panel = Panel(
-            name, across, up, marks, f"Tangential load over {title}", height=330.0, notes=notes
-        )
-        marks += _events(panel, shifts[1], loads[1], shown.chosen)
-        for n, css in enumerate(("now pale", "now")):
-            marks.append(
-                _follower(f"{letter}{n}", shifts[n][shown.start], loads[n][shown.start], css)
-            )
-        panels.append(panel)
-    bulk = [
-        (bulk_strain(c, scene.material), c.shear_moment)
-        for c in cycles
-        if c.shear_moment is not None
+
+    _, length, _ = units(scene)
+    sheared = [_sheared_shift(cycle) for cycle in cycles]
+    panels = [
+        _loop_panel(shown, "hysteresis", ("U", shifts), f"tangential displacement U  [{length}]"),
+        _loop_panel(
+            shown, "hysteresis-sheared", ("V", sheared), f"U − k Q, about its mean  [{length}]"
+        ),
     ]
-    if comparison.pulled and len(bulk) == 2:
-        marks = [
-            Curve(strain, moment, key.css, key.text)
-            for key, (strain, moment) in zip(shown.keys, bulk, strict=True)
+    if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
+        panels.append(_bulk_loop_panel(shown))
+
+    works_in_words: list[str] = []
+    if comparison.pulled:
+        works = (
+            [loop_work(cycle) for cycle in cycles],
+            [bulk_work(cycle, scene.material) for cycle in cycles],
+            [comparison.reference.dissipation, comparison.result.dissipation],
+        )
+        works_in_words += [
+            f"{minus(f'{of_reference:.5g}')} and {minus(f'{of_result:.5g}')}"
+            for of_reference, of_result in works
         ]
-        across = Axis(
-            *limits(*(strain for strain, _ in bulk), margin=0.12),
-            "bulk strain ε = σ/E′, lower − upper",
-            count=4,
-        )
-        up = Axis(
-            *limits(*(moment for _, moment in bulk), margin=0.12),
-            f"moment of the shear m_q  [{force}]",
-        )
-        panels.append(
-            Panel(
-                "bulk-loop", across, up, marks, "Moment of the shear over bulk strain", height=330.0
-            )
-        )
-    works = (
-        [loop_work(cycle) for cycle in cycles],
-        [bulk_work(cycle, scene.material) for cycle in cycles],
-        [comparison.reference.dissipation, comparison.result.dissipation],
-    )
-    in_words = [" and ".join(minus(f"{work:.5g}") for work in pair) for pair in works]
-    table = dict(
-        zip(("time", "Q", "U_reference", "U_result"), (shown.found.time, *series), strict=True)
-    )
+        works_in_words.append(energy_unit(scene))
+    table = {
+        "time": shown.found.time,
+        "Q": shown.found.tangential_load,
+        "U_reference": shifts[0],
+        "U_result": shifts[1],
+    }
+    # P works too where it varies and the approach hangs on Q as well.
+    constant_load = np.ptp(shown.found.normal_load) == 0 and shown.found.tilt is None
     return worded(
         "hysteresis",
         panels,
@@ -1323,12 +1382,64 @@ def _hysteresis(shown: _Shown) -> Plate | None:
         shown.keys,
         stretch=shown.stretch,
         slopes=" and ".join(signed(_loop_compliance(cycle)) for cycle in cycles),
-        unit=f"{length} per {load}",
+        unit=f"{length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
-        # P works too where it varies and the approach hangs on Q as well.
-        alone=are_half_planes(scene)
-        or (np.ptp(shown.found.normal_load) == 0 and shown.found.tilt is None),
-        works=[*in_words, energy_unit(scene)] if comparison.pulled else (),
+        alone=are_half_planes(scene) or constant_load,
+        works=works_in_words or (),
+    )
+
+
+def _loop_panel(shown: _Shown, name: str, shift: tuple[str, list[Array]], title: str) -> Panel:
+    """Tangential load over a shift of both engines.
+
+    Parameters
+    ----------
+    shift : letter of its series that the slider moves, U or V; its values of each engine
+    title : words of the axis
+    """
+    letter, (of_reference, of_result) = shift
+    loads = [shown.expected.tangential_load, shown.found.tangential_load]
+    stroke = float(np.ptp(of_reference)) or 1.0
+    share = 100 * (of_result - of_reference) / stroke
+    numbers = _measured(share, shown.found.fraction, "{}", " %").rpartition(" at ")[0]
+    over = "stroke" if letter == "U" else "width"
+    marks: list[Mark] = []
+    for key, values, load in zip(shown.keys, (of_reference, of_result), loads, strict=True):
+        marks.append(Curve(values, load, key.css, key.text))
+    panel = Panel(
+        name,
+        Axis(*limits(of_reference, of_result, margin=0.12), title, count=4),
+        Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(shown.scene)}]"),
+        marks,
+        f"Tangential load over {title}",
+        height=330.0,
+        notes=[f"{numbers}, of the {over}"] if numbers else [],
+    )
+    marks += _events(panel, of_result, loads[1], shown.chosen)
+    start = shown.start
+    marks.append(_follower(f"{letter}0", of_reference[start], loads[0][start], "now pale"))
+    marks.append(_follower(f"{letter}1", of_result[start], loads[1][start], "now"))
+    return panel
+
+
+def _bulk_loop_panel(shown: _Shown) -> Panel:
+    """Moment of the shear over the bulk strain, both engines: its loop is the work of the bulk
+    stress.
+    """
+    force, _, _ = units(shown.scene)
+    cycles = (shown.expected, shown.found)
+    strains = [bulk_strain(cycle, shown.scene.material) for cycle in cycles]
+    moments = [np.asarray(cycle.shear_moment) for cycle in cycles]
+    marks: list[Mark] = []
+    for key, strain, moment in zip(shown.keys, strains, moments, strict=True):
+        marks.append(Curve(strain, moment, key.css, key.text))
+    return Panel(
+        "bulk-loop",
+        Axis(*limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
+        Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{force}]"),
+        marks,
+        "Moment of the shear over bulk strain",
+        height=330.0,
     )
 
 
@@ -1608,8 +1719,14 @@ def _convergence(
 
 # --------------------------------------------------------------------------------------- the bodies
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
-_SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
-_WIDTH, _MOST, _ROOM, _SIDE = 440.0, 310.0, 76.0, 30.0
+_SHOWN_OF_CONTACT = 6.0
+_SHOWN_OF_BODY = 1.3
+# Of the drawing: its width, its largest height, room above the bodies and on the other sides.
+_WIDTH = 440.0
+_MOST = 310.0
+_ROOM = 76.0
+_SIDE = 30.0
+_FACE_POINTS = 181  # of an outline
 # Rows of a measured profile that are drawn.
 _MOST_DOTS = 400
 
@@ -1621,43 +1738,49 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     ----------
     half_width : of the contact, drawn to scale [length]
     """
-    length = units(scene)[1]
+    _, length, _ = units(scene)
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
     frame = _frame(outlines)
-    level = float(frame.y.place(0.0))
     marks: list[Mark] = []
     for name, points in outlines.items():
         shape = getattr(scene.bodies, name)
-        marks += [
-            *_body(frame, points, shape, name),
-            *_supports(frame, shape, points, 1.0 if name == "lower" else -1.0),
-        ]
-        marks.append(
-            Note(6.0, 16.0 if name == "upper" else frame.height - 6, _label(scene, name), "word")
-        )
+        marks += _body(frame, points, shape, name)
+        marks += _supports(frame, shape, points, 1.0 if name == "lower" else -1.0)
+        height_of_label = 16.0 if name == "upper" else frame.height - 6
+        marks.append(Note(6.0, height_of_label, _label(scene, name), "word"))
+    level = float(frame.y.place(0.0))
     marks.append(Curve(frame.x.place([-half_width, half_width]), [level, level], "contact-line"))
     marks += _loads(frame, scene, outlines)
+
+    alt = bodies_in_words(scene)
+    # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
+    panel = Panel(
+        "bodies",
+        Axis(0.0, frame.width, ""),
+        Axis(frame.height, 0.0, ""),
+        marks,
+        alt,
+        frame.width,
+        frame.height,
+        bare=True,
+        room=(0.0, 0.0, 0.0, 0.0),
+    )
     columns: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
         f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
         f"y [{length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
-    alt = bodies_in_words(scene)
-    # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
-    axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
-    panel = Panel(
-        "bodies", *axes, marks, alt, frame.width, frame.height, bare=True, room=(0.0, 0.0, 0.0, 0.0)
-    )
+    bodies = (scene.bodies.lower, scene.bodies.upper)
     return worded(
         "bodies",
         [panel],
         columns,
         columns=1,
-        cut=any(isinstance(body, HalfPlane) for body in (scene.bodies.lower, scene.bodies.upper)),
+        cut=any(isinstance(body, HalfPlane) for body in bodies),
         width=number(2 * half_width),
         length=length,
-        normal=_range(scene, 0),
-        tangential=_range(scene, 1),
+        normal=_range(_normal_loads(scene)),
+        tangential=_range(_tangential_loads(scene)),
         load=load_unit(scene),
         beside=bulk_and_tilt(scene),
         alt=alt,
@@ -1672,37 +1795,53 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     ----------
     half_width : of the largest contact [length]
     """
-    fitted = fit_of(scene)
-    if fitted is None:
+    fit = fit_of(scene)
+    if fit is None:
         return None
-    length = units(scene)[1]
-    x = fitted.rows.values[:, 0] - fitted.centre
-    rest = fitted.residuals(scene.profile.height)
-    used = np.abs(x) <= np.sort(np.abs(x))[len(x) - fitted.left_out - 1]
-    shown = np.flatnonzero(used)[:: -(-int(used.sum()) // _MOST_DOTS)]
-    most = 1.1 * max(float(np.abs(rest[used]).max()), 2.2 * fitted.noise)
-    across = Axis(*limits(x[used], margin=0.02), f"x from the middle  [{length}]")
-    wide = np.full(int(used.sum()), 2 * fitted.noise)
-    marks: list[Mark] = [Band(x[used], -wide, wide, "band pale-stick")]
-    marks += [
+    _, length, _ = units(scene)
+    x = fit.rows.values[:, 0] - fit.centre
+    residuals = fit.residuals(scene.profile.height)
+    largest_place = np.sort(np.abs(x))[len(x) - fit.left_out - 1]
+    is_fitted = np.abs(x) <= largest_place
+    count = int(is_fitted.sum())
+    stride = -(-count // _MOST_DOTS)
+    drawn = np.flatnonzero(is_fitted)[::stride]
+
+    noise = np.full(count, 2 * fit.noise)
+    marks: list[Mark] = [
+        Band(x[is_fitted], -noise, noise, "band pale-stick"),
         Rule(0.0, "zero"),
-        *(Rule(side * half_width, "cycle-line", upright=True) for side in (-1, 1)),
+        Rule(-half_width, "cycle-line", upright=True),
+        Rule(half_width, "cycle-line", upright=True),
     ]
-    marks += [
-        Dot(float(x[k]), float(rest[k]), "p0", 2.2, f"x = {x[k]:.4g}, {rest[k]:.3g} {length}")
-        for k in shown
-    ]
-    up = Axis(-most, most, f"row − fit  [{length}]")
+    for k in drawn:
+        label = f"x = {x[k]:.4g}, {residuals[k]:.3g} {length}"
+        marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
+    largest = float(np.abs(residuals[is_fitted]).max())
+    top = 1.1 * max(largest, 2.2 * fit.noise)
+    panel = Panel(
+        "profile-fit",
+        Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]"),
+        Axis(-top, top, f"row − fit  [{length}]"),
+        marks,
+        "Residuals of the fit",
+        height=260.0,
+    )
+    table = {
+        f"x [{length}]": x,
+        f"row - fit [{length}]": residuals,
+        "fitted": is_fitted.astype(float),
+    }
     return worded(
         "profile_fit",
-        [Panel("profile-fit", across, up, marks, "Residuals of the fit", height=260.0)],
-        {f"x [{length}]": x, f"row - fit [{length}]": rest, "fitted": used.astype(float)},
+        [panel],
+        table,
         columns=1,
-        rows=used.sum(),
-        residual=f"{fitted.residual:.3g}",
-        noise=f"{fitted.noise:.3g}",
+        rows=is_fitted.sum(),
+        residual=f"{fit.residual:.3g}",
+        noise=f"{fit.noise:.3g}",
         length=length,
-        every=shown[1] - shown[0],
+        every=drawn[1] - drawn[0],
     )
 
 
@@ -1711,14 +1850,17 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     supports.
     """
     points = np.concatenate(list(outlines.values()))
-    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    unit = max((right - left) / (_WIDTH - 2 * _SIDE), (high - low) / (_MOST - _ROOM - _SIDE))
-    height = (high - low) / unit + _ROOM + _SIDE
-    middle, half = (left + right) / 2, (_WIDTH / 2 - _SIDE) * unit
+    left, low = points.min(axis=0)
+    right, high = points.max(axis=0)
+    unit_across = (right - left) / (_WIDTH - 2 * _SIDE)
+    unit_up = (high - low) / (_MOST - _ROOM - _SIDE)
+    unit = max(unit_across, unit_up)
+    height = float((high - low) / unit + _ROOM + _SIDE)
+    middle = (left + right) / 2
+    half = (_WIDTH / 2 - _SIDE) * unit
     across = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
-    return Frame(
-        across, Scale(float(low), float(high), float(height - _SIDE), _ROOM), _WIDTH, float(height)
-    )
+    up = Scale(float(low), float(high), height - _SIDE, _ROOM)
+    return Frame(across, up, _WIDTH, height)
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
@@ -1727,38 +1869,39 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
 
     A half-plane is drawn as a piece of itself: as wide as suits the other body, or the contact.
     """
-    shape, other = (
-        getattr(scene.bodies, name),
-        getattr(scene.bodies, "upper" if name == "lower" else "lower"),
-    )
+    shape = getattr(scene.bodies, name)
+    other = getattr(scene.bodies, "upper" if name == "lower" else "lower")
     side = 1.0 if name == "lower" else -1.0
     width = shape.face_half_width
+    height = getattr(shape, "height", 0.0)
     if isinstance(shape, HalfPlane):
-        width = (
-            _SHOWN_OF_CONTACT * half_width
-            if isinstance(other, HalfPlane)
-            else _SHOWN_OF_BODY * other.face_half_width
-        )
+        width = _SHOWN_OF_BODY * other.face_half_width
+        if isinstance(other, HalfPlane):
+            width = _SHOWN_OF_CONTACT * half_width
+        height = 0.5 * width
     # Finer towards the ends, where an arc is steep.
-    x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 181))
+    x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
     face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
-    height = 0.5 * width if isinstance(shape, HalfPlane) else getattr(shape, "height", 0.0)
-    corners = np.array([[width, -side * height], [-width, -side * height]])
-    return face if isinstance(shape, Cylinder) else np.vstack([face, corners])
+    if isinstance(shape, Cylinder):
+        return face
+    base = np.array([[width, -side * height], [-width, -side * height]])
+    return np.vstack([face, base])
 
 
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
     """A filled body; a half-plane has a line along its face alone, for it goes on everywhere
     else.
     """
-    x, y = frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
+    x = frame.x.place(points[:, 0])
+    y = frame.y.place(points[:, 1])
     yield Curve(x, y, f"body {name}", closed=True)
     if not isinstance(shape, HalfPlane):
         yield Curve(x, y, "body-line", closed=True)
         return
-    corners = [180, 181, 182, 0]
-    yield Curve(x[:181], y[:181], "body-line")
-    yield Curve(x[corners], y[corners], "cut-line")
+    # From the right end of the face round the base to the left end.
+    cut_edges = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
+    yield Curve(x[:_FACE_POINTS], y[:_FACE_POINTS], "body-line")
+    yield Curve(x[cut_edges], y[cut_edges], "cut-line")
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
@@ -1767,38 +1910,48 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
     """
     if isinstance(shape, HalfPlane):
         return
-    (left, right), top = (
-        frame.x.place([-shape.face_half_width, shape.face_half_width]).tolist(),
-        float(frame.y.place(points[0, 1])),
-    )
-    base = float(frame.y.place(points[np.argmax(-side * points[:, 1]), 1]))
-    planes = [((left, base), (right, base), (0.0, side), getattr(shape, "base", "") == "rollers")]
+    half_width = shape.face_half_width
+    left, right = frame.x.place([-half_width, half_width]).tolist()
+    top = float(frame.y.place(points[0, 1]))
+    lowest = np.argmax(-side * points[:, 1])
+    base = float(frame.y.place(points[lowest, 1]))
+    base_rolls = getattr(shape, "base", "") == "rollers"
+    yield from _plane((left, base), (right, base), (0.0, side), base_rolls)
     if getattr(shape, "sides", "") == "guided":
-        planes += [
-            ((x, base), (x, top), (outward, 0.0), True)
-            for x, outward in ((left, -1.0), (right, 1.0))
-        ]
-    for start, end, outward, rollers in planes:
-        first, last, normal, size = np.array(start), np.array(end), np.array(outward), 10.0
-        if rollers:
-            for x, y in (
-                first + np.linspace(0.08, 0.92, 7)[:, None] * (last - first) + normal * size / 3
-            ):
-                yield Dot(float(x), float(y), "roller", size / 3)
-            first, last = first + normal * 2 * size / 3, last + normal * 2 * size / 3
-        along = (last - first) / np.hypot(*(last - first))
-        feet = first + np.linspace(0, 1, max(int(np.hypot(*(last - first)) / 8), 4))[:, None] * (
-            last - first
-        )
-        yield Curve([first[0], last[0]], [first[1], last[1]], "wall")
-        yield Segments(
-            np.stack([feet, feet + 0.7 * size * (normal - along)], axis=1), "curve hatch"
-        )
+        yield from _plane((left, base), (left, top), (-1.0, 0.0), rollers=True)
+        yield from _plane((right, base), (right, top), (1.0, 0.0), rollers=True)
+
+
+def _plane(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    outward: tuple[float, float],
+    rollers: bool,
+) -> Iterator[Mark]:
+    """A rigid plane with hatching from one end to the other; rollers between it and the body."""
+    size = 10.0  # of the hatching, and three times the radius of a roller
+    first = np.array(start)
+    last = np.array(end)
+    normal = np.array(outward)
+    if rollers:
+        parts = np.linspace(0.08, 0.92, 7)[:, None]
+        for x, y in first + parts * (last - first) + normal * size / 3:
+            yield Dot(float(x), float(y), "roller", size / 3)
+        first = first + normal * 2 * size / 3
+        last = last + normal * 2 * size / 3
+    length = np.hypot(*(last - first))
+    along = (last - first) / length
+    count = max(int(length / 8), 4)
+    feet = first + np.linspace(0, 1, count)[:, None] * (last - first)
+    tips = feet + 0.7 * size * (normal - along)
+    yield Curve([first[0], last[0]], [first[1], last[1]], "wall")
+    yield Segments(np.stack([feet, tips], axis=1), "curve hatch")
 
 
 def _label(scene: Scene, name: str) -> str:
     """Kind, sizes and material of a body."""
-    shape, material = getattr(scene.bodies, name), getattr(scene.material, name)
+    shape = getattr(scene.bodies, name)
+    material = getattr(scene.material, name)
     _, length, stress = units(scene)
     size = ""
     if isinstance(shape, Cylinder):
@@ -1813,48 +1966,69 @@ def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[M
     """Arrows of P and Q at the top of the upper body; of its tilt or moment, and of bulk stress at
     both ends.
     """
-    load, top = scene.load, float(frame.y.place(outlines["upper"][:, 1].max())) - 8
-    line, contact = load.line_of_action, float(frame.y.place(0.0))
+    load = scene.load
+    top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
+    contact = float(frame.y.place(0.0))
+    line = load.line_of_action
     # the words below say where it is
     x = float(np.clip(frame.x.place(line.x if line else 0.0), 80.0, frame.width - 80.0))
     if line is not None:
         yield Curve([x, x], [contact - 0.3 * (contact - top), contact], "cycle-line")
     yield Arrow((x, top - 42), (x, top))
     yield Note(x - 9, top - 28, "P", "load", "end")
-    if np.any(_samples(scene, 1) != 0):
+    if np.any(_tangential_loads(scene) != 0):
         yield Arrow((x + 8, top - 8), (x + 58, top - 8))
         yield Note(x + 63, top - 3, "Q", "load")
-    if load.tilt is not None or load.moment is not None:
-        # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
-        # other way.
-        middle, turn = (x - 48.0, top - 17.0), 1.0 if load.tilt is not None else -1.0
-        angle = np.linspace(-0.2, 1.2, 29) * np.pi
-        arc = np.column_stack(
-            [middle[0] + turn * 18 * np.cos(angle), middle[1] - 18 * np.sin(angle)]
-        )
-        yield Curve(arc[:-3, 0], arc[:-3, 1], "arrow")
-        yield Arrow((arc[-8, 0], arc[-8, 1]), (arc[-1, 0], arc[-1, 1]))
-        yield Note(
-            middle[0], middle[1] + 5, "α" if load.tilt is not None else "M", "load", "middle"
-        )
+    # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
+    # other way.
+    if load.tilt is not None:
+        yield from _turning_arrow((x - 48.0, top - 17.0), 1.0, "α")
+    elif load.moment is not None:
+        yield from _turning_arrow((x - 48.0, top - 17.0), -1.0, "M")
     for name, stress in (("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)):
         if stress is not None:
-            ends, level = (
-                frame.x.place(outlines[name][[0, 180], 0]),
-                float(np.mean(frame.y.place(outlines[name][[0, -1], 1]))),
-            )
-            for end, outward in zip(ends.tolist(), (-1.0, 1.0), strict=True):
-                yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
-                yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")
+            yield from _bulk_arrows(frame, outlines[name])
 
 
-def _samples(scene: Scene, which: int) -> Array:
-    """P or Q all along the path."""
-    path = scene.load.path()
-    return np.asarray(path.at(np.concatenate([sampled(leg, 181) for leg in path.legs(1)]))[which])
+def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Iterator[Mark]:
+    """An arrow along an arc about `middle`, with its letter there; turn is 1 or -1."""
+    x, y = middle
+    angle = np.linspace(-0.2, 1.2, 29) * np.pi
+    arc_x = x + turn * 18 * np.cos(angle)
+    arc_y = y - 18 * np.sin(angle)
+    yield Curve(arc_x[:-3], arc_y[:-3], "arrow")
+    yield Arrow((arc_x[-8], arc_y[-8]), (arc_x[-1], arc_y[-1]))
+    yield Note(x, y + 5, letter, "load", "middle")
 
 
-def _range(scene: Scene, which: int) -> str:
-    loads = _samples(scene, which)
-    least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
+def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
+    """Arrows of bulk stress away from both ends of a body, midway between face and base."""
+    left, right = frame.x.place(points[[0, _FACE_POINTS - 1], 0]).tolist()
+    level = float(np.mean(frame.y.place(points[[0, -1], 1])))
+    for end, outward in ((left, -1.0), (right, 1.0)):
+        yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
+        yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")
+
+
+def _normal_loads(scene: Scene) -> Array:
+    """P all along the path."""
+    normal, _ = scene.load.path().at(_instants(scene))
+    return np.asarray(normal)
+
+
+def _tangential_loads(scene: Scene) -> Array:
+    """Q all along the path."""
+    _, tangential = scene.load.path().at(_instants(scene))
+    return np.asarray(tangential)
+
+
+def _instants(scene: Scene) -> Array:
+    """Many instants of initial loading and first cycle."""
+    return np.concatenate([sampled(leg, 181) for leg in scene.load.path().legs(1)])
+
+
+def _range(loads: Array) -> str:
+    """Least and largest of loads in words."""
+    least = number(float(f"{loads.min():.4g}"))
+    most = number(float(f"{loads.max():.4g}"))
     return f"= {most}" if least == most else f"from {least} to {most}"
