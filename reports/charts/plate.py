@@ -54,11 +54,15 @@ class Scale:
         ... )
         (array([25.]), array([0.5]))
         """
-        numbers, low, high = np.asarray(values, dtype=float), self.low, self.high
+        numbers = np.asarray(values, dtype=float)
+        low = self.low
+        high = self.high
         if self.log:
-            numbers = np.where(numbers > 0, numbers, np.nan)
-            numbers, low, high = np.log10(numbers), float(np.log10(low)), float(np.log10(high))
-        return np.asarray(self.start + (numbers - low) / (high - low) * (self.end - self.start))
+            numbers = np.log10(np.where(numbers > 0, numbers, np.nan))
+            low = float(np.log10(low))
+            high = float(np.log10(high))
+        share = (numbers - low) / (high - low)
+        return np.asarray(self.start + share * (self.end - self.start))
 
     @property
     def words(self) -> str:
@@ -75,32 +79,42 @@ def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> lis
     >>> _ticks(-17.0, 17.0, 3)
     [-10.0, 0.0, 10.0]
     """
-    if log:
-        powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9) + 1)
-        if len(powers) < 3:
-            powers = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-            steps = [s * 10.0**p for p in powers for s in (1, 2, 5)]
-            return [float(f"{s:.12g}") for s in steps if low * (1 - 1e-9) <= s <= high * (1 + 1e-9)]
-        every = -(-len(powers) // (count + 1))
-        return [float(f"{10.0**p:.12g}") for p in powers[::every]]
+    numbers = _ticks_of_powers(low, high, count) if log else _even_ticks(low, high, count)
+    return [float(f"{number:.12g}") + 0.0 for number in numbers]
+
+
+def _ticks_of_powers(low: float, high: float, count: int) -> list[float]:
+    """Powers of ten, at most about `count`; with two and five times them where there are few."""
+    first = np.ceil(np.log10(low) - 1e-9)
+    last = np.floor(np.log10(high) + 1e-9)
+    powers = np.arange(first, last + 1)
+    if len(powers) >= 3:
+        stride = -(-len(powers) // (count + 1))
+        return [10.0**power for power in powers[::stride]]
+    powers = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    numbers = [step * 10.0**power for power in powers for step in (1, 2, 5)]
+    return [n for n in numbers if low * (1 - 1e-9) <= n <= high * (1 + 1e-9)]
+
+
+def _even_ticks(low: float, high: float, count: int) -> list[float]:
+    """Multiples of 1, 2, 2.5 or 5 times a power of ten, about `count` of them."""
     rough = (high - low) / count
     power = 10.0 ** np.floor(np.log10(rough))
-    steps = [s * power for s in (1, 2, 2.5, 5, 10)]
+    steps = [step * power for step in (1, 2, 2.5, 5, 10)]
     coarse = next(k for k, step in enumerate(steps) if step >= 0.999 * rough)
+    numbers = _multiples(low, high, steps[coarse])
     # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
     # and has more than one.
-    numbers = next(
-        n
-        for n in (_multiples(low, high, steps[k]) for k in (coarse, max(coarse - 1, 0)))
-        if len(n) > 1 or not coarse
-    )
-    return [float(f"{n:.12g}") + 0.0 for n in numbers]
+    if len(numbers) <= 1 and coarse > 0:
+        numbers = _multiples(low, high, steps[coarse - 1])
+    return numbers.tolist()
 
 
 def _multiples(low: float, high: float, step: float) -> Array:
-    return np.asarray(
-        np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
-    )
+    """The multiples of a step from low to high."""
+    first = np.ceil(low / step - 1e-9)
+    last = np.floor(high / step + 1e-9)
+    return np.asarray(np.arange(first, last + 1) * step)
 
 
 def labels(numbers: Sequence[float]) -> list[str]:
@@ -131,15 +145,18 @@ def limits(
     ----------
     margin : share of the range; least : smallest range; zero : whether 0 must be in it
     """
-    everything = np.concatenate([np.ravel(np.asarray(v, dtype=float)) for v in values])
-    finite = everything[np.isfinite(everything)]
-    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
+    finite = numbers[np.isfinite(numbers)]
+    low = float(finite.min()) if finite.size else 0.0
+    high = float(finite.max()) if finite.size else 1.0
     if zero:
-        low, high = min(low, 0.0), max(high, 0.0)
+        low = min(low, 0.0)
+        high = max(high, 0.0)
     spread = max(high - low, least, 1e-9 * max(abs(low), abs(high)), 1e-300)
     if high - low < spread:
         middle = (low + high) / 2
-        low, high = middle - spread / 2, middle + spread / 2
+        low = middle - spread / 2
+        high = middle + spread / 2
     return low - margin * spread, high + margin * spread
 
 
@@ -303,11 +320,17 @@ class Frame:
 # ------------------------------------------------------------------------------------------- panels
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are
 # 12 high].
-_LEFT, RIGHT, _TOP, _BOTTOM, _LINE = 72.0, 20.0, 12.0, 46.0, 15.0
+_LEFT = 72.0
+RIGHT = 20.0
+_TOP = 12.0
+_BOTTOM = 46.0
+_BOTTOM_WITHOUT_WORDS = 24.0
+_LINE = 15.0  # height of a line of words
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the
 # highest and the lowest.
-_LONG_LINE, _STRIP = 2000, 1.0
+_LONG_LINE = 2000
+_STRIP = 1.0
 DOWN = "3.5"  # how far a subscript stands below its line [units of a drawing]
 _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
@@ -339,32 +362,33 @@ class Panel:
     @property
     def frame(self) -> Frame:
         """The area that the marks lie in."""
-        above = _TOP + _LINE * (len(self.notes) + bool(self.title))
-        left, top, right, bottom = self.room or (
-            _LEFT,
-            above,
-            RIGHT,
-            _BOTTOM if self.x.words else 24.0,
-        )
-        (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
-        across, up = self.width - left - right, self.height - top - bottom
+        left, top, right, bottom = self.room or self._automatic_room()
+        low_x, high_x = self.x.low, self.x.high
+        low_y, high_y = self.y.low, self.y.high
         if self.equal:
-            unit = max((x1 - x0) / across, (y1 - y0) / up)
-            (x0, x1), (y0, y1) = (
-                ((a + b - unit * size) / 2, (a + b + unit * size) / 2)
-                for a, b, size in ((x0, x1, across), (y0, y1, up))
-            )
-        horizontal = Scale(x0, x1, left, self.width - right, self.x.log)
-        return Frame(
-            horizontal,
-            Scale(y0, y1, self.height - bottom, top, self.y.log),
-            self.width,
-            self.height,
-        )
+            across = self.width - left - right
+            up = self.height - top - bottom
+            unit = max((high_x - low_x) / across, (high_y - low_y) / up)
+            low_x, high_x = _about_the_middle(low_x, high_x, unit * across)
+            low_y, high_y = _about_the_middle(low_y, high_y, unit * up)
+        horizontal = Scale(low_x, high_x, left, self.width - right, self.x.log)
+        vertical = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
+        return Frame(horizontal, vertical, self.width, self.height)
+
+    def _automatic_room(self) -> tuple[float, float, float, float]:
+        """Left, top, right and bottom of the area: room for title, notes and the words of axes."""
+        lines_above = len(self.notes) + bool(self.title)
+        bottom = _BOTTOM if self.x.words else _BOTTOM_WITHOUT_WORDS
+        return _LEFT, _TOP + _LINE * lines_above, RIGHT, bottom
 
     def __html__(self) -> str:
         """The panel on a page."""
         return _panel_svg(self)
+
+
+def _about_the_middle(low: float, high: float, size: float) -> tuple[float, float]:
+    """An interval of that size about the middle of another."""
+    return (low + high - size) / 2, (low + high + size) / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -377,12 +401,10 @@ class Cell:
     event: int | None
 
     def __html__(self) -> str:
-        inside = "".join(panel.__html__() for panel in self.panels)
-        return (
-            f"<div>{inside}</div>"
-            if self.event is None
-            else f'<div class="cell" data-event="{self.event:d}">{inside}</div>'
-        )
+        content = "".join(panel.__html__() for panel in self.panels)
+        if self.event is None:
+            return f"<div>{content}</div>"
+        return f'<div class="cell" data-event="{self.event:d}">{content}</div>'
 
 
 @dataclass(frozen=True)
@@ -417,41 +439,19 @@ class Plate:
         """The whole figure as a document of its own: its legend in rows, beneath it its panels in
         columns, with their colours.
         """
-        parts = stacks(self)
-        columns = min(self.columns, len(parts))
-        across = [max(stack[0].width for stack in parts[c::columns]) for c in range(columns)]
-        width, left, top, pen, drawn = (
-            sum(across),
-            10.0,
-            6.0,
-            _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True),
-            [],
-        )
-        for key in self.keys:
-            size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
-            if left > 10.0 and left + size > width:
-                left, top = 10.0, top + 18.0
-            line = _element(
-                "path",
-                d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}",
-                **pen.look(f"curve {key.css}"),
-            )
-            patch = _element(
-                "rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch")
-            )
-            drawn += [
-                patch if key.patch else line,
-                pen.words(left + 30, top + 11, key.text, "word"),
-            ]
-            left += size
-        top = top + 22.0 if self.keys else 0.0
-        for k in range(0, len(parts), columns):
+        panel_stacks = stacks(self)
+        columns = min(self.columns, len(panel_stacks))
+        columns_of_stacks = [panel_stacks[column::columns] for column in range(columns)]
+        widths = [_width_of(column) for column in columns_of_stacks]
+        width = sum(widths)
+        drawn, top = self._legend(width)
+        for first in range(0, len(panel_stacks), columns):
             lowest = top
-            for column, stack in enumerate(parts[k : k + columns]):
+            for column, stack in enumerate(panel_stacks[first : first + columns]):
                 place = top
                 for panel in stack:
                     box = {
-                        "x": sum(across[:column]),
+                        "x": sum(widths[:column]),
                         "y": place,
                         "width": panel.width,
                         "height": panel.height,
@@ -471,6 +471,27 @@ class Plate:
             font_family="DejaVu Sans, Segoe UI, sans-serif",
             font_size="12",
         )
+
+    def _legend(self, width: float) -> tuple[list[str], float]:
+        """The legend in rows of that width as SVG, and its height."""
+        pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
+        left = 10.0
+        top = 6.0
+        drawn = []
+        for key in self.keys:
+            size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
+            if left > 10.0 and left + size > width:
+                left = 10.0
+                top += 18.0
+            if key.patch:
+                look = pen.look(f"{key.css} patch")
+                drawn.append(_element("rect", x=left + 4, y=top + 2, width=16, height=10, **look))
+            else:
+                path = f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}"
+                drawn.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
+            drawn.append(pen.words(left + 30, top + 11, key.text, "word"))
+            left += size
+        return drawn, top + 22.0 if self.keys else 0.0
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -499,6 +520,11 @@ def worded(
     return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
 
 
+def _width_of(column: Sequence[tuple[Panel, ...]]) -> float:
+    """The width that stacks of panels need, one under the other."""
+    return max(stack[0].width for stack in column)
+
+
 def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
     """The panels of a figure, those of a cell together."""
     return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]
@@ -516,17 +542,17 @@ def colour_scale(
     width: float = 480.0,
 ) -> Panel:
     """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
-    high = high if high > low else low + (abs(low) or 1.0)
-    row = Bitmap(
-        np.arange(64, dtype=np.uint8)[None, :], shades((np.arange(64) + 0.5) / 64, colours)
-    )
-    numbers = (
-        [value for value in own if low <= value <= high] if own else _ticks(low, high, 4, log=log)
-    )
-    axis = Axis(low, high, words, log, ticks=tuple(zip(numbers, labels(numbers), strict=True)))
+    if high <= low:
+        high = low + (abs(low) or 1.0)
+    numbers = [value for value in own if low <= value <= high]
+    if not own:
+        numbers = _ticks(low, high, 4, log=log)
+    middles = (np.arange(64) + 0.5) / 64
+    row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles, colours))
+    ticks = tuple(zip(numbers, labels(numbers), strict=True))
     return Panel(
         name,
-        axis,
+        Axis(low, high, words, log, ticks=ticks),
         Axis(0.0, 1.0, "", count=0),
         [row],
         f"Colours: {words}",
@@ -542,26 +568,22 @@ def _attributes(given: Mapping[str, object]) -> str:
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
     """
-    parts = (
-        (
-            name.rstrip("_").replace("_", "-"),
-            f"{v:.2f}".rstrip("0").rstrip(".") if isinstance(v, float) else str(v),
-        )
-        for name, v in given.items()
-        if v is not None and v != ""
-    )
-    return "".join(f' {name}="{escape(value)}"' for name, value in parts)
+    text = ""
+    for name, value in given.items():
+        if value is not None and value != "":
+            written = str(value)
+            if isinstance(value, float):
+                written = f"{value:.2f}".rstrip("0").rstrip(".")
+            text += f' {name.rstrip("_").replace("_", "-")}="{escape(written)}"'
+    return text
 
 
 def _element(name: str, content: str = "", /, **given: object) -> str:
     """An element; `content` is SVG already. A place that is no number draws nothing."""
     if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
         return ""
-    return (
-        f"<{name}{_attributes(given)}>{content}</{name}>"
-        if content
-        else f"<{name}{_attributes(given)}/>"
-    )
+    attributes = _attributes(given)
+    return f"<{name}{attributes}>{content}</{name}>" if content else f"<{name}{attributes}/>"
 
 
 def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
@@ -582,37 +604,53 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
     >>> _path_of([0, np.nan, 2], [0, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
-    across, down = (
-        np.round(np.asarray(horizontal, dtype=float), 2),
-        np.round(np.asarray(vertical, dtype=float), 2),
-    )
-    good = np.isfinite(across) & np.isfinite(down)
+    across = np.round(np.asarray(horizontal, dtype=float), 2)
+    down = np.round(np.asarray(vertical, dtype=float), 2)
+    known = np.isfinite(across) & np.isfinite(down)
     if len(across) > _LONG_LINE:
-        strips = np.where(good, np.floor(across / _STRIP), np.nan)
-        # of places that follow each other
-        strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])
-        by_height = np.lexsort((np.where(good, down, 0.0), strip))
-        first = np.flatnonzero(np.diff(strip, prepend=-1))
-        last = np.append(first[1:], len(strip)) - 1
-        shown = np.unique(np.concatenate([first, last, by_height[first], by_height[last]]))
-        across, down, good = across[shown], down[shown], good[shown]
+        shown = _places_that_show(across, down, known)
+        across = across[shown]
+        down = down[shown]
+        known = known[shown]
     moved = np.ones(len(across), dtype=bool)
-    moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~good[:-1]
-    starts = good & ~np.concatenate([[False], good[:-1]])
-    alone = starts & ~np.concatenate([good[1:], [False]])
-    rows = np.flatnonzero(good & moved)
+    moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~known[:-1]
+    starts = known & ~np.concatenate([[False], known[:-1]])
+    alone = starts & ~np.concatenate([known[1:], [False]])
+    rows = np.flatnonzero(known & moved)
     for _ in range(passes):
-        before, here, after = (rows[k : len(rows) - 2 + k : 2] for k in range(3))
-        chord, apart = (
-            np.array([across[to] - across[before], down[to] - down[before]]) for to in (after, here)
-        )
-        away = np.abs(chord[0] * apart[1] - chord[1] * apart[0]) <= off * np.hypot(*chord)
-        rows = rows[~np.isin(rows, here[away & ~starts[here] & ~starts[after]])]
-    places = {k: f"{across[k]:g} {down[k]:g}" for k in rows.tolist()}
-    return "".join(
-        f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}"
-        for k, at in places.items()
-    )
+        before = rows[: len(rows) - 2 : 2]
+        middle = rows[1 : len(rows) - 1 : 2]
+        after = rows[2::2]
+        chord_x = across[after] - across[before]
+        chord_y = down[after] - down[before]
+        to_middle_x = across[middle] - across[before]
+        to_middle_y = down[middle] - down[before]
+        # twice the area of the triangle is its height times its base, the chord
+        area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
+        on_chord = area <= off * np.hypot(chord_x, chord_y)
+        spared = middle[on_chord & ~starts[middle] & ~starts[after]]
+        rows = rows[~np.isin(rows, spared)]
+    path = ""
+    for k in rows.tolist():
+        place = f"{across[k]:g} {down[k]:g}"
+        if alone[k]:
+            path += f"M{place}L{place}"
+        else:
+            path += f"M{place}" if starts[k] else f"L{place}"
+    return path
+
+
+def _places_that_show(across: Array, down: Array, known: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """Of a long line the first, the last, the highest and the lowest place of each strip, see
+    `_LONG_LINE`.
+    """
+    strips = np.where(known, np.floor(across / _STRIP), np.nan)
+    # of places that follow each other
+    strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])
+    by_height = np.lexsort((np.where(known, down, 0.0), strip))
+    first = np.flatnonzero(np.diff(strip, prepend=-1))
+    last = np.append(first[1:], len(strip)) - 1
+    return np.unique(np.concatenate([first, last, by_height[first], by_height[last]]))
 
 
 def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
@@ -624,7 +662,8 @@ def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool 
     """
     from PIL import Image
 
-    picture, stream = Image.fromarray(pixels), io.BytesIO()
+    picture = Image.fromarray(pixels)
+    stream = io.BytesIO()
     if colours:
         picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
     elif not whole:
@@ -644,31 +683,28 @@ class _Pen:
         """Classes on a page, declarations in a document of its own."""
         if not self.alone:
             return {"class_": css}
-        kept = {
-            name: value
+        declared = [
+            f"{name}:{value}"
             for name, value in style_of(css, text=text).items()
             if name not in ("vector-effect", "cursor")
-        }
-        return {"style": ";".join(f"{name}:{value}" for name, value in kept.items())}
+        ]
+        return {"style": ";".join(declared)}
 
     def words(self, x: float, y: float, text: str, css: str, /, **given: object) -> str:
         """A text at a place of the drawing, with its subscripts."""
         parts = pieces(text)
-        content = escape(text)
-        if len(parts) > 1:
-            down, content = False, ""
-            for part, low in parts:
-                shift = {"dy": DOWN if low else f"-{DOWN}"} if low is not down else {}
-                size: dict[str, object] = self.look("sub") if low else {}
-                content += (
-                    _element("tspan", escape(part), **shift, **size)
-                    if shift or size
-                    else escape(part)
-                )
-                down = low
-        return _element(
-            "text", content, x=float(x), y=float(y), **self.look(css, text=True), **given
-        )
+        content = ""
+        was_low = False
+        for part, low in parts if len(parts) > 1 else []:
+            shift: dict[str, object] = {}
+            if low is not was_low:
+                shift = {"dy": DOWN if low else f"-{DOWN}"}
+            size = self.look("sub") if low else {}
+            written = escape(part)
+            content += _element("tspan", written, **shift, **size) if shift or size else written
+            was_low = low
+        look = self.look(css, text=True)
+        return _element("text", content or escape(text), x=float(x), y=float(y), **look, **given)
 
     def data(self, given: Mapping[str, object]) -> dict[str, object]:
         return {} if self.alone else {f"data_{name}": value for name, value in given.items()}
@@ -679,106 +715,121 @@ class _Pen:
         left, top, right, bottom = frame.box
         match mark:
             case Curve():
-                # a pointer on a page needs points everywhere
-                thin = (0.1, 8) if self.alone else (0.02, 1)
-                d = _path_of(frame.x.place(mark.x), frame.y.place(mark.y), *thin) or "M0 0"
-                given = self.data({"label": mark.label} | dict(mark.data))
-                return _element(
-                    "path",
-                    d=d + ("Z" if mark.closed else ""),
-                    **self.look(f"curve {mark.css}"),
-                    **given,
-                )
+                return self.curve(mark)
             case Band():
-                along, low, high = (
-                    np.asarray(values, dtype=float) for values in (mark.x, mark.low, mark.high)
-                )
-                known, d = np.isfinite(low) & np.isfinite(high), ""
-                for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
-                    # a gap ends one outline, and the next begins behind it
-                    if len(run) and known[run[0]]:
-                        there, back = along[run], np.concatenate([low[run], high[run][::-1]])
-                        d += (
-                            _path_of(frame.x.place([*there, *there[::-1]]), frame.y.place(back))
-                            + "Z"
-                        )
-                return _element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
+                return self.band(mark)
             case Segments():
                 return self.segments(mark)
             case Dot():
-                x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
-                given = {"fill": mark.fill or None} | self.data(
-                    {"label": mark.label} | dict(mark.data)
-                )
+                x = float(frame.x.place(mark.x))
+                y = float(frame.y.place(mark.y))
+                data = self.data({"label": mark.label} | dict(mark.data))
+                given = {"fill": mark.fill or None} | data
                 return _element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
             case Rule():
-                place = float((frame.x if mark.upright else frame.y).place(mark.at))
-                x1, y1, x2, y2 = (
-                    (place, top, place, bottom) if mark.upright else (left, place, right, place)
-                )
-                return _element("line", x1=x1, x2=x2, y1=y1, y2=y2, **self.look(mark.css))
+                if mark.upright:
+                    place = float(frame.x.place(mark.at))
+                    ends = {"x1": place, "x2": place, "y1": top, "y2": bottom}
+                else:
+                    place = float(frame.y.place(mark.at))
+                    ends = {"x1": left, "x2": right, "y1": place, "y2": place}
+                return _element("line", **ends, **self.look(mark.css))
             case Block():
                 return self.block(mark)
             case Bitmap():
-                address = (
-                    "data:image/png;base64,"
-                    + base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone)).decode()
-                )
+                picture = base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone))
+                address = "data:image/png;base64," + picture.decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
                 return _element(
                     "image", **box, href=address, preserveAspectRatio="none", **self.look("map")
                 )
             case Note():
-                x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
-                given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(
-                    mark.data
-                )
-                anchor = None if mark.anchor == "start" else mark.anchor
-                return "".join(
-                    self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
-                    for k, line in enumerate(mark.text.split("\n"))
-                )
+                return self.note(mark)
             case Arrow():
                 return self.arrow(mark)
             case Group():
-                inside = "".join(self.draw(one) for one in mark.marks) or " "
-                return _element("g", inside, **self.look(mark.css), **self.data(mark.data))
+                content = "".join(map(self.draw, mark.marks)) or " "
+                return _element("g", content, **self.look(mark.css), **self.data(mark.data))
+
+    def curve(self, mark: Curve) -> str:
+        """A line; in a document of its own with fewer places, for a pointer on a page needs points
+        everywhere.
+        """
+        off, passes = (0.1, 8) if self.alone else (0.02, 1)
+        x = self.frame.x.place(mark.x)
+        y = self.frame.y.place(mark.y)
+        path = _path_of(x, y, off, passes) or "M0 0"
+        if mark.closed:
+            path += "Z"
+        data = self.data({"label": mark.label} | dict(mark.data))
+        return _element("path", d=path, **self.look(f"curve {mark.css}"), **data)
+
+    def band(self, mark: Band) -> str:
+        """An area: a gap ends one outline, and the next begins behind it."""
+        x = np.asarray(mark.x, dtype=float)
+        low = np.asarray(mark.low, dtype=float)
+        high = np.asarray(mark.high, dtype=float)
+        known = np.isfinite(low) & np.isfinite(high)
+        path = ""
+        for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
+            if len(run) and known[run[0]]:
+                around_x = np.concatenate([x[run], x[run][::-1]])
+                around_y = np.concatenate([low[run], high[run][::-1]])
+                path += _path_of(self.frame.x.place(around_x), self.frame.y.place(around_y)) + "Z"
+        return _element("path", d=path or "M0 0", **self.look(f"band {mark.css}"))
+
+    def note(self, mark: Note) -> str:
+        """A text, its lines one under the other."""
+        x = float(self.frame.x.place(mark.x))
+        y = float(self.frame.y.place(mark.y))
+        right, down = mark.shift
+        given = {"dx": right or None, "dy": down or None} | self.data(mark.data)
+        anchor = None if mark.anchor == "start" else mark.anchor
+        texts = [
+            self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
+            for k, line in enumerate(mark.text.split("\n"))
+        ]
+        return "".join(texts)
 
     def segments(self, mark: Segments) -> str:
         """All of them as one path: on a page in whole numbers, so that another window can use it
         again.
         """
-        frame, look = self.frame, self.look(mark.css)
         if self.alone or not mark.name:
-            x, y = frame.x.place(mark.ends[..., 0]), frame.y.place(mark.ends[..., 1])
-            seen = (x.max(axis=1) >= frame.x.start) & (x.min(axis=1) <= frame.x.end)
-            seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
-            lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
-            return _element(
-                "path",
-                d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0",
-                **look,
-            )
-        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * _GRAIN
-        x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
-        transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
-        if "again" in mark.name.split():
-            return _element(
-                "g", _element("use", href=f"#{mark.name.split()[0]}"), transform=transform
-            )
-        whole = np.rint(mark.ends / _GRAIN).astype(int)
-        moves = (whole[:, 1] - whole[:, 0]).tolist()
-        d = "".join(
-            f"M{x} {y}l{dx} {dy}"
-            for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True)
-        )
-        return _element("g", _element("path", d=d, id=mark.name, **look), transform=transform)
+            return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
+        across = self.frame.x
+        zoom = (across.end - across.start) / (across.high - across.low) * _GRAIN
+        x = float(across.place(0.0))
+        y = float(self.frame.y.place(0.0))
+        transform = f"translate({x:.3f} {y:.3f}) scale({zoom:.7g} {-zoom:.7g})"
+        name, *repeated = mark.name.split()
+        if "again" in repeated:
+            return _element("g", _element("use", href=f"#{name}"), transform=transform)
+        grains = np.rint(mark.ends / _GRAIN).astype(int)
+        starts = grains[:, 0].tolist()
+        moves = (grains[:, 1] - grains[:, 0]).tolist()
+        lines = [f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(starts, moves, strict=True)]
+        path = _element("path", d="".join(lines), id=mark.name, **self.look(mark.css))
+        return _element("g", path, transform=transform)
+
+    def visible(self, mark: Segments) -> str:
+        """The path of those segments that reach into the area."""
+        x = self.frame.x.place(mark.ends[..., 0])
+        y = self.frame.y.place(mark.ends[..., 1])
+        shown = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
+        shown &= (y.max(axis=1) >= self.frame.y.end) & (y.min(axis=1) <= self.frame.y.start)
+        pairs_x = np.round(x[shown], 2).tolist()
+        pairs_y = np.round(y[shown], 2).tolist()
+        lines = [
+            f"M{x1:g} {y1:g}L{x2:g} {y2:g}"
+            for (x1, x2), (y1, y2) in zip(pairs_x, pairs_y, strict=True)
+        ]
+        return "".join(lines)
 
     def block(self, mark: Block) -> str:
-        (left, right), (low, high) = (
-            np.sort(self.frame.x.place(mark.x)),
-            np.sort(self.frame.y.place(mark.y)),
-        )
+        """A rectangle, with lines of slope 1 over it where it is hatched."""
+        left, right = np.sort(self.frame.x.place(mark.x))
+        low, high = np.sort(self.frame.y.place(mark.y))
         place = {
             "x": float(left),
             "y": float(low),
@@ -786,75 +837,65 @@ class _Pen:
             "height": float(high - low),
         }
         given = {"fill": mark.fill or None} | self.data({"label": mark.label})
-        filled = _element("rect", **place, **self.look(mark.css), **given)
+        rectangle = _element("rect", **place, **self.look(mark.css), **given)
         if not mark.hatched:
-            return filled
-        # Lines of slope 1: x + y is constant along each.
-        sums = (
-            np.arange(np.ceil((left + low) / _HATCH), np.floor((right + high) / _HATCH) + 1)
-            * _HATCH
-        )
-        begin, end = np.maximum(left, sums - high), np.minimum(right, sums - low)
-        lines = zip(begin.tolist(), end.tolist(), sums.tolist(), strict=True)
-        d = "".join(f"M{a:.1f} {s - a:.1f}L{b:.1f} {s - b:.1f}" for a, b, s in lines if b > a)
-        return filled + (_element("path", d=d, **self.look("hatching")) if d else "")
+            return rectangle
+        # x + y is constant along each line
+        first = np.ceil((left + low) / _HATCH)
+        last = np.floor((right + high) / _HATCH)
+        sums = np.arange(first, last + 1) * _HATCH
+        starts = np.maximum(left, sums - high)
+        ends = np.minimum(right, sums - low)
+        path = ""
+        for start, end, total in zip(starts.tolist(), ends.tolist(), sums.tolist(), strict=True):
+            if end > start:
+                path += f"M{start:.1f} {total - start:.1f}L{end:.1f} {total - end:.1f}"
+        if not path:
+            return rectangle
+        return rectangle + _element("path", d=path, **self.look("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
         """A line from the first to the second place with a head at the second."""
-        places = np.array([mark.start, mark.end])
-        first, tip = np.column_stack(
-            [self.frame.x.place(places[:, 0]), self.frame.y.place(places[:, 1])]
-        )
-        along = (tip - first) / np.hypot(*(tip - first))
+        start_x, end_x = self.frame.x.place([mark.start[0], mark.end[0]])
+        start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
+        tip = np.array([end_x, end_y])
+        from_start = tip - np.array([start_x, start_y])
+        along = from_start / np.hypot(*from_start)
         across = np.array([-along[1], along[0]])
         head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
-        end = tip - 9 * along
-        line = _element(
-            "path",
-            d=_path_of([first[0], end[0]], [first[1], end[1]]),
-            **self.look(f"curve {mark.css}"),
-        )
-        return line + _element(
-            "path", d=_path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}")
-        )
+        end_of_line = tip - 9 * along
+        path = _path_of([start_x, end_of_line[0]], [start_y, end_of_line[1]])
+        line = _element("path", d=path, **self.look(f"curve {mark.css}"))
+        outline = _path_of(head[:, 0], head[:, 1]) + "Z"
+        return line + _element("path", d=outline, **self.look(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
         """Grid lines, numbers beside the axes, and what the axes show."""
         frame = self.frame
         left, top, right, bottom = frame.box
+        room_below = frame.height - bottom
         parts = []
-        for place, text in (
-            (float(frame.x.place(number)), text) for number, text in _tick_pairs(x, frame.x)
-        ):
-            parts.append(
-                _element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across"))
-            )
-            if frame.height - bottom > 16:
+        for number, text in _tick_pairs(x, frame.x):
+            place = float(frame.x.place(number))
+            look = self.look("grid across")
+            parts.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **look))
+            if room_below > 16:
                 parts.append(
                     self.words(place, bottom + 15, text, "tick across", text_anchor="middle")
                 )
-        for place, text in (
-            (float(frame.y.place(number)), text) for number, text in _tick_pairs(y, frame.y)
-        ):
-            parts.append(
-                _element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright"))
-            )
+        for number, text in _tick_pairs(y, frame.y):
+            place = float(frame.y.place(number))
+            look = self.look("grid upright")
+            parts.append(_element("line", x1=left, x2=right, y1=place, y2=place, **look))
             parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
-        middle = (top + bottom) / 2
-        if x.words and frame.height - bottom > 30:
-            parts.append(
-                self.words((left + right) / 2, bottom + 36, x.words, "name", text_anchor="middle")
-            )
+        if x.words and room_below > 30:
+            middle = (left + right) / 2
+            parts.append(self.words(middle, bottom + 36, x.words, "name", text_anchor="middle"))
         if y.words:
+            middle = (top + bottom) / 2
+            turned = f"rotate(-90 12 {middle:g})"
             parts.append(
-                self.words(
-                    12,
-                    middle,
-                    y.words,
-                    "name",
-                    text_anchor="middle",
-                    transform=f"rotate(-90 12 {middle:g})",
-                )
+                self.words(12, middle, y.words, "name", text_anchor="middle", transform=turned)
             )
         return "".join(parts)
 
@@ -871,14 +912,12 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height)
     there.
     """
-    frame, pen = panel.frame, _Pen(panel.frame, alone)
+    frame = panel.frame
+    pen = _Pen(frame, alone)
     left, top, right, bottom = frame.box
     area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-    marks = _element(
-        "g",
-        "".join(pen.draw(mark) for mark in panel.marks) or " ",
-        **({} if alone else {"class_": "marks"}),
-    )
+    content = "".join(map(pen.draw, panel.marks)) or " "
+    marks = _element("g", content, **({} if alone else {"class_": "marks"}))
     parts = [marks]
     if not panel.bare:
         corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
@@ -889,44 +928,52 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
             _element("g", marks, clip_path=f"url(#clip-{panel.name})"),
             _element("path", d=corner, **pen.look("axis")),
         ]
-    lines = [(panel.title, "title")] if panel.title else []
-    lines += [(note, "measure") for note in panel.notes]
+    lines = [(left, panel.title, "title")] if panel.title else []
+    lines += [(24.0, note, "measure") for note in panel.notes]
     first = top - 9.0 - _LINE * (len(lines) - 1)
-    parts += [
-        pen.words(left if css == "title" else 24.0, first + _LINE * k, text, css)
-        for k, (text, css) in enumerate(lines)
-    ]
+    for k, (start, text, css) in enumerate(lines):
+        parts.append(pen.words(start, first + _LINE * k, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)
-    custom = " ".join(f"{number:g}={text}" for number, text in panel.x.ticks)
-    scales = (
-        {} if panel.bare and not panel.css else {"data_x": frame.x.words, "data_y": frame.y.words}
-    )
-    names = {
-        "data_x_words": panel.x.words,
-        "data_y_words": panel.y.words,
-        "data_time": panel.time,
-        "data_x_ticks": custom,
-    }
-    names |= (
-        {"data_counts": f"{panel.x.count} {panel.y.count}"}
-        if (panel.x.count, panel.y.count) != (5, 5)
-        else {}
-    )
-    kind = (
-        "sketch"
-        if panel.bare and not panel.css
-        else " ".join(["panel", *panel.css.split(), *["equal"] * panel.equal])
-    )
     return _element(
         "svg",
         "".join(parts),
         **box,
         role="img",
         aria_label=panel.alt,
-        class_=kind,
+        class_=_kind_of(panel),
         id=f"panel-{panel.name}",
-        **scales,
-        **names,
+        **_for_the_script(panel, frame),
     )
+
+
+def _is_sketch(panel: Panel) -> bool:
+    """Whether a panel stands still: the page's script leaves it as it is."""
+    return panel.bare and not panel.css
+
+
+def _kind_of(panel: Panel) -> str:
+    """The classes of a panel on a page."""
+    if _is_sketch(panel):
+        return "sketch"
+    kinds = ["panel", *panel.css.split()]
+    if panel.equal:
+        kinds.append("equal")
+    return " ".join(kinds)
+
+
+def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
+    """What the page's script asks of a panel: scales, words and ticks of its axes."""
+    given: dict[str, object] = {}
+    if not _is_sketch(panel):
+        given |= {"data_x": frame.x.words, "data_y": frame.y.words}
+    given |= {
+        "data_x_words": panel.x.words,
+        "data_y_words": panel.y.words,
+        "data_time": panel.time,
+        "data_x_ticks": " ".join(f"{number:g}={text}" for number, text in panel.x.ticks),
+    }
+    if (panel.x.count, panel.y.count) != (5, 5):
+        given["data_counts"] = f"{panel.x.count} {panel.y.count}"
+    return given
