@@ -1271,7 +1271,7 @@ def _beside_the_forces(shown: _Shown) -> Iterator[tuple[str, str, list[_Line]]]:
     """Name, words of the axis and lines of what a scene has beside P and Q, each with its unit."""
     force, _, stress_unit = units(shown.scene)
     cycle = shown.found
-    stresses = []
+    stresses: list[_Line] = []
     for body in ("lower", "upper"):
         stress = getattr(cycle, f"bulk_stress_{body}")
         if stress is not None and np.any(stress):
@@ -1652,11 +1652,11 @@ def _distances(study: Study) -> Plate | None:
     curves: dict[str, list[tuple[float, float]]] = {}
     for line in study.lines:
         limit = line.found.value
-        converges = line.found.kind == "monotone" and limit is not None
-        if line.metric.headline and converges:
-            curves[line.metric.label] = [
-                (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)
-            ]
+        if not line.metric.headline or line.found.kind != "monotone" or limit is None:
+            continue
+        curves[line.metric.label] = [
+            (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)
+        ]
     axes = "element size at the contact", "distance from the value at h = 0"
     return _convergence("study", axes, curves, sizes)
 
