@@ -31,7 +31,16 @@ from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading
-from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampled
+from scenes import (
+    NORMAL_LOAD,
+    STICK,
+    Bodies,
+    Elastic,
+    InputError,
+    Scene,
+    TimeSeriesLoad,
+    sampled,
+)
 
 # The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
 # them.
@@ -52,6 +61,15 @@ _ROUGH = 100
 # out if that was not enough.
 _ENLARGED = 1.3
 _ENLARGEMENTS = 10
+
+
+# Where the room is estimated alone: increments of a revolution, by how much the side that may touch
+# grows, rows of a record beyond which those of extreme loads stand for all, and the share of the
+# largest P below which |Q|/P of a row is not looked at.
+_FEW_STEPS = 12
+_FAR_ENLARGED = 2.0
+_MOST_ROWS = 16
+_LEAST_OF_LOAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -144,14 +162,21 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
             if not enlargements_left or size == pair.room:
                 raise
         else:
-            reaches_end = any(state.closed[0] or state.closed[-1] for state in run.states)
-            if not reaches_end or not enlargements_left:
+            if not enlargements_left or not _touches_an_end(run):
                 break
             # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
             # has to hold that too.
             if size == pair.room:
                 raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
+    return _scales_of_run(pair, size, problem, run)
+
+
+def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run: PathRun) -> Scales:
+    """What a run at this half-width of the side that may touch found; lengths of the run are over
+    `size`.
+    """
+    scene, load, modulus = pair.scene, pair.load, pair.modulus
     pressed = max(run.states, key=lambda state: state.normal_load)
     half_width = float(np.nan_to_num(np.diff(_contact_edges(problem, [pressed]))[0, 0] / 2))
     reach = max(
@@ -178,6 +203,114 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
         largest_pressure=float(np.max(pressed.pressure / problem.interface.weights)) * load / size,
     )
+
+
+@dataclass(frozen=True)
+class RoomForContact:
+    """How large a contact gets on bodies of a size, by few increments on a coarse mesh.
+
+    Attributes
+    ----------
+    reach : largest distance from x = 0 at which the faces touch [length]
+    room : half the width of the narrower face [length]
+    scales : what the mesh depends on, see `find_scales`
+    """
+
+    reach: float
+    room: float
+    scales: Scales
+
+    @property
+    def in_words(self) -> str:
+        """How large the contact is, and how it was estimated."""
+        return (
+            f"The bodies have room for the contact: it has the half-width"
+            f" {self.scales.half_width:.3g} at the largest load and reaches |x| = {self.reach:.3g}"
+            f" of {self.room:.3g}. This is an estimate by finite elements on a coarse mesh, one"
+            f" revolution of {_FEW_STEPS} increments; `halfplane run` solves the whole path."
+        )
+
+
+def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
+    """Whether bodies have room for the contact, for a part of the cost of `find_scales`.
+
+    The half-width of the side that may touch follows from the contact itself. Then the bodies go
+    through one revolution of few increments; of a record, through its rows of extreme loads.
+
+    Raises
+    ------
+    InputError
+        If the contact reaches past the end of the narrower face.
+    """
+    short = _with_extreme_rows(scene)
+    load = largest_load(short)
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    pair = _CoarsePair(short, load, modulus, work)
+    size = _size_near_contact(pair)
+    while True:
+        try:
+            problem, run = _coarse_run(pair, size, steps=_FEW_STEPS, cycles=1)
+        except BesideTheFaces:
+            if size == pair.room:
+                raise
+        else:
+            if not _touches_an_end(run):
+                scales = _scales_of_run(pair, size, problem, run)
+                return RoomForContact(scales.reach, face_room(scene), scales)
+            if size == pair.room:
+                raise _past_the_end(scene)
+        size = min(size * _FAR_ENLARGED, pair.room)
+
+
+def _size_near_contact(pair: _CoarsePair) -> float:
+    """Half-width of the side that may touch of which the contact at the largest load takes a good
+    part, found from the contact on another such side.
+    """
+    size = min(_size_on_half_planes(pair), pair.room)
+    for _ in range(_ENLARGEMENTS):
+        fraction = _contact_fraction(pair, size)
+        if fraction == 1 and size == pair.room:
+            raise _past_the_end(pair.scene)
+        if _FRACTION[0] / _FAR_ENLARGED <= fraction < 1:
+            break
+        size = min(fraction * size * _FAR_ENLARGED, pair.room)
+    # A contact that shear or tilt may bring to the end of the face is looked at there at once.
+    return size if size * _FAR_ENLARGED < pair.room else pair.room
+
+
+def _with_extreme_rows(scene: Scene) -> Scene:
+    """The scene with the rows of extreme loads alone, where its load is a record of many rows.
+
+    Of P, Q, |Q|/P, bulk stress and tilt the rows of the largest and the smallest value stay, with
+    the first and the last row.
+    """
+    load = scene.load
+    if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
+        return scene
+    first, beyond = load.bounds()
+    rows = load.rows.values[first:beyond] if load.has_bulk_or_tilt else load.kept_rows()
+    further = {
+        name: np.array(getattr(load, name)[first:beyond])
+        for name in load.further
+        if isinstance(getattr(load, name), tuple)
+    }
+    pressed = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
+    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / pressed, *further.values()]
+    places = {0, len(rows) - 1}
+    for column in columns:
+        places |= {int(np.argmin(column)), int(np.argmax(column))}
+    kept = sorted(places)
+    short = TimeSeriesLoad(
+        rows=rows[kept],
+        repeats=load.repeats,
+        **{name: tuple(column[kept].tolist()) for name, column in further.items()},
+        **{
+            name: getattr(load, name)
+            for name in load.further
+            if name not in further and getattr(load, name) is not None
+        },
+    )
+    return scene.model_copy(update={"load": short})
 
 
 @dataclass(eq=False)
@@ -231,20 +364,27 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
     )
 
 
-def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
-    """The load path on faces of this half-width."""
+def _touches_an_end(run: PathRun) -> bool:
+    """Whether the contact reached an end of the side that may touch."""
+    return any(state.closed[0] or state.closed[-1] for state in run.states)
+
+
+def _coarse_run(
+    pair: _CoarsePair, size: float, steps: int = _COARSE_STEPS, cycles: int = COARSE_CYCLES
+) -> tuple[ContactProblem, PathRun]:
+    """The load path on faces of this half-width, in so many increments a revolution."""
     faces = pair.faces(size)
     tangential = needs_shear(pair.scene)
     problem = pair.problem(size, faces, tangential)
     halved = on_half(pair.scene, faces)
     solved = pair.problem(size, half(faces), tangential) if halved else problem
-    pace = Pace(pair.load, _COARSE_STEPS, np.inf, size, pair.modulus)
+    pace = Pace(pair.load, steps, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
     run = run_path(
         solved,
         pair.scene.load.path(),
         pace,
-        COARSE_CYCLES,
+        cycles,
         lambda _step, _of_steps, _text: None,
         keep_all=True,
     )
@@ -257,17 +397,9 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good
     part.
     """
-    """Half-width of the side that may touch of which the contact at the largest load takes a good
-    part.
-    """
-    start = pair.scene.profile.datum_length
-    # where half-planes would have it is near, and cheap to find
-    if not pair.scene.bodies.half_planes:
-        half_planes = pair.scene.vary(bodies=Bodies())
-        start = _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
     too_small = 0.0
     too_large = np.inf
-    size = min(start, pair.room)
+    size = min(_size_on_half_planes(pair), pair.room)
     for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
         fraction = _contact_fraction(pair, size)
         if _FRACTION[0] <= fraction <= _FRACTION[1]:
@@ -287,6 +419,14 @@ def _fitting_size(pair: _CoarsePair) -> float:
         f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
         " and loads"
     )
+
+
+def _size_on_half_planes(pair: _CoarsePair) -> float:
+    """The same of half-planes, which is near and cheap to find; a first guess if they are these."""
+    if pair.scene.bodies.half_planes:
+        return pair.scene.profile.datum_length
+    half_planes = pair.scene.vary(bodies=Bodies())
+    return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
 
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:

@@ -48,8 +48,10 @@ from halfplane_fe.resolution import (
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
     COARSE_CYCLES,
+    RoomForContact,
     Scales,
     contact_modulus,
+    estimate_room,
     find_scales,
     needs_shear,
     on_half,
@@ -263,23 +265,28 @@ def _solve_path(
     return problem, unfolded(run, faces) if halved else run
 
 
-def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
-    """All that `solve` refuses before it makes a mesh of its own: half-planes by their loads, real
-    bodies by the coarse run too.
+def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
+    """What `solve` refuses before it makes a mesh of its own: half-planes by their loads, real
+    bodies by an estimate of the contact too.
+
+    Returns
+    -------
+    RoomForContact or None
+        The estimate; None for half-planes, which have room for every contact.
 
     Raises
     ------
     InputError
         For a load path, supports or a face too narrow for the contact that `solve` refuses.
     ConvergenceError
-        Where the coarse run does not converge.
+        Where its coarse run does not converge.
     """
     _check_loads(scene)
     if scene.bodies.half_planes:
-        return  # there is room for every contact
+        return None
     settings = mesh or MeshSettings()
     with threadpool_limits(limits=1, user_api="blas"):
-        scales = find_scales(scene, Counter())
+        estimate = estimate_room(scene, Counter())
     for name, shape, ratio in (
         ("lower", scene.bodies.lower, 1.0),
         ("upper", scene.bodies.upper, settings.upper_ratio),
@@ -288,9 +295,10 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
             name,
             shape,
             scene.profile,
-            surface_grading(settings, scales, scene.profile, ratio),
+            surface_grading(settings, estimate.scales, scene.profile, ratio),
             settings,
         )
+    return estimate
 
 
 def _check_loads(scene: Scene) -> None:

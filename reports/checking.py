@@ -236,6 +236,8 @@ class _Engines:
 
     half_plane: str
     finite_elements: str
+    # how it was found out that bodies have room for the contact; "" where nothing was estimated
+    room: str = ""
 
     def in_words(self, source: str) -> str:
         """Which engine takes the scene, and which does not and why, with the command that works; ""
@@ -268,7 +270,9 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
     from semi_analytic.profiles import contact_of
     from semi_analytic.solution import require_followable
 
-    theory, elements = "", ""
+    theory = ""
+    elements = ""
+    room = ""
     try:
         if scene.unsymmetric:
             require_followable(scene)
@@ -284,7 +288,8 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
         import halfplane_fe
 
         try:
-            halfplane_fe.require_solvable(scene)
+            estimate = halfplane_fe.require_solvable(scene)
+            room = "" if estimate is None else estimate.in_words
         except InputError as fault:
             elements = str(fault)
             if theory:
@@ -297,7 +302,7 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
                     " bodies"
                 )
                 raise InputError(f"{source}: {fault}; {alone}") from fault
-    return _Engines(theory, elements)
+    return _Engines(theory, elements, room)
 
 
 def _require_room(scene: Scene, source: str) -> None:

@@ -9,6 +9,8 @@ import math
 import re
 import shutil
 import tracemalloc
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from runpy import run_path
 from types import SimpleNamespace
@@ -23,6 +25,8 @@ import halfplane_fe
 import reports
 import semi_analytic
 from command_line import COARSE, ROOT, answer_schema, halfplane, refused
+from halfplane_fe import scales
+from halfplane_fe.scales import estimate_room, find_scales
 from reports import checking
 from reports.checking import (
     bulk_and_tilt,
@@ -1067,3 +1071,102 @@ def test_a_friction_coefficient_in_per_cent_is_remarked():
     scene = pressed(80.0).vary(friction=60.0)
     assert "60 % is 0.6" in remarks(scene, largest_contact(scene, ""))[0]
     assert not remarks(scene.vary(friction=1.5), largest_contact(scene, ""))
+
+
+# ------------------------------------------------------------------- room for the contact, estimated
+LAYERS = [
+    # upper body, base of the layer, h over a of half-planes, width of the faces, unlike materials
+    ("half_plane", "fixed", 0.1, 20.0, False),
+    ("block", "fixed", 2.0, 3.0, False),
+    ("pad", "rollers", 1.0, 6.0, True),
+]
+MORE_LAYERS = [
+    pytest.param((upper, base, height, width, unlike), marks=pytest.mark.slow)
+    for upper in ("half_plane", "block", "pad")
+    for base in ("fixed", "rollers")
+    for height in (0.1, 0.2, 0.5, 1.0, 2.0)
+    for width in (3.0, 6.0, 20.0)
+    for unlike in (False, True)
+]
+
+
+def layer(upper: str, base: str, height: float, width: float, unlike: bool) -> Scene:
+    """A parabola on a layer under shear; a = 1 on half-planes of the upper material."""
+    steel = {"young_modulus": 210e3, "poisson_ratio": 0.3}
+    polymer = {"young_modulus": 3e3, "poisson_ratio": 0.45}
+    lower = Block(
+        width=width, height=height, base=base, sides="guided" if base == "rollers" else "free"
+    )
+    bodies = {
+        "half_plane": Bodies(lower=lower),
+        "block": Bodies(lower=lower, upper=Block(width=width, height=10.0)),
+        "pad": Bodies(lower=lower, upper=Pad(width=width, height=10.0)),
+    }
+    largest = np.pi * 210e3 / (2 * (1 - 0.3**2)) / 400.0
+    return load_scene("hertz-paper").vary(
+        material={"upper": steel, "lower": polymer if unlike else steel},
+        profile={"kind": "hertz", "radius": 100.0},
+        friction=0.5,
+        load={
+            "kind": "ellipse",
+            "mean_normal_load": 0.75 * largest,
+            "normal_amplitude": 0.25 * largest,
+            "mean_tangential_load": 0.0,
+            "tangential_amplitude": 0.25 * largest,
+            "phase_degrees": 60.0,
+            "initial_loading": "straight",
+        },
+        bodies=bodies[upper],
+        expected=(),
+    )
+
+
+def half_width_and_reach(of: Callable[..., Any], scene: Scene) -> tuple[float, float] | str:
+    """The sentence where the contact is refused."""
+    try:
+        found = of(scene, Counter())
+    except InputError as fault:
+        return str(fault)
+    sizes = getattr(found, "scales", found)
+    return sizes.half_width, sizes.reach
+
+
+@pytest.mark.parametrize("case", [*LAYERS, *MORE_LAYERS])
+def test_the_estimate_of_the_room_is_near_what_the_coarse_run_finds(case) -> None:
+    estimate = half_width_and_reach(estimate_room, layer(*case))
+    coarse = half_width_and_reach(find_scales, layer(*case))
+    if isinstance(coarse, str):
+        assert estimate == coarse
+        assert "reaches past the end of the narrower face" in coarse
+    else:
+        assert estimate[0] == pytest.approx(coarse[0], rel=0.01)
+        assert estimate[1] == pytest.approx(coarse[1], rel=0.05)
+
+
+@pytest.mark.parametrize("bulk", [{}, {"bulk_stress_lower": [*range(400)]}])
+def test_of_a_long_record_the_rows_of_extreme_loads_count(bulk) -> None:
+    """The largest and the smallest P, Q, Q/P and bulk stress; the path starts and ends as before."""
+    time = np.arange(400.0)
+    normal = 60 + 30 * np.sin(0.11 * time)
+    rows = np.column_stack([time, normal, 0.3 * normal * np.sin(0.23 * time)])
+    scene = load_scene("pad-on-block").vary(load=TimeSeriesLoad(rows=rows, **bulk), expected=())
+    load = scales._with_extreme_rows(scene).load
+    short = load.rows.values
+    assert len(short) <= 10
+    for values, few in (
+        (rows[:, 1], short[:, 1]),
+        (rows[:, 2], short[:, 2]),
+        (rows[:, 2] / rows[:, 1], short[:, 2] / short[:, 1]),
+    ):
+        assert (few.min(), few.max()) == (values.min(), values.max())
+    assert short[[0, -1]].tolist() == rows[[0, -1]].tolist()
+    if bulk:
+        assert load.bulk_stress_lower == tuple(short[:, 0].tolist())
+    assert scales._with_extreme_rows(load_scene("pad-on-block")) == load_scene("pad-on-block")
+
+
+def test_check_says_how_it_knows_that_bodies_have_room(tmp_path: Path) -> None:
+    done = halfplane(tmp_path, "check", "layer")
+    assert "The bodies have room for the contact: it has the half-width 0.99" in done.stdout
+    assert "This is an estimate by finite elements on a coarse mesh" in done.stdout
+    assert "estimate" not in halfplane(tmp_path, "check", "hertz-paper").stdout

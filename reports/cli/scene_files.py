@@ -163,9 +163,11 @@ def check(scene: str, options: Options) -> Answer:
         f" {number(path.normal_load)}, Q = {number(path.tangential_load)}). Gross sliding starts"
         " at 1."
     )
-    size = filter(
-        None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""]
-    )
+    size = [
+        in_words(found, largest) if largest else "",
+        engines.room,
+        bulk_in_words(bulk) if bulk else "",
+    ]
     content = {
         "passed": True,
         "sentence": last,
@@ -181,7 +183,7 @@ def check(scene: str, options: Options) -> Answer:
     content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
     return Answer(
         WITHIN,
-        [*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last],
+        [*words, *filter(None, size), *(f"Remark: {doubt}" for doubt in doubts), last],
         lambda: content,
         found.name,
     )
