@@ -2,11 +2,14 @@
 
 `compare`, `score`, `write` and `figure` are all that a script needs. Public is what `__all__` of
 `reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules beneath may change.
-Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy.
+Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy. With the
+first of them, or at once where `scenes` is loaded already, scenes and solutions get their HTML and
+figures.
 """
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -34,8 +37,13 @@ _HOME = {
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'reports' has no attribute {name!r}")
+    import_module("reports.page.notebook")
     return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+if "scenes" in sys.modules:
+    import_module("reports.page.notebook")

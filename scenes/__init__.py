@@ -23,10 +23,13 @@ The question::
 Its files and the answer::
 
     text_tables.py  text tables of any program to columns of numbers: separators, headings, the line
-    of a fault unit_words.py   words for units, their sizes, whether they are one set files.py
-    files up to a stated size, whole or not at all: text, keys, NetCDF, source files errors.py
-    what can go wrong, as sentences arrays.py       arrays of real numbers from Python callers; the
-    largest number that is admitted solution.py     the form of every answer
+                    of a fault
+    unit_words.py   words for units, their sizes, whether they are one set
+    files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
+    errors.py       what can go wrong, as sentences
+    arrays.py       arrays of real numbers from Python callers; the largest number that is admitted
+    solution.py     the form of every answer
+    notebook_forms.py   HTML and figures of scenes and solutions, registered by whoever draws them
 """
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape

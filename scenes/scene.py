@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from importlib import import_module, resources
+from importlib import resources
 from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
@@ -22,6 +22,7 @@ from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.measured import READING, SCENE_UNITS
+from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
 from scenes.unit_words import inconsistent
 
@@ -294,10 +295,10 @@ class Scene(Frozen):
         parts = tuple(part.strip() for part in self.units.split(","))
         return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
 
-    def _repr_html_(self) -> str:
-        """For a notebook."""
-        # words and pictures are those of the reports
-        return str(import_module("reports.page.notebook").scene_html(self))
+    def _repr_html_(self) -> str | None:
+        """For a notebook; None, and so the text, where no HTML is registered."""
+        forms = registered_forms()
+        return None if forms is None else forms.scene_html(self)
 
     def save(self, path: str | Path) -> None:
         """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of

@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from enum import IntEnum
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes.errors import InputError, first_line
 from scenes.files import netcdf_of, replace_file, stored_dataset
+from scenes.notebook_forms import forms_for, registered_forms
 from scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -380,24 +380,29 @@ class ContactSolution:
                 f"{path}: the solution can't be read: {first_line(reason)}"
             ) from reason
 
-    def _repr_html_(self) -> str:
-        """For a notebook."""
-        # words and pictures are those of the reports
-        return str(import_module("reports.page.notebook").solution_html(self))
+    def _repr_html_(self) -> str | None:
+        """For a notebook; None, and so the text, where no HTML is registered."""
+        forms = registered_forms()
+        return None if forms is None else forms.solution_html(self)
 
     def plot(self, time: float | None = None) -> Any:
         """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and
         through the last cycle.
 
         Without `time` the instant is that of the largest |Q| of the last cycle.
+
+        Raises
+        ------
+        InputError
+            Where no figures are loaded: `import reports.page.notebook` loads them.
         """
-        return import_module("reports.page.notebook").solution_figure(self, time)
+        return forms_for("plot").solution_figure(self, time)
 
     def plot_loop(self) -> Any:
         """A matplotlib Figure of Q over the relative tangential displacement U through the last
-        cycle.
+        cycle; InputError as of `plot`.
         """
-        return import_module("reports.page.notebook").loop_figure(self)
+        return forms_for("plot_loop").loop_figure(self)
 
     def __dir__(self) -> list[str]:
         """What tab completion shows: no private names."""

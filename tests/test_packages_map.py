@@ -193,6 +193,48 @@ def test_the_map_has_each_folder_of_reports_and_its_size(monkeypatch: pytest.Mon
         assert next(architecture.rows(part, page))[-1] == f"{shown:,}"
 
 
+ORDER = {"scenes": 0, "meshes": 1, "semi_analytic": 2, "halfplane_fe": 2, "reports": 3}
+"""The floor of each package: it may import those of lower floors, and itself."""
+
+
+def names_of_modules(node: ast.AST) -> list[str]:
+    """Packages of ours that a call imports by a string; f-strings count by how they begin."""
+    if not isinstance(node, ast.Call):
+        return []
+    function = node.func
+    name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+    if name not in {"import_module", "__import__", "find_spec", "resolve_name"}:
+        return []
+    strings = [
+        part.value
+        for argument in node.args
+        for part in ast.walk(argument)
+        if isinstance(part, ast.Constant) and isinstance(part.value, str)
+    ]
+    return [text.split(".")[0] for text in strings if text.split(".")[0] in ORDER]
+
+
+def upward_imports(package: str, text: str) -> list[str]:
+    """Packages on a higher floor, or beside this one, that a module imports by a string."""
+    names = [name for node in ast.walk(ast.parse(text)) for name in names_of_modules(node)]
+    return [name for name in names if name != package and ORDER[name] >= ORDER[package]]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_package_imports_a_higher_floor_by_a_string(package: str) -> None:
+    """Import contracts see import statements alone."""
+    for path in (ROOT / package).rglob("*.py"):
+        assert upward_imports(package, path.read_text(encoding="utf-8")) == [], path.name
+
+
+def test_an_import_by_a_string_is_seen() -> None:
+    assert upward_imports("scenes", 'import_module("reports.page")') == ["reports"]
+    assert upward_imports("meshes", 'importlib.import_module(f"halfplane_fe.{name}")') != []
+    assert upward_imports("semi_analytic", '__import__("halfplane_fe")') == ["halfplane_fe"]
+    assert upward_imports("reports", 'import_module("scenes.files")') == []
+    assert upward_imports("reports", 'import_module("reports.units")') == []
+
+
 def test_nothing_in_the_project_reads_the_folder_beside_it() -> None:
     """Code, tests, benchmarks, pages and settings; the name stands here in two parts, so that this
     file is judged too.

@@ -1,5 +1,7 @@
 """The form of the answer: read-only, the same after NetCDF, and its last cycle."""
 
+import subprocess
+import sys
 from dataclasses import fields, is_dataclass, replace
 
 import matplotlib.pyplot as plt
@@ -8,7 +10,7 @@ import pytest
 import xarray as xr
 
 import semi_analytic
-from scenes import InputError, load_scene
+from scenes import InputError, load_scene, notebook_forms
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 
 STEPS, POINTS = 7, 5
@@ -139,6 +141,30 @@ def test_dataset_has_units_long_names_and_coordinates(tmp_path):
         "length",
         "stress",
     )
+
+
+def test_without_registered_forms_a_notebook_prints_text_and_figures_are_refused(monkeypatch):
+    solution = semi_analytic.solve("hertz-normal")
+    monkeypatch.setattr(notebook_forms, "_registered", [])
+    assert solution._repr_html_() is None
+    assert solution.scene._repr_html_() is None
+    for draw in (solution.plot, solution.plot_loop):
+        with pytest.raises(InputError, match=r"write `import reports\.page\.notebook`"):
+            draw()
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "import reports.page.notebook, semi_analytic",
+        "import semi_analytic, reports",
+        "import reports, semi_analytic; reports.compare",
+    ],
+)
+def test_importing_reports_registers_html_and_figures(imports):
+    program = f"{imports}; from scenes.notebook_forms import registered_forms; "
+    program += "raise SystemExit(registered_forms() is None)"
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_figures_of_a_solution():

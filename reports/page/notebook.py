@@ -1,5 +1,7 @@
 """What a notebook shows of a scene and a solution, a table as HTML with every word escaped; and
 `plot` and `plot_loop`.
+
+Importing this module registers its functions with `scenes`.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import numpy as np
 from reports.charts.templating import template
 from reports.comparison.words import bulk_and_tilt, first_rows, stretch
 from scenes import ContactSolution, InputError, Scene, SurfaceState
+from scenes.notebook_forms import NotebookForms, register
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,3 +174,13 @@ def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     if "inline" in plt.get_backend():
         plt.close(figure)
     return figure, [row[0] for row in axes]
+
+
+register(
+    NotebookForms(
+        scene_html=scene_html,
+        solution_html=solution_html,
+        solution_figure=solution_figure,
+        loop_figure=loop_figure,
+    )
+)
