@@ -42,9 +42,12 @@ from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import leaning_profile
 
 # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
-A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)
+A0 = math.sqrt(12 / math.pi)
+STUCK = math.sqrt(4.8 / math.pi)
 # of the grid; increments a segment of the load path (an ellipse: four times as many)
-CELLS, INCREMENTS, CYCLES = 240, 24, 4
+CELLS = 240
+INCREMENTS = 24
+CYCLES = 4
 Values = dict[str, float]
 
 
@@ -201,7 +204,8 @@ ROWS = (
 def of_engine(answer: ContactSolution) -> Values:
     """What a solution has of the table's quantities."""
     nothing = (math.nan, math.nan)
-    stick, contact = answer.stick_edges[-1].tolist(), answer.contact_edges[-1].tolist()
+    stick = answer.stick_edges[-1].tolist()
+    contact = answer.contact_edges[-1].tolist()
     found = {
         "W": float(answer.dissipation),
         "M": math.nan if answer.moment is None else float(answer.moment[-1]),
@@ -219,7 +223,8 @@ def of_engine(answer: ContactSolution) -> Values:
 def on_grid(scene: Scene) -> Values:
     """The same by the grid, along the path and its first cycles."""
     path = scene.load.path()
-    columns, per_cycle = [], 0
+    columns = []
+    per_cycle = 0
     for leg in path.legs(CYCLES):
         count = INCREMENTS * (
             4 if scene.load.kind == "ellipse" and leg.start >= path.cycle_start else 1
@@ -264,10 +269,8 @@ def moderate(count: int = 10, seed: int = 23) -> Iterator[Row]:
         normal, tangential, mean, phase = (
             random.uniform(*ends) for ends in ((0, 1.2), (0.3, 1.2), (-0.6, 0.6), (20, 160))
         )
-        strain, late = (
-            random.uniform(0.2, 0.9) * 2 / (math.pi * A0) * tangential,
-            random.uniform(-180, 180),
-        )
+        strain = random.uniform(0.2, 0.9) * 2 / (math.pi * A0) * tangential
+        late = random.uniform(-180, 180)
         tilt = random.uniform(0, 0.08) * (k % 2), random.uniform(-180, 180)
         waves = {"bulk_stress_lower": (0.0, 2 * strain, late)} | (
             {"tilt": (0.0, *tilt)} if k % 2 else {}
@@ -295,7 +298,8 @@ def loops() -> int:
         *moderate(),
     ]
     for row in rows:
-        path, friction = row.scene.load.path(), row.scene.friction.coefficient
+        path = row.scene.load.path()
+        friction = row.scene.friction.coefficient
         x = np.linspace(-1.5, 1.5, 50)
         instants = path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
         given = *leaning_profile(row.scene), row.scene.profile.height, friction, x, instants
@@ -307,7 +311,8 @@ def loops() -> int:
             answers.append(dense_grid.follow_on_grid(*given, most=2, **orders))
             seconds.append(time.process_time() - begin)
         coarse, fine = answers
-        work, stated = coarse.works[-1], coarse.errors["dissipation"]
+        work = coarse.works[-1]
+        stated = coarse.errors["dissipation"]
         numbers = (
             f"{work:.10f} {1 - work / fine.works[-1]:+.1e} {stated:.1e}"
             f" {coarse.loop / work - 1:+.1e} {seconds[0]:.1f}"
@@ -335,10 +340,8 @@ def steady() -> int:
             seconds.append(time.process_time() - begin)
         whole, alone = answers
         increments = [answer.work.counts.get("increments", 0) for answer in answers]
-        apart, stated = (
-            1 - whole.dissipation / alone.dissipation,
-            alone.record.errors.get("dissipation", 0.0),
-        )
+        apart = 1 - whole.dissipation / alone.dissipation
+        stated = alone.record.errors.get("dissipation", 0.0)
         numbers = (
             f"{whole.dissipation:.10f} {apart:+.1e} {stated:.1e} {increments[0]} {increments[1]}"
         )

@@ -34,7 +34,8 @@ ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "tests" / "cases"
 SCENE_FILES = (ROOT / "scenes" / "library", ROOT / "tests" / "scenes")
 # The run that an engine named in `[[expected]]` is judged by.
-THEORY, ELEMENTS = "theory", "elements"
+THEORY = "theory"
+ELEMENTS = "elements"
 _RUN_OF_ENGINE = {"half-plane theory": THEORY, "finite elements": ELEMENTS}
 # Sources of numbers in `[[expected]]` that are our own engine's.
 OUR_OWN = "our own"
@@ -237,7 +238,8 @@ def difference(case: Case, value: Any) -> Difference:
     """The largest difference of `value` from the case; digits of a text count as those of a
     float.
     """
-    stated, found = entries(case.value), entries(value)
+    stated = entries(case.value)
+    found = entries(value)
     if len(stated) != len(found):
         lengths = f"{len(stated)} values", f"{len(found)} values"
         return Difference(math.inf, math.inf, *lengths, 0)

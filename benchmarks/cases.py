@@ -179,10 +179,12 @@ def show(found: Sequence[Line]) -> None:
 
 def side_by_side(line: Line) -> tuple[str, str, str]:
     """Baseline, value and reference of a line, each as one number."""
-    old, place = "none", 0
+    old = "none"
+    place = 0
     if line.baseline is not None:
         apart = case_table.difference(line.baseline, line.value)
-        old, place = str(apart.stated), apart.place
+        old = str(apart.stated)
+        place = apart.place
     new = str(case_table.entries(line.value)[place])
     exact = "none"
     if line.references:

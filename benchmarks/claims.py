@@ -37,7 +37,8 @@ from halfplane_fe.condensed_bodies import BODIES
 
 ROOT = Path(__file__).parents[1]
 BODIES.bound_bytes = 0  # every run condenses its bodies itself
-STORE, PAGE = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md"
+STORE = ROOT / "docs" / "numbers.json"
+PAGE = ROOT / "docs" / "numbers.md"
 MOST_ROWS = 60
 # Heading -> module and function that yields its rows.
 SECTIONS = {

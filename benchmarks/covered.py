@@ -63,11 +63,9 @@ from scenes import (
 )
 from semi_analytic.profiles import contact_of
 
-COARSE, MESH, STEPS = (
-    MeshSettings(element_size=1 / 12, edge_element_size=1 / 80),
-    MeshSettings(),
-    SolverSettings(),
-)
+COARSE = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80)
+MESH = MeshSettings()
+STEPS = SolverSettings()
 ROUNDED_OFF = 1e-11
 
 
@@ -183,16 +181,15 @@ def real_bodies(scenes: list[Scene]) -> Row:
     """Real bodies have no known answer: the idealisation error +- u of the budget against the
     discrepancy on half the sizes.
     """
-    covered, missed = 0, []
+    covered = 0
+    missed = []
     for scene in scenes:
         fine = without_steps(plain(scene, MESH))
         for one in headlines(budgeted(scene)):
             if (truth := fine.get(one.metric.key)) is not None and one.uncertainty is not None:
                 inside = abs(one.rest - truth) <= one.uncertainty
-                covered, missed = (
-                    covered + inside,
-                    missed + ([] if inside else [f"{scene.name} {one.metric.key}"]),
-                )
+                covered = covered + inside
+                missed = missed + ([] if inside else [f"{scene.name} {one.metric.key}"])
     how = (
         f"the discrepancy on half the sizes within u: {covered} of {covered + len(missed)}; not:"
         f" {', '.join(missed) or 'none'}"
@@ -382,7 +379,8 @@ def blame() -> Iterator[Row]:
 # ------------------------------------------------------------------------------------------- sweeps
 # Signed errors of every quantity; the worst instants of three metrics, of which stick edges jump
 # from node to node.
-FRICTIONS, PRESETS = [0.9, 1.0, 1.2, 1.5, 2.0], ("default", "coarse")
+FRICTIONS = [0.9, 1.0, 1.2, 1.5, 2.0]
+PRESETS = ("default", "coarse")
 
 
 def cheap() -> Iterator[Row]:
@@ -393,15 +391,13 @@ def cheap() -> Iterator[Row]:
 
     from reports.studies.sweep.solving import QUANTITIES
 
-    names, known = (
-        [
-            *(f"error.{name}" for name in QUANTITIES),
-            "pressure",
-            "shear",
-            "stick_edge",
-        ],
-        {},
-    )
+    names = [
+        *(f"error.{name}" for name in QUANTITIES),
+        "pressure",
+        "shear",
+        "stick_edge",
+    ]
+    known = {}
     for preset in PRESETS:
         asked = {"scene": "hertz-paper", "figures": names, "uncertainty": "cheap", "preset": preset}
         finished = swept(asked, F | {"values": FRICTIONS})[0]
@@ -437,7 +433,8 @@ def cheap() -> Iterator[Row]:
 
 # ------------------------------------------------------------------------------------ random models
 # W below this share of A f^2 P^2, P the largest load, hardly slips, and is counted apart.
-LITTLE, MEAN = 1e-4, 90.0
+LITTLE = 1e-4
+MEAN = 90.0
 
 
 def random_profile(draw: np.random.Generator, number: int) -> dict[str, Any]:
@@ -461,12 +458,11 @@ def random_model(draw: np.random.Generator, number: int) -> Scene:
     """An ellipse that stays away from gross sliding by 1e-3 to 0.9 of f P; f from 0.05 to 1.5;
     every second on blocks.
     """
-    f, swing, phase = (
-        np.exp(draw.uniform(np.log(0.05), np.log(1.5))),
-        draw.uniform(0, 0.95),
-        draw.uniform(0, 180),
-    )
-    offset, away = draw.random(), np.exp(draw.uniform(np.log(1e-3), np.log(0.9)))
+    f = np.exp(draw.uniform(np.log(0.05), np.log(1.5)))
+    swing = draw.uniform(0, 0.95)
+    phase = draw.uniform(0, 180)
+    offset = draw.random()
+    away = np.exp(draw.uniform(np.log(1e-3), np.log(0.9)))
     angle = np.linspace(0, 2 * np.pi, 4001)
     wave = offset + (1 - offset) * np.cos(angle - np.radians(phase))
     most = (1 - away) / np.max(np.abs(wave) / (f * MEAN * (1 + swing * np.cos(angle))))
@@ -500,7 +496,9 @@ def models(count: int = 60, seed: int = 2) -> int:
     Half-planes against theory; blocks against a/320, half the growth of elements inwards and a
     tenth of the step tolerance, whose error is a sixth of the default's or less.
     """
-    draw, ratios, outcome = np.random.default_rng(seed), [], Counter[str]()
+    draw = np.random.default_rng(seed)
+    ratios = []
+    outcome = Counter[str]()
     for number in range(count):
         scene = random_model(draw, number)
         head = (
@@ -548,7 +546,8 @@ def models(count: int = 60, seed: int = 2) -> int:
 # not depend on the fitted numbers.
 FITS = (("hertz", "hertz"), ("hertz", "even_polynomial"), ("hertz", "smoothing_spline"))
 FITS += (("flat_rounded", "flat_rounded"), ("flat_rounded", "smoothing_spline"))
-SPAN, PROMISED = 3.0, 1e-9  # mm
+SPAN = 3.0  # mm
+PROMISED = 1e-9
 
 
 def measured_profile(random: np.random.Generator, number: int) -> tuple[Scene, Scene]:
@@ -559,7 +558,8 @@ def measured_profile(random: np.random.Generator, number: int) -> tuple[Scene, S
     rows over 3 mm with the middle up to 0.3 mm off, noise of 1 to 50 nm, an ellipse of loads whose
     largest contact is a = 1 mm.
     """
-    (shape, kind), radius = FITS[number % len(FITS)], float(random.uniform(500, 2000))
+    shape, kind = FITS[number % len(FITS)]
+    radius = float(random.uniform(500, 2000))
     truth: Hertz | FlatRounded = Hertz(radius=radius)
     if shape == "flat_rounded":
         truth = FlatRounded(radius=radius / 3, flat_half_length=float(random.uniform(0.2, 0.7)))
@@ -573,7 +573,8 @@ def measured_profile(random: np.random.Generator, number: int) -> tuple[Scene, S
         + noise * random.standard_normal(rows)
         + random.uniform(-1e-3, 1e-3)
     )
-    base, share = load_scene("hertz-paper"), float(random.uniform(0.0, 0.6))
+    base = load_scene("hertz-paper")
+    share = float(random.uniform(0.0, 0.6))
     mean = float(contact_of(truth, base.material).load(1.0)) / (1 + share)
     load = {"mean_normal_load": mean, "normal_amplitude": share * mean, "mean_tangential_load": 0.0}
     load["tangential_amplitude"] = (
@@ -598,10 +599,8 @@ def profiles(count: int = 200, seed: int = 1) -> int:
     """
     from reports.profile_fit import fit_uncertainty
 
-    random, outcomes = (
-        np.random.default_rng(seed),
-        defaultdict[str, list[tuple[float, float]]](list),
-    )
+    random = np.random.default_rng(seed)
+    outcomes = defaultdict[str, list[tuple[float, float]]](list)
     for number in range(count):
         label = " fitted by ".join(FITS[number % len(FITS)])
         try:
@@ -617,7 +616,8 @@ def profiles(count: int = 200, seed: int = 1) -> int:
     print(f"seed {seed}: {answered} of {count} answered")
     for label, rows in outcomes.items():
         error, stated = 100 * np.array(rows).T
-        inside, rms = 100 * np.mean(error <= stated), np.sqrt(np.mean(error**2))
+        inside = 100 * np.mean(error <= stated)
+        rms = np.sqrt(np.mean(error**2))
         words = (
             f"error rms {rms:.2g} %, largest {error.max():.2g} %; stated, median"
             f" {np.median(stated):.2g} %"

@@ -30,7 +30,8 @@ FREE = float("inf")
 def against_theory() -> Iterator[Row]:
     """Every check of the planted faults on the healthy model."""
     answer = halfplane_fe.solve(load_scene("hertz-paper"))
-    settings, counts = MeshSettings(), answer.work.counts
+    settings = MeshSettings()
+    counts = answer.work.counts
     how = (
         f"default mesh: h = a/{1 / settings.element_size:.0f},"
         f" a/{1 / settings.edge_element_size:.0f} at the edges, {counts['degrees of freedom']} dof,"
@@ -44,16 +45,15 @@ def mindlin() -> Iterator[Row]:
     """Q = 0.6 f P on first loading, and over the cycle; and the other profile of the paper."""
     answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"))
     exact = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
-    at, weights, f = (
-        int(np.argmin(np.abs(answer.time - 2.0))),
-        answer.weights,
-        answer.scene.friction.coefficient,
-    )
+    at = int(np.argmin(np.abs(answer.time - 2.0)))
+    weights = answer.weights
+    f = answer.scene.friction.coefficient
 
     def norm(values: np.ndarray) -> float:
         return float(np.sqrt(weights @ values[at] ** 2))
 
-    p_off, q_off = norm(answer.pressure - exact.pressure), norm(answer.shear - exact.shear)
+    p_off = norm(answer.pressure - exact.pressure)
+    q_off = norm(answer.shear - exact.shear)
     edge = (
         np.abs(answer.stick_edges[at] - exact.stick_edges[at]).max()
         / answer.settings["element_size"]
@@ -104,7 +104,8 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
     the L2 error of q over f ||p||. With `truth` all of an error is the mesh's, and there is no
     `shear`.
     """
-    scene, begun = load_scene(name), time.process_time()
+    scene = load_scene(name)
+    begun = time.process_time()
     answer = halfplane_fe.solve(scene, setting.mesh, setting.solver)
     found = {
         "seconds": time.process_time() - begun,
@@ -120,7 +121,8 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
             "loop": answer.loop_work / truth - 1,
             "corners": 0.0,
         }
-    truth, last = semi_analytic.solve(scene).dissipation, answer.last_cycle
+    truth = semi_analytic.solve(scene).dissipation
+    last = answer.last_cycle
     fields = ("dissipation", "tangential_displacement")
     stepped = semi_analytic.solve(
         scene, x=[0.0], time=answer.time, straight_steps=True, fields=fields
@@ -149,7 +151,8 @@ def precision() -> Iterator[Row]:
         ("flat-rounded-paper", DEFAULT, 1.5e-4, 10.0),
         ("hertz-paper", FINE, 1e-4, 60.0),
     ):
-        found, size = measure(name, setting), f"a/{1 / setting.mesh.edge_element_size:.0f}"
+        found = measure(name, setting)
+        size = f"a/{1 / setting.mesh.edge_element_size:.0f}"
         how = (
             f"h = {size} at the edges, {found['nodes']} contact nodes, {found['increments']}"
             " increments"
@@ -191,7 +194,8 @@ def cattaneo_mindlin(shares: Sequence[float] = (0.6,)) -> Scene:
     cycle.
     """
     scene = load_scene("cattaneo-mindlin")
-    load, f = scene.load.cycle[0][0], scene.friction.coefficient
+    load = scene.load.cycle[0][0]
+    f = scene.friction.coefficient
     return scene.vary(
         load=PolygonLoad(initial_loading=[(load, 0.0), *((load, k * f * load) for k in shares)])
     )
@@ -212,7 +216,8 @@ def peers() -> Iterator[Row]:
     """
     import peers as side_by_side  # which imports this file
 
-    mesh, found = MeshSettings.coarse(), []
+    mesh = MeshSettings.coarse()
+    found = []
     # Q/(f P) around the peers' 0.6: one stick edge may happen to suit a mesh, eleven don't.
     for shares in ((0.6,), tuple(np.linspace(0.55, 0.65, 11))):
         answer = halfplane_fe.solve(cattaneo_mindlin(shares), mesh, FEW_STEPS)
@@ -254,7 +259,8 @@ def peers() -> Iterator[Row]:
 
 def growth() -> Iterator[Row]:
     """1,000 nodes, 400 steps, two revolutions. Exponents are on docs/performance.md."""
-    mesh, solver = "MeshSettings(edge_element_size=1 / 320)", "SolverSettings(steps_per_cycle=400)"
+    mesh = "MeshSettings(edge_element_size=1 / 320)"
+    solver = "SolverSettings(steps_per_cycle=400)"
     imports = (
         "from halfplane_fe import SolverSettings, solve; from meshes import MeshSettings; from"
         " scenes import load_scene"
@@ -277,23 +283,23 @@ BODY_SCENES = (
     *("blocks", "cylinder-roller", "cylinder-roller-frictionless", "flat-pad-on-block"),
     *("layer", "pad-on-block", "two-cylinders"),
 )
-FINER, FINEST = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320), MeshSettings.fine()
+FINER = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320)
+FINEST = MeshSettings.fine()
 
 
 def on_blocks(size: float, mesh: MeshSettings) -> dict[str, np.ndarray]:
     """Blocks of `size` half-widths, P constant and Q cycling: the largest load, the cycle, three
     instants at which c is least.
     """
-    like, block = load_scene("cattaneo-mindlin"), Block(width=size, height=size)
+    like = load_scene("cattaneo-mindlin")
+    block = Block(width=size, height=size)
     normal, tangential = like.load.cycle[0]
     load = PolygonLoad(
         initial_loading=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),)
     )
     answer = halfplane_fe.solve(like.vary(bodies=Bodies(lower=block, upper=block), load=load), mesh)
-    largest, steps = (
-        int(np.argmax(answer.normal_load)),
-        [int(np.argmin(np.abs(answer.time - t))) for t in (2.0, 3.0, 4.0)],
-    )
+    largest = int(np.argmax(answer.normal_load))
+    steps = [int(np.argmin(np.abs(answer.time - t))) for t in (2.0, 3.0, 4.0)]
     return {
         "peak pressure": answer.pressure[[largest]].max(axis=1),
         "contact half-width": answer.contact_half_width[[largest]],
@@ -318,7 +324,8 @@ def real_bodies() -> Iterator[Row]:
     for name, limit in (("cylinder-roller-frictionless", 5e-3), ("cylinder-roller", 3e-2)):
         answer = halfplane_fe.solve(load_scene(name))
         hertz = semi_analytic.solve(load_scene(name), x=answer.x, time=answer.time)
-        peak, width = float(answer.pressure[-1].max()), float(answer.contact_half_width[-1])
+        peak = float(answer.pressure[-1].max())
+        width = float(answer.contact_half_width[-1])
         how = f"{peak:.0f} MPa and {width:.3f} mm; Hertz 3585 MPa and 6.215 mm; a/R = 0.124"
         yield Row(
             f"{name}: peak pressure against Hertz",

@@ -73,7 +73,8 @@ def loads_of(row: dict[str, Any]) -> dict[str, float]:
 
 def batch(row: dict[str, Any]) -> float:
     """Dissipation of a row of the table by the batch, E* = 1."""
-    phase, asked = row["phase"] if row["radians"] else math.radians(row["phase"]), loads_of(row)
+    phase = row["phase"] if row["radians"] else math.radians(row["phase"])
+    asked = loads_of(row)
     asked |= {
         "profile": profile_of(row["flat"]),
         "material": like(1.0),
@@ -86,10 +87,8 @@ def batch(row: dict[str, Any]) -> float:
 def scene_of(row: dict[str, Any]) -> Scene:
     """A row of the table as a scene with a straight initial loading."""
     phase = math.degrees(row["phase"]) if row["radians"] else row["phase"]
-    load, friction = (
-        EllipseLoad(**loads_of(row), phase_degrees=phase, initial_loading="straight"),
-        Friction(coefficient=row["friction"]),
-    )
+    load = EllipseLoad(**loads_of(row), phase_degrees=phase, initial_loading="straight")
+    friction = Friction(coefficient=row["friction"])
     return Scene(
         name="row",
         material=like(1.0),
@@ -103,7 +102,9 @@ def extremes() -> Iterator[Row]:
     """The table of references. What is hard on a formula is on docs/stress.md, every scene of the
     library in `make regress`.
     """
-    plain, works, densities = table_of_ellipses(extremes=False), [], []
+    plain = table_of_ellipses(extremes=False)
+    works = []
+    densities = []
     for row in plain:
         answer = semi_analytic.solve(
             scene_of(row), x=row["x"], fields=("dissipation", "dissipation_density")
@@ -185,7 +186,9 @@ def study(case: Case) -> dict[str, list[dict[str, float]]]:
     for method, (sizes, work) in METHODS.items():
         for size in sizes:
             try:
-                value, count, begun = work(case, size), 0, time.process_time()
+                value = work(case, size)
+                count = 0
+                begun = time.process_time()
             except ArithmeticError:
                 # a grid that slides altogether has no answer; the table shows one row less
                 continue
@@ -221,7 +224,8 @@ W_ALONE = ("dissipation",)
 def random_rows(scene: Scene, count: int) -> np.ndarray:
     """Admissible rows (count, 3) about the scene's mean load, of every size of swing."""
     rng = np.random.default_rng(0)
-    mean, friction = scene.load.mean_normal_load, scene.friction.coefficient
+    mean = scene.load.mean_normal_load
+    friction = scene.friction.coefficient
     step = np.arange(1.0, count + 1)
     normal = mean * (1 + 0.5 * np.sin(0.31 * step) * rng.uniform(0.2, 1, count))
     return np.stack(
@@ -234,13 +238,13 @@ def histories() -> Iterator[Row]:
     """The paper's scene on every profile, a CSV file of 10^6 rows, growth, pieces alive, memory;
     some 20 s.
     """
-    solve, scene, grid = (
-        semi_analytic.solve,
-        load_scene("hertz-paper"),
-        "200 points, 400 instants a cycle, all fields",
-    )
-    start, edge = scene.load.path().cycle_start + 2 * np.pi, float(solve(scene).x[-1])
-    x, instants = np.linspace(-edge, edge, 200), start + np.linspace(0, 2 * np.pi, 401)
+    solve = semi_analytic.solve
+    scene = load_scene("hertz-paper")
+    grid = "200 points, 400 instants a cycle, all fields"
+    start = scene.load.path().cycle_start + 2 * np.pi
+    edge = float(solve(scene).x[-1])
+    x = np.linspace(-edge, edge, 200)
+    instants = start + np.linspace(0, 2 * np.pi, 401)
     own, one = seconds(lambda: solve(scene), lambda: solve(scene, x=x, time=instants), times=9)
     yield Row(
         "solve(hertz-paper), its own instants: initial loading and two cycles",
@@ -250,7 +254,8 @@ def histories() -> Iterator[Row]:
         "ms",
     )
     yield Row("solve(hertz-paper), one cycle", 1e3 * one, 20, grid, "ms")
-    unit, how = scene_of(CASES["hertz-paper"]._asdict()), f"{grid}, set-up included"
+    unit = scene_of(CASES["hertz-paper"]._asdict())
+    how = f"{grid}, set-up included"
     for name, profile in PROFILES.items():
         other = unit.vary(profile=profile(1.0))
         # what a profile imports at its first use is no part of it
@@ -324,7 +329,8 @@ def random_ellipses(count: int, seed: int = 0) -> dict[str, Any]:
     uniform.
     """
     rng = np.random.default_rng(seed)
-    ratio, phase = rng.uniform(0.01, 0.9, count), rng.uniform(0, np.pi, count)
+    ratio = rng.uniform(0.01, 0.9, count)
+    phase = rng.uniform(0, np.pi, count)
     friction = np.exp(rng.uniform(np.log(0.05), np.log(2), count))
     cosine = np.abs(np.cos(phase))
     limit = -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
@@ -361,7 +367,8 @@ def batches() -> Iterator[Row]:
     how = f"{len(few['phase']) / flat_took / 1e6:.2f} million a second"
     yield Row("batch of flat-and-rounded ellipses over Hertz", flat_took / took, 5.0, how)
     for name, profile in PROFILES.items():
-        some, last = random_ellipses(20_000, seed=1), random_ellipses(250, seed=2)
+        some = random_ellipses(20_000, seed=1)
+        last = random_ellipses(250, seed=2)
         semi_analytic.dissipation(profile=profile(1.0), **some)
         (took,) = seconds(
             lambda some=some, profile=profile: semi_analytic.dissipation(

@@ -59,10 +59,8 @@ def page() -> Iterator[Row]:
             "motor",
             "time-series",
         ):
-            comparison, out = (
-                beside_theory(halfplane_fe.solve(load_scene(name))),
-                Path(folder) / name,
-            )
+            comparison = beside_theory(halfplane_fe.solve(load_scene(name)))
+            out = Path(folder) / name
             (took,) = seconds(lambda c=comparison, o=out: write(c, o), times=3)
             yield Row(
                 f"{name}: page, tables and NetCDF after a run",
@@ -172,7 +170,8 @@ def sweeps() -> Iterator[Row]:
         )
 
     found, checking, working = swept(EXACT, frictions(1000))
-    count, solving = len(found), float(found["seconds"].sum())
+    count = len(found)
+    solving = float(found["seconds"].sum())
     how = (
         f"{count} points: checking {checking:.1f} s, work {working:.1f} s, of it solving"
         f" {solving:.1f} s; {load()}"
@@ -184,7 +183,8 @@ def sweeps() -> Iterator[Row]:
         how,
         "ms",
     )
-    took, at_once = {}, {}
+    took = {}
+    at_once = {}
     for workers in (1, 2):
         found, _, took[workers] = swept(FE, heights(10), frictions(20), workers=workers)
         at_once[workers] = float(found["seconds"].sum()) / took[workers]
@@ -240,7 +240,8 @@ def kills(number: int) -> Iterator[Row]:
     """
     from faulty import JOBS, survive, undisturbed
 
-    held, tried = 0, 0
+    held = 0
+    tried = 0
     with tempfile.TemporaryDirectory() as scratch:
         for k, job in enumerate(JOBS):
             share = number // len(JOBS) + (k < number % len(JOBS))

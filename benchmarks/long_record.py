@@ -22,9 +22,14 @@ import numpy as np
 
 from reports.cli.scene_files import example
 
-ROWS, CYCLES, NOISE, SEED = 2000, 17, 0.01, 1
+ROWS = 2000
+CYCLES = 17
+NOISE = 0.01
+SEED = 1
 # P0, amplitude of P and of Q [N/mm], those of the example.
-MEAN, NORMAL, TANGENTIAL = 90.0, 30.0, 30.0
+MEAN = 90.0
+NORMAL = 30.0
+TANGENTIAL = 30.0
 
 
 def rows_of(count: int) -> np.ndarray:
@@ -33,10 +38,8 @@ def rows_of(count: int) -> np.ndarray:
     """
     turn = 2 * np.pi * CYCLES / (ROWS - 1) * np.arange(count)
     noise = NOISE * np.random.default_rng(SEED).standard_normal((count, 2))
-    normal, tangential = (
-        MEAN * (1 + noise[:, 0]) + NORMAL * np.cos(turn),
-        TANGENTIAL * (np.sin(turn) + noise[:, 1]),
-    )
+    normal = MEAN * (1 + noise[:, 0]) + NORMAL * np.cos(turn)
+    tangential = TANGENTIAL * (np.sin(turn) + noise[:, 1])
     return np.column_stack([0.01 * np.arange(count), normal, tangential])
 
 
@@ -47,7 +50,8 @@ def scene_text(count: int) -> str:
     text = re.sub(r"coefficient = \S+", "coefficient = 0.7", example(bodies=True))
     rows = ",\n".join(f"  [{t:.2f}, {p:.6f}, {q:.6f}]" for t, p, q in rows_of(count))
     load = f'[load]\nkind = "time_series"\nrows = [\n{rows},\n]\n\n'
-    start, end = text.index("[load]"), text.index("# Bodies:")
+    start = text.index("[load]")
+    end = text.index("# Bodies:")
     return text[:start] + load + text[end:]
 
 

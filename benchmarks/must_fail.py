@@ -146,7 +146,8 @@ def sticky() -> Planted:
     take = PathRun.take
 
     def short(one: Increment) -> Increment:
-        sliding, pressure = slip_sign(one.state.state) != 0, one.state.pressure
+        sliding = slip_sign(one.state.state) != 0
+        pressure = one.state.pressure
         return replace(
             one, state=one.state.changed(pressure=np.where(sliding, 0.99 * pressure, pressure))
         )
@@ -217,7 +218,9 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
     """Every check of an answer, in the order of LIMITS; the last cycle against half-plane theory at
     the same instants.
     """
-    scene, cycle, element_size = answer.scene, answer.last_cycle, answer.settings["element_size"]
+    scene = answer.scene
+    cycle = answer.last_cycle
+    element_size = answer.settings["element_size"]
     exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
 
     def pair(name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -234,7 +237,8 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
         here, there = pair(name)
         return float(np.max(np.nan_to_num(np.abs(here - there), nan=np.inf))) / element_size
 
-    (p, true_p), (q, true_q) = pair("pressure"), pair("shear")
+    (p, true_p) = pair("pressure")
+    (q, true_q) = pair("shear")
     checks = dict(answer.record.certificates)
     energy = checks.pop("energy_balance")
     found = (

@@ -27,7 +27,8 @@ from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-PINS, LICENCES = ROOT / "constraints.txt", ROOT / "docs" / "licences.md"
+PINS = ROOT / "constraints.txt"
+LICENCES = ROOT / "docs" / "licences.md"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 REQUIREMENTS: list[str] = PROJECT["dependencies"]
 
@@ -293,7 +294,8 @@ def main(words: list[str]) -> int:
                 "pinned": ["-c", str(PINS), *REQUIREMENTS],
             }[kind]
             with tempfile.TemporaryDirectory(prefix="halfplane-") as scratch:
-                home, folder = Path(rest[0]).resolve(), Path(scratch) / "there"
+                home = Path(rest[0]).resolve()
+                folder = Path(scratch) / "there"
                 wrong = (
                     every_command(home, folder) if pins is None else compared(home, folder, pins)
                 )

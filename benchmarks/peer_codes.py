@@ -19,10 +19,12 @@ def tamaas(asked):
 
     begun = time.process_time()
     # by hand: tamaas
-    n, period = int(asked["points"]), float(asked["period"])
+    n = int(asked["points"])
+    period = float(asked["period"])
     x = (np.arange(n) + 0.5) * period / n - period / 2
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [period], [n])
-    model.E, model.nu = float(asked["modulus"]), 0.0
+    model.E = float(asked["modulus"])
+    model.nu = 0.0
     solver = tamaas.PolonskyKeerRey(model, -(x**2) / (2 * float(asked["radius"])), 1e-12)
     solver.max_iter = 10_000
     solver.solve(float(asked["load"]) / period)
@@ -39,7 +41,8 @@ def contactmechanics(asked):
 
     begun = time.process_time()
     # by hand: contactmechanics
-    n, period = int(asked["points"]), float(asked["period"])
+    n = int(asked["points"])
+    period = float(asked["period"])
     x = (np.arange(n) + 0.5) * period / n - period / 2
     surface = UniformLineScan(-(x**2) / (2 * float(asked["radius"])), period, periodic=True)
     system = NonSmoothContactSystem(
@@ -62,7 +65,8 @@ def getfem(asked):
 
     begun = time.process_time()
     gf.util_trace_level(0)
-    contact, held = 1, 2
+    contact = 1
+    held = 2
 
     # by hand: getfem
     def mesh_of(body):
@@ -76,7 +80,8 @@ def getfem(asked):
         return mesh
 
     model, young, poisson, friction = gf.Model("real"), *asked["numbers"][:3]
-    normal, tangential = asked["normal"], asked["tangential"]
+    normal = asked["normal"]
+    tangential = asked["tangential"]
     meshes = {body: mesh_of(body) for body in ("lower", "upper")}
     rule = gf.Integ("IM_GAUSS_PARALLELEPIPED(2,4)")
     methods = {body: gf.MeshIm(mesh, rule) for body, mesh in meshes.items()}

@@ -44,13 +44,16 @@ HERE = Path(__file__).parent
 PEERS = Path(os.environ.get("HALFPLANE_PEERS", ROOT / ".peers")) / "bin" / "python"
 DEBIAN = Path("/usr/bin/python3")
 KRATOS = ROOT / "docs" / "examples" / "score" / "kratos" / "make.py"
-PERIOD, PER_HALF_WIDTH, EDGES = 64.0, (20, 40, 80, 160), (40, 80, 160)
+PERIOD = 64.0
+PER_HALF_WIDTH = (20, 40, 80, 160)
+EDGES = (40, 80, 160)
 # Growth of the bulk's elements in the peers' decks: coarser ones leave errors that no finer contact
 # takes away.
 GROWTH = {40: 0.4, 80: 0.2, 160: 0.1}
 # Our least mesh whose shear is as good as that of Kratos on elements of a/80.
 COARSER = MeshSettings(element_size=1 / 16, edge_element_size=1 / 24, far_radius=6.0, growth=0.5)
-OURS, THEORY = "halfplane, finite elements", "halfplane, theory"
+OURS = "halfplane, finite elements"
+THEORY = "halfplane, theory"
 
 
 class Answer(NamedTuple):
@@ -74,7 +77,8 @@ def hertz() -> tuple[float, float, float]:
 def interpreted(python: Path, code: str, **question: Any) -> dict[str, Any]:
     """The answer of peer_codes.py in another interpreter."""
     with tempfile.TemporaryDirectory() as folder:
-        asked, answer = Path(folder) / "question.npz", Path(folder) / "answer.npz"
+        asked = Path(folder) / "question.npz"
+        answer = Path(folder) / "answer.npz"
         np.savez(asked, **question)
         command = [str(python), str(HERE / "peer_codes.py"), code, str(asked), str(answer)]
         subprocess.run(
@@ -101,7 +105,8 @@ def periodic(code: str, per_half_width: int) -> Answer:
 def naive_hertz(per_half_width: int) -> Answer:
     modulus, radius, load = hertz()
     begun = time.process_time()
-    extent, cells = (-1.1, 1.1), round(2.2 * per_half_width)
+    extent = (-1.1, 1.1)
+    cells = round(2.2 * per_half_width)
     found = dense_grid.solve(
         lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus
     )
@@ -146,10 +151,8 @@ def getfem(scene: Scene, edge: int) -> Answer:
         "tangential": np.array([0.0, deck.tangential_load[-1]]),
     }
     for name, body in (("lower", deck.lower), ("upper", deck.upper)):
-        asked[f"{name}_nodes"], asked[f"{name}_elements"] = (
-            body.nodes,
-            body.elements - body.first_node,
-        )
+        asked[f"{name}_nodes"] = body.nodes
+        asked[f"{name}_elements"] = body.elements - body.first_node
         asked[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
         asked[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
     steel = scene.material.lower
@@ -259,7 +262,8 @@ def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
     """
     modulus, radius, _ = hertz()
     load, shear = scene.load.initial_loading[-1]
-    a, f = float(np.sqrt(4 * load * radius / (np.pi * modulus))), scene.friction.coefficient
+    a = float(np.sqrt(4 * load * radius / (np.pi * modulus)))
+    f = scene.friction.coefficient
 
     def ellipse(half_width: float) -> Array:
         return 2 * load / (np.pi * a**2) * np.sqrt(np.maximum(half_width**2 - x**2, 0.0))
@@ -275,7 +279,8 @@ def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
     """
     near = np.abs(answer.x) < 1.5
     x = answer.x[near]
-    (p, q), weight = closed_form(scene, x), np.gradient(x)
+    (p, q) = closed_form(scene, x)
+    weight = np.gradient(x)
 
     def norm(values: Array) -> float:
         return float(np.sqrt(weight @ values**2))
@@ -431,7 +436,8 @@ def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
     head += " | lines by hand"
     cells = []
     for row in found[name]:
-        lines, best = found["lines"][row["lines"]], rival(row, found[name], key)
+        lines = found["lines"][row["lines"]]
+        best = rival(row, found[name], key)
         if "failure" in row:
             cells.append(
                 (row["code"], row["size"], "", "", "", f"no answer: {row['failure']}", "", lines)

@@ -48,7 +48,8 @@ from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Plate, limits
 from reports.charts.plate import Panel as ChartPanel
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
-PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
+PAGE = ROOT / "docs" / "performance.md"
+FOLDER = ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
 # title, labels of x and y, points of each series
 Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]
@@ -58,7 +59,8 @@ Found = dict[str, Any]
 # -------------------------------------------------------------- error against time: finite elements
 # Better by more than MARGIN in one of time and error, in the other no worse than by SAME: CPU times
 # vary by some ten per cent.
-MARGIN, SAME = 0.25, 0.05
+MARGIN = 0.25
+SAME = 0.05
 # Errors of W and of the loop below which none is better: those of the default mesh are 1e-5 in the
 # median (benchmarks/covered.py).
 SCATTER = {"work": 3e-5, "loop": 3e-5}
@@ -117,7 +119,8 @@ def point(text: str, found: dict[str, float], exact_law: dict[str, float]) -> Fo
         exact, whole = (sum(one[part] for part in parts) for one in (exact_law, found))
         return abs(exact) + abs(whole - exact)
 
-    work, loop = size("error"), size("loop", "corners")
+    work = size("error")
+    loop = size("loop", "corners")
     return {
         "text": text,
         "seconds": found["seconds"],
@@ -137,7 +140,8 @@ def precision() -> Found:
             halfplane_fe.solve(load_scene(name), *FINER).dissipation if name == "blocks" else None
         )
         fe.measure.cache_clear()
-        exact_law, found = fe.measure(name, DEFAULT, reference), {}
+        exact_law = fe.measure(name, DEFAULT, reference)
+        found = {}
         for title, settings in series(name == "hertz-paper").items():
             runs = [(one, fe.measure(name, one, reference)) for one in settings]
             found[title] = [
@@ -350,7 +354,8 @@ def earlier_page(found: Found) -> list[str]:
     front = []
     for name, runs in found["runs"].items():
         for edge, both in sorted(runs.items(), key=lambda one: int(one[0])):
-            other, this = both["other"], both["this"]
+            other = both["other"]
+            this = both["this"]
             times = (f"{one['seconds']:.2f}" for one in (other, this))
             truth = found["truth"].get(name)
             works = [
@@ -615,7 +620,8 @@ def growth_page(found: Found) -> list[str]:
     def exponents(points: list[dict[str, float]], key: str = "seconds") -> str:
         return f"{exponent(points, key):.2f}; {exponent(points[-2:], key):.2f}"
 
-    cells, steep = [], []
+    cells = []
+    steep = []
     for name, points in found["growth"].items():
         kind = KINDS[name]
         sizes, spent = (
@@ -817,7 +823,8 @@ POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
 
 def draw(name: str, panels: Sequence[Panel]) -> None:
     """Panels of points over logarithmic axes, one legend for all."""
-    drawn, keys = [], dict[str, Key]()
+    drawn = []
+    keys = dict[str, Key]()
     for number, (title, x, y, lines) in enumerate(panels):
         marks: list[Mark] = []
         for label, points in lines.items():
@@ -866,7 +873,8 @@ def measured(name: str) -> dict[str, Any]:
             {"python": platform.python_version()} | {name: version(name) for name in PACKAGES}
         ),
     }
-    begun, spent = time.perf_counter(), time.process_time()
+    begun = time.perf_counter()
+    spent = time.process_time()
     found = SECTIONS[name].measure()
     took = {
         "wall": round(time.perf_counter() - begun),

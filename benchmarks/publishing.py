@@ -47,7 +47,8 @@ _PARTS = {"comparison": "metric", "elements": "halfplane_fe", "theory": "semi_an
 _RUNS = {part: run for run, part in _PARTS.items()}
 # Tolerances of new baselines: theory at its own points repeats itself; steps are halved by
 # round-off, and the next ones follow.
-_THEORY_AGREES, _COUNTS_AGREE = 1e-10, 0.05
+_THEORY_AGREES = 1e-10
+_COUNTS_AGREE = 0.05
 
 
 def compute(name: str) -> Comparison:
@@ -81,7 +82,8 @@ def _with_expected(
     figures: Mapping[str, float | None], solution: ContactSolution
 ) -> dict[str, float | None]:
     """The figures of an engine, and what the scene expects of it beside them."""
-    engine, known = name_of(solution.engine), dict(figures)
+    engine = name_of(solution.engine)
+    known = dict(figures)
     for one in solution.scene.expected:
         if one.engine == engine:
             known.setdefault(
@@ -98,10 +100,8 @@ def findings(comparison: Comparison) -> Findings:
     from reports.comparison.words import as_json
 
     name = comparison.scene.name
-    both, alone = (
-        of_content(json.loads(as_json(Report(comparison))), name),
-        half_plane_findings(name),
-    )
+    both = of_content(json.loads(as_json(Report(comparison))), name)
+    alone = half_plane_findings(name)
     if both.unfinished:
         raise InputError(f"{name}: not converged, so not published: {'; '.join(both.unfinished)}")
     kept = {
@@ -179,7 +179,8 @@ def baselines(comparison: Comparison) -> dict[str, Case]:
     return {key_of(case): case for case in cases}
 
 
-LARGEST_LOAD, ADMISSIBLE = "largest_normal_load", "admissible"
+LARGEST_LOAD = "largest_normal_load"
+ADMISSIBLE = "admissible"
 
 
 def is_published(case: Case) -> bool:
@@ -302,7 +303,8 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
     """The metrics with their values and tolerances; a published run has no budget, so |E| alone is
     judged.
     """
-    found, tolerances = [], tolerances_of(scene, are_half_planes(scene))
+    found = []
+    tolerances = tolerances_of(scene, are_half_planes(scene))
     for key, value in stored["frozen"].items():
         part, _, name = key.partition(".")
         if part == "metric" and not name.endswith(".finite"):
@@ -462,7 +464,8 @@ def changes(before: Mapping[str, Case], now: Mapping[str, Case]) -> dict[str, st
     if not before:
         return dict.fromkeys(now, "new")
     name = next(iter(now.values())).scene
-    old, new = content_of(before), content_of(now)
+    old = content_of(before)
+    new = content_of(now)
     rows = difference(frozen(name, old), frozen(name, new)).rows
     changed = {row.key: row.verdict for row in rows if row.verdict != SAME}
     for key in before.keys() & now.keys() - changed.keys():

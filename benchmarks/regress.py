@@ -30,7 +30,9 @@ POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series")
 ACCURATE = 1e-12  # within this a reference that is evaluated again is the stored one
 _SOURCE = "brute force in extended precision: benchmarks/regress_truth.py"
 _SLIP_ZONE_PARTS = (0.25, 0.6, 0.9)  # of a slip zone, at which W(x) has references
-_TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
+# equal parts of the last cycle, and where in each: at no event
+_TIMES = 20
+_PART = 0.37
 # over the largest half-width
 _PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])
 MEANS = {
@@ -39,7 +41,10 @@ MEANS = {
     "slip": "slip",
     "displacement": "tangential_displacement",
 }
-CENTRE, SLIP_ZONE, INSTANT, SLIPPING = "centre", "slip zone", "instant", "slipping place"
+CENTRE = "centre"
+SLIP_ZONE = "slip zone"
+INSTANT = "instant"
+SLIPPING = "slipping place"
 # What has references at the instant: quantity, points, tolerance as a share of the largest number.
 FIELDS = (
     ("tangential_displacement", INSTANT, 1e-12),
@@ -196,5 +201,6 @@ def evaluated(scene: Scene, known: Sheet) -> dict[tuple[str, str], tuple[Any, fl
 
 def difference_of(stored: str, again: str) -> float:
     """Relative difference of two numbers given by their digits."""
-    a, b = mp.mpf(stored), mp.mpf(again)
+    a = mp.mpf(stored)
+    b = mp.mpf(again)
     return 0.0 if a == b else float(abs(a - b) / max(abs(a), abs(b)))

@@ -30,7 +30,8 @@ from semi_analytic_oracle import Bends, Oracle, Work
 
 DIGITS = 30
 HERE = Path(__file__).parent
-TABLE, NASTY_FILE = HERE / "semi_analytic_reference.json", HERE / "exact_history.json"
+TABLE = HERE / "semi_analytic_reference.json"
+NASTY_FILE = HERE / "exact_history.json"
 FIELDS = (
     "tangential displacement",
     "stick half-width",
@@ -83,12 +84,10 @@ class Contact(NamedTuple):
         """
         if not self.b:
             return (p * mp.log(p / front) - p + front) / 2
-        stiffness, (tau, inner) = (
-            self.modulus / self.radius * self.b**2,
-            (
-                self.depth(p),
-                self.depth(front),
-            ),
+        stiffness = self.modulus / self.radius * self.b**2
+        (tau, inner) = (
+            self.depth(p),
+            self.depth(front),
         )
 
         def below(t: mp.mpf) -> mp.mpf:
@@ -149,13 +148,18 @@ def phases(case: Case) -> tuple[Callable[[mp.mpf], mp.mpf], list[Phase]]:
     """
     p0, p1, q1, f = (mp.mpf(v) for v in (case.mean, case.amplitude, case.tangential, case.friction))
     phase = mp.mpf(case.phase) * (1 if case.radians else mp.pi / 180)
-    z_u, z_v = q1 * mp.expj(-phase) - f * p1, q1 * mp.expj(-phase) + f * p1
-    t_e, size_u, size_v = -mp.arg(z_u), abs(z_u), abs(z_v)
+    z_u = q1 * mp.expj(-phase) - f * p1
+    z_v = q1 * mp.expj(-phase) + f * p1
+    t_e = -mp.arg(z_u)
+    size_u = abs(z_u)
+    size_v = abs(z_v)
     t_g = -mp.arg(z_v) + mp.pi
     t_g -= 2 * mp.pi * mp.floor((t_g - t_e) / (2 * mp.pi))
-    t_i, t_m = t_e + mp.pi, t_e + 2 * mp.pi
+    t_i = t_e + mp.pi
+    t_m = t_e + 2 * mp.pi
     t_j = 2 * t_i - t_g
-    u_max, v_min = size_u - f * p0, f * p0 - size_v
+    u_max = size_u - f * p0
+    v_min = f * p0 - size_v
 
     def load(t: mp.mpf) -> mp.mpf:
         return p0 + p1 * mp.cos(t)
@@ -183,7 +187,8 @@ def ellipse_dissipation(case: Case, contact: Contact | None = None) -> mp.mpf:
     load, parts = phases(case)
 
     def power(part: Phase, t: mp.mpf) -> mp.mpf:
-        p, front = load(t), part.front(t)
+        p = load(t)
+        front = part.front(t)
         return part.rate(t) * contact.area(p, front) if 0 < front < p else mp.mpf(0)
 
     total = mp.mpf(0)
@@ -260,10 +265,12 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
         or not scene.friction.coefficient
     ):
         return None
-    oracle, e_star = Oracle(scene, [time]), _long(modulus(scene))
+    oracle = Oracle(scene, [time])
+    e_star = _long(modulus(scene))
     oracle.law = _stiff(oracle.law, e_star)
     found = oracle.at(0, x)
-    shift, slip = found["tangential_displacement"] / e_star, found["slip"][-1] / e_star
+    shift = found["tangential_displacement"] / e_star
+    slip = found["slip"][-1] / e_star
     return [_text(one) for one in (shift, found["stick_half_width"], *found["shear"], slip)]
 
 

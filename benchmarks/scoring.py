@@ -34,7 +34,8 @@ SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
 # The default mesh, on which a healthy run is within tolerance: the fault is planted alone, with no
 # coarseness beside it.
 MESH = MeshSettings()
-INSTANTS, POINTS = 60, 121
+INSTANTS = 60
+POINTS = 121
 DECK_LOAD = 400.0  # P of the decks of tests/data [force / thickness]
 Plant = Callable[[Scene, float], Comparison]
 
@@ -76,7 +77,8 @@ def asked(
     """The truth of another scene, its tractions times a factor."""
 
     def plant(scene: Scene, severity: float) -> Comparison:
-        true, k = truth(scene.name), factor(severity)
+        true = truth(scene.name)
+        k = factor(severity)
         other = semi_analytic.solve(change(scene, severity), x=true.x, time=true.time)
         return compare(
             true, replace(other, scene=scene, pressure=k * other.pressure, shear=k * other.shear)
@@ -97,8 +99,10 @@ def moved(scene: Scene, distance: float) -> Comparison:
 def last_revolution(scene: Scene, other: ContactSolution, rows: slice = slice(None)) -> Comparison:
     """The last revolution's tractions replaced by rows of `other`."""
     true = truth(scene.name)
-    pressure, shear = true.pressure.copy(), true.shear.copy()
-    pressure[true.last_cycle], shear[true.last_cycle] = other.pressure[rows], other.shear[rows]
+    pressure = true.pressure.copy()
+    shear = true.shear.copy()
+    pressure[true.last_cycle] = other.pressure[rows]
+    shear[true.last_cycle] = other.shear[rows]
     return compare(true, replace(true, pressure=pressure, shear=shear))
 
 
@@ -121,7 +125,8 @@ def few_steps(scene: Scene, steps: float) -> Comparison:
     if isinstance(scene.load, EllipseLoad):
         with must_fail.blind():
             return solved(scene, steps_per_cycle=int(steps), step_tolerance=float("inf"))
-    x, time = truth(scene.name).x, times(scene, int(steps) + 1)
+    x = truth(scene.name).x
+    time = times(scene, int(steps) + 1)
     reference, polygon = (
         semi_analytic.solve(scene, x=x, time=time, straight_steps=straight)
         for straight in (False, True)
@@ -211,7 +216,8 @@ def confusion() -> Iterator[Row]:
     """The share of results out of tolerance whose first diagnosis is another fault than the planted
     one.
     """
-    seen, wrong = 0, []
+    seen = 0
+    wrong = []
     for key, fault in FAULTS.items():
         for name, severity in (
             (name, severity) for name in SCENES for severity in fault.severities
@@ -238,7 +244,8 @@ def rules() -> Iterator[Row]:
     tests/data.
     """
     scene = load_scene("hertz-paper")
-    path, x = scene.load.path(), np.linspace(-1.3, 1.3, 105)
+    path = scene.load.path()
+    x = np.linspace(-1.3, 1.3, 105)
     own, few = (
         semi_analytic.solve(
             scene, x=x, time=path.cycle_start + (path.period or 0) * np.linspace(1, 2, count)

@@ -57,10 +57,13 @@ from scenes import (
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import contact_of
 
-PAGE, STORE = ROOT / "docs" / "stress.md", Path(__file__).with_suffix(".json")
-HALF_PLANE, FE = "Half-plane engine", "Finite elements"
+PAGE = ROOT / "docs" / "stress.md"
+STORE = Path(__file__).with_suffix(".json")
+HALF_PLANE = "Half-plane engine"
+FE = "Finite elements"
 LOOP = (3.0, 1.0, 0.2, 0.8, 70.0)
-COARSE, FEW = MeshSettings.coarse(), SolverSettings(steps_per_cycle=32)
+COARSE = MeshSettings.coarse()
+FEW = SolverSettings(steps_per_cycle=32)
 ROUGH = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
 # Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times
 # what a coarse mesh promises of the shear (about 1 % in L2): what a reader of a first look takes
@@ -68,7 +71,8 @@ ROUGH = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
 STATED = 0.05
 # Half-width a of `LOOP` at its largest load on half-planes, in the scene's lengths; above which a
 # law is broken.
-HALF_WIDTH, BROKEN = 22.6, 1e-7
+HALF_WIDTH = 22.6
+BROKEN = 1e-7
 
 
 class Found(NamedTuple):
@@ -162,7 +166,8 @@ def _values(values: Mapping[str, float]) -> str:
 
 def outcome(case: Case) -> dict[str, Any]:
     """Every trial of a case, warnings being errors."""
-    found, started = Outcome(day=datetime.now(UTC).date().isoformat()), time.perf_counter()
+    found = Outcome(day=datetime.now(UTC).date().isoformat())
+    started = time.perf_counter()
     for value in case.values:
         given = value if isinstance(value, tuple) else (value,)
         name = case.words.format(*given)
@@ -191,7 +196,8 @@ def scene_of(
     material: Materials | None = None,
 ) -> Scene:
     """Hertz of radius 100 and E* = 1 where nothing else is said."""
-    profile, material = profile or Hertz(radius=100.0), material or like(1.0)
+    profile = profile or Hertz(radius=100.0)
+    material = material or like(1.0)
     return Scene(
         name="stress",
         material=material,
@@ -316,7 +322,8 @@ def theory_in_units(kind: str, length: float, stress: float) -> float:
 
 def wave(count: int, noise: float = 0.0) -> np.ndarray:
     """Rows of a wave of 400 rows a period, with noise, clipped inside the cone."""
-    rng, phase = np.random.default_rng(1), 2 * np.pi * np.arange(count) / 400
+    rng = np.random.default_rng(1)
+    phase = 2 * np.pi * np.arange(count) / 400
     normal = 3 + np.cos(phase) + noise * rng.standard_normal(count)
     force = 0.8 * np.cos(phase - 1.2) + noise * rng.standard_normal(count)
     return np.column_stack(
@@ -328,7 +335,8 @@ def of_rows(count: int, noise: float, kind: str) -> float:
     """Worst mismatch of M(P) = Q and the cone over all rows of a wave; that repeats, or is held for
     a while.
     """
-    rows, repeats = wave(count, noise), kind == "again and again"
+    rows = wave(count, noise)
+    repeats = kind == "again and again"
     if repeats:
         rows[-1, 1:] = rows[0, 1:]
     elif kind == "with repeats":
@@ -351,7 +359,8 @@ def against_theory(
     revolution with more than 0.3 of the largest load; of W over W (infinite where nothing should
     slip), with that in A f^2 P^2 shown. NaN where a law is broken.
     """
-    answer, period = halfplane_fe.solve(scene, mesh, settings), scene.load.path().period
+    answer = halfplane_fe.solve(scene, mesh, settings)
+    period = scene.load.path().period
     start = answer.time[-1] - period * (1 - 1e-9) if period is not None else -np.inf
     loaded = np.flatnonzero(
         (answer.normal_load > 0.3 * answer.normal_load.max()) & (answer.time > start)
@@ -364,7 +373,9 @@ def against_theory(
     def l2(values: np.ndarray) -> np.ndarray:
         return np.sqrt(values**2 @ answer.weights)
 
-    work, size, friction = work_of(scene), l2(exact.pressure), scene.friction.coefficient
+    work = work_of(scene)
+    size = l2(exact.pressure)
+    friction = scene.friction.coefficient
     unit = 2 / composite_modulus(scene.material) * (friction * answer.normal_load.max()) ** 2
     off = abs(answer.dissipation - work)
     errors = {
@@ -424,7 +435,8 @@ def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
             scene, mesh, SolverSettings(steps_per_cycle=8 * increments, step_tolerance=np.inf)
         )
 
-    many, few = solved(count), solved(16)
+    many = solved(count)
+    few = solved(16)
     if len(many.time) + many.work.skipped.get("instants", (0,))[0] < count * (corners + 1):
         return Found({"increments missing": float("nan")})
     here, there = (
@@ -435,7 +447,8 @@ def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
         "laws": max(broken_by(many), broken_by(few)),
     }
     for symbol, name in (("p", "pressure"), ("q", "shear"), ("slip", "slip")):
-        one, other = getattr(many, name)[here], getattr(few, name)[there]
+        one = getattr(many, name)[here]
+        other = getattr(few, name)[there]
         off[symbol] = float(np.max(np.abs(one - other)) / np.max(np.abs(other)))
     return Found(off)
 
@@ -445,7 +458,8 @@ def squeezed(body: BodyMesh, share: float, count: int = 30) -> BodyMesh:
     one of their triangles, of whose distance they keep that `share`.
     """
     mesh = body.mesh
-    places, corners = mesh.doflocs.copy(), mesh.t
+    places = mesh.doflocs.copy()
+    corners = mesh.t
 
     def areas(at: np.ndarray, triangles: np.ndarray) -> np.ndarray:
         (x0, y0), (x1, y1), (x2, y2) = (at[:, row] for row in triangles)
@@ -458,10 +472,12 @@ def squeezed(body: BodyMesh, share: float, count: int = 30) -> BodyMesh:
         if len(moved) == count or not taken.isdisjoint((node, *side)):
             continue
         star = corners[:, np.any(corners == node, axis=0)]
-        trial, middle = places.copy(), np.mean(places[:, side], axis=1)
+        trial = places.copy()
+        middle = np.mean(places[:, side], axis=1)
         trial[:, node] = middle + share * (places[:, node] - middle)
         if np.all(areas(trial, star) * areas(places, star) > 0):
-            places, moved = trial, [*moved, node]
+            places = trial
+            moved = [*moved, node]
             taken.update(star.ravel().tolist())
     bent = np.flatnonzero(np.isin(mesh.facets, moved).any(axis=0))
     places[:, mesh.dofs.facet_dofs[0, bent]] = np.mean(places[:, mesh.facets[:, bent]], axis=1)
@@ -502,7 +518,8 @@ def on_block(width: float, height: float) -> Found:
         COARSE, element_size=COARSE.element_size / 2, edge_element_size=COARSE.edge_element_size / 2
     )
     answer, better = (halfplane_fe.solve(scene, mesh, FEW) for mesh in (COARSE, finer))
-    p, w = answer.pressure.max() / better.pressure.max(), answer.dissipation / better.dissipation
+    p = answer.pressure.max() / better.pressure.max()
+    w = answer.dissipation / better.dissipation
     off = {"p": abs(float(p) - 1), "W": abs(w - 1)}
     if max(broken_by(answer), broken_by(better)) > BROKEN:
         off = dict.fromkeys(off, float("nan"))
@@ -552,10 +569,8 @@ def half_plane_cases() -> Iterator[Case]:
         sliding,
         "{!r} f P",
     )
-    tiny, measure = (
-        [(10.0**-power, 0.3, True) for power in range(4, 15)],
-        "error of W over the error that is stated",
-    )
+    tiny = [(10.0**-power, 0.3, True) for power in range(4, 15)]
+    measure = "error of W over the error that is stated"
     yield case(
         "next to no slip", "Q to 1e-4 ... 1e-14 of f P, a polygon", measure, 1.0, of_mindlin, tiny
     )
@@ -630,7 +645,8 @@ def fe_cases() -> Iterator[Case]:
     def changes(name: str, *values: float) -> list[dict[str, float]]:
         return [{name: value} for value in values]
 
-    tried, measure = "lengths and stresses times 1e-12 and 1e12", "any field over its largest value"
+    tried = "lengths and stresses times 1e-12 and 1e12"
+    measure = "any field over its largest value"
     yield Case(FE, "units", tried, measure, 1e-9, fe_in_units, UNITS, "lengths {:g}, stresses {:g}")
     yield stated(
         "friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", in_proportion, 1e-6, 1e-3, 1.0, 100.0
@@ -669,7 +685,8 @@ def fe_cases() -> Iterator[Case]:
     )
     tried = "E1/E2 = 1e-6 ... 1e6, the soft body incompressible"
     yield stated("stiffness ratio, uncoupled", tried, uncoupled, 1e-6, 1e-3, 1e3, 1e6)
-    tried, measure = "E1/E2 = 1e-6, 1e6, nu = 0.3", "W with the bodies exchanged"
+    tried = "E1/E2 = 1e-6, 1e6, nu = 0.3"
+    measure = "W with the bodies exchanged"
     yield Case(FE, "stiffness ratio, coupled", tried, measure, 5e-3, exchanged, (1e-6, 1e6))
     parts = (1e-9, 1e-6, 1e-3, 0.9, 0.999, 1 - 1e-6, 1 - 1e-9)
     yield stated("flat face", "b/a = 1e-9 ... 1 - 1e-9", flat_face, *parts)
@@ -743,15 +760,13 @@ def fe_cases() -> Iterator[Case]:
         1e-14,
     )
     tried = "lower body a block, 1e6 a wide and a high, 4 a wide and 1e-4 a high, and between"
-    sizes, measure = (
-        [
-            (1e3, 1.0),
-            (1e6, 1.0),
-            (4.0, 1e-2),
-            (4.0, 1e-4),
-        ],
-        "largest p, W, against elements half as long",
-    )
+    sizes = [
+        (1e3, 1.0),
+        (1e6, 1.0),
+        (4.0, 1e-2),
+        (4.0, 1e-4),
+    ]
+    measure = "largest p, W, against elements half as long"
     yield Case(
         FE,
         "bodies of absurd proportions",
@@ -811,10 +826,8 @@ def main(words: list[str]) -> int:
     stored = measure(STORE, {name: partial(outcome, case) for name, case in known.items()}, words)
     found = {name: Outcome(**one) for name, one in stored.items()}
     PAGE.write_text(page(found), encoding="utf-8")
-    broken, missing = (
-        sum(bool(one.broken) for one in found.values()),
-        [name for name in known if name not in found],
-    )
+    broken = sum(bool(one.broken) for one in found.values())
+    missing = [name for name in known if name not in found]
     print(
         f"docs/stress.md: {len(found)} cases, {broken} broken,"
         f" {sum(one.seconds for one in found.values()):.0f} s"

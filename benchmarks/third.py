@@ -54,7 +54,8 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
     """What CalculiX gives for a deck, for JSON; a metric that has no value is null."""
     begun = time.perf_counter()
     third = solve_with_calculix(load_scene(scene), settings, Stages(quiet=True))
-    done, errors = third.done, {}
+    done = third.done
+    errors = {}
     for key in ("peak_pressure", "pressure", "shear", "dissipation") if third.comparison else ():
         value = third.comparison.metric(key).value
         errors[key] = None if value is None else float(f"{value:.4g}")
@@ -79,7 +80,8 @@ def whole_cylinder(deck: Deck) -> Deck:
     together: no rolling.
     """
     upper = deck.upper
-    y, first = upper.nodes[:, 1], upper.first_node
+    y = upper.nodes[:, 1]
+    first = upper.first_node
     middle = y.max()
     own = y > middle * (1 - 1e-9)
     number = np.where(own, np.arange(len(y)), len(y) + np.cumsum(~own) - 1)
@@ -115,7 +117,8 @@ def on_roller(
     Changed of the deck: large displacements, elements of `element_size` [mm] on the contact faces,
     or what `change` does.
     """
-    settings, program = DeckSettings(), find_calculix()
+    settings = DeckSettings()
+    program = find_calculix()
     if element_size is not None:
         half_width = next(
             one.value for one in load_scene(scene).expected if one.quantity == "largest_half_width"
