@@ -206,18 +206,20 @@ def of_engine(answer: ContactSolution) -> Values:
     nothing = (math.nan, math.nan)
     stick = answer.stick_edges[-1].tolist()
     contact = answer.contact_edges[-1].tolist()
-    found = {
+    quantities = {
         "W": float(answer.dissipation),
         "M": math.nan if answer.moment is None else float(answer.moment[-1]),
     }
-    found |= {
+    quantities |= {
         "c/a": float(np.ptp(stick) / np.ptp(contact)),
         "P/P_H": float(answer.normal_load[-1] * 16 / (math.pi * np.ptp(contact) ** 2)),
     }
     always = (
         nothing if answer.permanent_stick_edges is None else answer.permanent_stick_edges.tolist()
     )
-    return found | edges("stick", *stick) | edges("contact", *contact) | edges("always", *always)
+    return (
+        quantities | edges("stick", *stick) | edges("contact", *contact) | edges("always", *always)
+    )
 
 
 def on_grid(scene: Scene) -> Values:
@@ -240,22 +242,22 @@ def on_grid(scene: Scene) -> Values:
             count if path.cycle_start <= leg.start < path.cycle_start + (path.period or 0) else 0
         )
     loads = np.concatenate(columns, axis=1)
-    found = dense_grid.solve(
+    answer = dense_grid.solve(
         scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads
     )
     always = (
-        found.permanent_stick(len(loads[0]) - per_cycle, 1e-3)
+        answer.permanent_stick(len(loads[0]) - per_cycle, 1e-3)
         if per_cycle
         else (math.nan, math.nan)
     )
     values = {
-        "W": float(found.cycle_work(per_cycle)[-1]) if per_cycle else math.nan,
-        "M": float(found.moment[-1]),
+        "W": float(answer.cycle_work(per_cycle)[-1]) if per_cycle else math.nan,
+        "M": float(answer.moment[-1]),
     }
     return (
         values
-        | edges("stick", *found.edges(-1, stick=True))
-        | edges("contact", *found.edges(-1))
+        | edges("stick", *answer.edges(-1, stick=True))
+        | edges("contact", *answer.edges(-1))
         | edges("always", *always)
     )
 
@@ -302,13 +304,13 @@ def loops() -> int:
         friction = row.scene.friction.coefficient
         x = np.linspace(-1.5, 1.5, 50)
         instants = path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
-        given = *leaning_profile(row.scene), row.scene.profile.height, friction, x, instants
+        arguments = *leaning_profile(row.scene), row.scene.profile.height, friction, x, instants
         answers = []
         seconds = []
         for n in (1, 2):
             begin = time.process_time()
             orders = {"cells": n * dense_grid.CELLS, "increments": n * dense_grid.INCREMENTS}
-            answers.append(dense_grid.follow_on_grid(*given, most=2, **orders))
+            answers.append(dense_grid.follow_on_grid(*arguments, most=2, **orders))
             seconds.append(time.process_time() - begin)
         coarse, fine = answers
         work = coarse.works[-1]
@@ -338,12 +340,13 @@ def steady() -> int:
             begin = time.process_time()
             answers.append(semi_analytic.solve(row.scene, cycles=cycles, fields="dissipation"))
             seconds.append(time.process_time() - begin)
-        whole, alone = answers
+        full_run, alone = answers
         increments = [answer.work.counts.get("increments", 0) for answer in answers]
-        apart = 1 - whole.dissipation / alone.dissipation
+        difference = 1 - full_run.dissipation / alone.dissipation
         stated = alone.record.errors.get("dissipation", 0.0)
         numbers = (
-            f"{whole.dissipation:.10f} {apart:+.1e} {stated:.1e} {increments[0]} {increments[1]}"
+            f"{full_run.dissipation:.10f} {difference:+.1e} {stated:.1e}"
+            f" {increments[0]} {increments[1]}"
         )
         print(
             f"{row.words:32} {numbers} {seconds[0]:.1f} {seconds[1]:.1f}"
@@ -371,12 +374,12 @@ def main() -> int:
         action="store_true",
         help="all cycles of loops out of phase beside the steady one alone",
     )
-    asked = parser.parse_args()
-    if asked.steady:
+    arguments = parser.parse_args()
+    if arguments.steady:
         return steady()
-    if asked.loops:
+    if arguments.loops:
         return loops()
-    mesh = MeshSettings.coarse() if asked.coarse else MeshSettings()
+    mesh = MeshSettings.coarse() if arguments.coarse else MeshSettings()
     ways: dict[str, Callable[[Scene], Values]] = {
         "theory": lambda scene: of_engine(semi_analytic.solve(scene)),
         "elements": lambda scene: of_engine(halfplane_fe.solve(scene, mesh)),
@@ -389,21 +392,25 @@ def main() -> int:
     )
     refused: dict[str, list[str]] = {}
     for row in ROWS:
-        if asked.rows and row.number not in asked.rows:
+        if arguments.rows and row.number not in arguments.rows:
             continue
-        found: dict[str, Values] = {}
+        values_of_solvers: dict[str, Values] = {}
         started = time.perf_counter()
         for name, way in ways.items():
             if not (row.coupled and name != "elements"):
                 try:
-                    found[name] = way(row.scene)
+                    values_of_solvers[name] = way(row.scene)
                 except (InputError, ConvergenceError) as reason:
                     refused.setdefault(f"{name}: {reason}", []).append(row.words)
         seconds = time.perf_counter() - started
         for quantity, known in row.known.items():
-            apart = {name: values.get(quantity, math.nan) - known for name, values in found.items()}
+            differences = {
+                name: values.get(quantity, math.nan) - known
+                for name, values in values_of_solvers.items()
+            }
             cells = " ".join(
-                f"{apart[name]:+10.1e}" if name in apart else f"{'–':>10}" for name in ways
+                f"{differences[name]:+10.1e}" if name in differences else f"{'–':>10}"
+                for name in ways
             )
             print(
                 f"{row.number:3} {row.words:32} {quantity:14} {known:16.10f} {cells} "

@@ -147,7 +147,7 @@ def case_of_row(scene: str, row: Mapping[str, Any]) -> Case:
     run = columns.pop("run")
     kind = runs()[run]
     is_reference = "commit" not in columns
-    given = {
+    settings = {
         "at": columns.pop("at", ""),
         "tolerance": columns.pop("tolerance", kind["tolerance"]),
         "least": columns.pop("least", kind["least"]),
@@ -158,7 +158,7 @@ def case_of_row(scene: str, row: Mapping[str, Any]) -> Case:
         "source": columns.pop("source", ""),
     }
     return Case(
-        scene, run, columns.pop("quantity"), value=columns.pop("value"), more=columns, **given
+        scene, run, columns.pop("quantity"), value=columns.pop("value"), more=columns, **settings
     )
 
 
@@ -219,8 +219,8 @@ def commit() -> str:
 
 
 def _git(*words: str) -> str:
-    done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
-    return done.stdout.strip()
+    process = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+    return process.stdout.strip()
 
 
 # ---------------------------------------------------------------------------------------- comparing
@@ -239,19 +239,21 @@ def difference(case: Case, value: Any) -> Difference:
     float.
     """
     stated = entries(case.value)
-    found = entries(value)
-    if len(stated) != len(found):
-        lengths = f"{len(stated)} values", f"{len(found)} values"
+    entries_of_value = entries(value)
+    if len(stated) != len(entries_of_value):
+        lengths = f"{len(stated)} values", f"{len(entries_of_value)} values"
         return Difference(math.inf, math.inf, *lengths, 0)
     size = max((abs(float(entry)) for entry in stated if _is_finite(entry)), default=0.0)
-    worst = Difference(0.0, 0.0, stated[0], found[0], 0)
-    for place, (before, after) in enumerate(zip(stated, found, strict=True)):
+    worst = Difference(0.0, 0.0, stated[0], entries_of_value[0], 0)
+    for place, (before, after) in enumerate(zip(stated, entries_of_value, strict=True)):
         if _is_number(before) and _is_number(after):
-            apart = _apart(float(before), float(after))
+            distance = _apart(float(before), float(after))
         else:
-            apart = 0.0 if before == after else math.inf
-        if apart > worst.absolute:
-            worst = Difference(apart, apart / size if size else apart, before, after, place)
+            distance = 0.0 if before == after else math.inf
+        if distance > worst.absolute:
+            worst = Difference(
+                distance, distance / size if size else distance, before, after, place
+            )
     return worst
 
 
@@ -264,8 +266,8 @@ def _apart(before: float, after: float) -> float:
 
 def agrees(case: Case, value: Any) -> bool:
     """Whether a value is that of the case, within its tolerance."""
-    apart = difference(case, value)
-    return apart.share <= case.tolerance or apart.absolute <= case.least
+    deviation = difference(case, value)
+    return deviation.share <= case.tolerance or deviation.absolute <= case.least
 
 
 def moved(baselines: Mapping[Key, Case], now: Mapping[Any, Any]) -> list[str]:
@@ -281,10 +283,10 @@ def moved(baselines: Mapping[Key, Case], now: Mapping[Any, Any]) -> list[str]:
         if key not in now:
             lines.append(f"{case.run}: {name}: missing")
         elif not agrees(case, now[key]):
-            apart = difference(case, now[key])
+            deviation = difference(case, now[key])
             lines.append(
-                f"{case.run}: {name}: {apart.found!r}, baseline {apart.stated!r}; differs by"
-                f" {apart.share:.1e} of the largest, allowed {case.tolerance:.1e}"
+                f"{case.run}: {name}: {deviation.found!r}, baseline {deviation.stated!r}; differs"
+                f" by {deviation.share:.1e} of the largest, allowed {case.tolerance:.1e}"
             )
     return lines
 

@@ -148,25 +148,25 @@ def renew_references(names: Sequence[str]) -> None:
     """Evaluate the references of the named scenes again; write those of the table that differ."""
     for name in names:
         known = with_points("regress", case_table.sheet(name))
-        changed, apart, work = regress.references(known)
+        changed, differences, work = regress.references(known)
         if changed != known:
             case_table.write(changed)
         print(
             f"{name}: dissipation {work}, for `[[expected]]` of the scene; references that are"
-            f" stored and these differ by at most {apart:.1e}"
+            f" stored and these differ by at most {differences:.1e}"
             + ("; others were written" if changed != known else ""),
             flush=True,
         )
 
 
 # -------------------------------------------------------------------------------------- the command
-def show(found: Sequence[Line]) -> None:
+def show(lines: Sequence[Line]) -> None:
     """Old, new and reference side by side; of a list where it is furthest from the old one."""
     head = ("scene", "quantity", "old", "new", "reference")
     print(
         f"{head[0]:24} {head[1]:36} {head[2]:>24} {head[3]:>24} {head[4]:>24}     drift     error"
     )
-    for line in found:
+    for line in lines:
         old, new, exact = side_by_side(line)
         drift = "new" if line.drift is None else f"{line.drift:.1e}"
         error = "-" if line.error is None else f"{line.error:.1e}"
@@ -182,9 +182,9 @@ def side_by_side(line: Line) -> tuple[str, str, str]:
     old = "none"
     place = 0
     if line.baseline is not None:
-        apart = case_table.difference(line.baseline, line.value)
-        old = str(apart.stated)
-        place = apart.place
+        difference = case_table.difference(line.baseline, line.value)
+        old = str(difference.stated)
+        place = difference.place
     new = str(case_table.entries(line.value)[place])
     exact = "none"
     if line.references:
@@ -207,19 +207,21 @@ def main(words: Sequence[str]) -> int:
     arguments.add_argument(
         "--references", nargs="*", default=[], metavar="SCENE", help="evaluate these again"
     )
-    asked = arguments.parse_args(words)
-    runs = asked.runs or list(RUNS)
+    options = arguments.parse_args(words)
+    runs = options.runs or list(RUNS)
     known = {name for run in runs if run in RUNS for name in RUNS[run][0]}
-    named = {word.partition(":")[0] for word in (*asked.scenes, *asked.accept, *asked.references)}
+    named = {
+        word.partition(":")[0] for word in (*options.scenes, *options.accept, *options.references)
+    }
     unknown = [*sorted(set(runs) - set(RUNS)), *sorted(named - known)]
     if unknown:
         print(f"cases: no such run or scene: {', '.join(unknown)}", file=sys.stderr)
         return 2
-    renew_references(asked.references)
+    renew_references(options.references)
     found = []
     for run in runs:
-        for line in lines(run, asked.scenes):
-            if is_named(line, asked.accept) and not line.good:
+        for line in lines(run, options.scenes):
+            if is_named(line, options.accept) and not line.good:
                 accept(run, line)
             found.append(line)
     bad = [line for line in found if not line.good]

@@ -151,19 +151,19 @@ def chosen(words: Sequence[str], names: Iterable[str]) -> list[str]:
     (['Finite'], ['Finite, again'])
     """
     names = list(names)
-    found = [
+    names_found = [
         n
         for n in names
         if not words
         or any(n == word if word in names else fnmatch(n, f"*{word}*") for word in words)
     ]
-    if not found and list(words) != ["--pages"]:
+    if not names_found and list(words) != ["--pages"]:
         print(
             f"nothing is called {' or '.join(words)}; there are: {'; '.join(names)}",
             file=sys.stderr,
         )
         raise SystemExit(2)
-    return found
+    return names_found
 
 
 def measure(
@@ -175,23 +175,23 @@ def measure(
     for name in chosen(words, cases):
         print(f"==> {name}", flush=True)
         begun = time.perf_counter()
-        found = cases[name]()
-        write_json(store, stored(store) | {name: found})
+        rows = cases[name]()
+        write_json(store, stored(store) | {name: rows})
         print(f"    {time.perf_counter() - begun:.0f} s", flush=True)
-    there = stored(store)
-    return {name: there[name] for name in cases if name in there}
+    known = stored(store)
+    return {name: known[name] for name in cases if name in known}
 
 
 def commit() -> str:
     """The commit that is measured, with a plus sign where files were changed since."""
-    found = subprocess.run(
+    process = subprocess.run(
         ["git", "describe", "--always", "--dirty=+"],
         capture_output=True,
         text=True,
         cwd=ROOT,
         check=False,
     )
-    return found.stdout.strip()
+    return process.stdout.strip()
 
 
 # -------------------------------------------------------------------------------------------- files
@@ -221,14 +221,14 @@ def seconds(*works: Callable[[], Any], times: int = 1) -> list[float]:
     """Least process time of each work, in turn, so that what else the machine does falls on all
     alike; several times: warm.
     """
-    found = np.full((times, len(works)), np.inf)
+    times_spent = np.full((times, len(works)), np.inf)
     for turn in range(-1 if times > 1 else 0, times):
         for k, work in enumerate(works):
             begun = time.process_time()
             work()
             if turn >= 0:
-                found[turn, k] = time.process_time() - begun
-    return np.min(found, axis=0).tolist()
+                times_spent[turn, k] = time.process_time() - begun
+    return np.min(times_spent, axis=0).tolist()
 
 
 def with_children(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -250,11 +250,11 @@ def cold(statement: str) -> tuple[float, float, list[float]]:
     code = f"found = []; {statement}; from claims import memory; print(*found, memory())"
     command = [sys.executable, "-c", code]
     folder = Path(__file__).parent
-    spent, done = with_children(
+    spent, process = with_children(
         lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder)
     )
-    *found, peak = map(float, done.stdout.split())
-    return spent, peak * 1e6 / 2**30, found
+    *numbers, peak = map(float, process.stdout.split())
+    return spent, peak * 1e6 / 2**30, numbers
 
 
 def memory() -> float:
@@ -316,13 +316,13 @@ def summary(known: Stored, title: str) -> tuple[Any, ...]:
 
 def ten_of(known: Stored) -> list[str]:
     """The first table of the page."""
-    found = [
-        (words, next(row for row in rows_of(known, title) if row.what == what))
-        for words, title, what in TEN
+    rows = [
+        (words, next(row for row in rows_of(known, title) if row.what == claim))
+        for words, title, claim in TEN
     ]
     cells = [
         (w, f"{abs(r.measured):.2g} {r.unit}", "" if r.limit is None else f"{r.limit:g} {r.unit}")
-        for w, r in found
+        for w, r in rows
     ]
     return markdown("what | measured | limit", cells)
 
@@ -333,9 +333,9 @@ def page_of(known: Stored) -> str:
     missed = [
         (title, row) for title, *_ in sections for row in rows_of(known, title) if row.met is False
     ]
-    shown = missed[: MOST_ROWS - len(TEN) - len(sections)]
-    more = f"Missed, {len(missed)} in all" + (
-        f", the first {len(shown)}" if len(shown) < len(missed) else ""
+    missed_shown = missed[: MOST_ROWS - len(TEN) - len(sections)]
+    heading = f"Missed, {len(missed)} in all" + (
+        f", the first {len(missed_shown)}" if len(missed_shown) < len(missed) else ""
     )
     packages = ", ".join(
         f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh")
@@ -362,14 +362,14 @@ def page_of(known: Stored) -> str:
             " commit",
             sections,
         ),
-        *("", f"## {more}" if missed else "Every claim that has a limit satisfies it."),
+        *("", f"## {heading}" if missed else "Every claim that has a limit satisfies it."),
     ]
     if missed:
         text += [
             "",
             *markdown(
                 "section | claim | measured | limit | met | how",
-                [(title, *row.cells) for title, row in shown],
+                [(title, *row.cells) for title, row in missed_shown],
             ),
         ]
     return "\n".join(text) + "\n"
@@ -378,9 +378,9 @@ def page_of(known: Stored) -> str:
 def main(words: list[str]) -> int:
     known = measure(STORE, {title: partial(measured, title) for title in SECTIONS}, words)
     PAGE.write_text(page_of(known), encoding="utf-8")
-    asked = chosen(words, SECTIONS)
-    missed = sum(row.met is False for title in asked for row in rows_of(known, title))
-    print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed in {len(asked)} sections")
+    sections = chosen(words, SECTIONS)
+    missed = sum(row.met is False for title in sections for row in rows_of(known, title))
+    print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed in {len(sections)} sections")
     return 1 if missed else 0
 
 

@@ -99,9 +99,11 @@ def budgeted(scene: Scene, mesh: MeshSettings = COARSE) -> ErrorBudget:
     return budget_of(comparison, mesh, STEPS, time.process_time() - begun)
 
 
-def headlines(found: ErrorBudget) -> list[Budget]:
+def headlines(budget: ErrorBudget) -> list[Budget]:
     """What the first table shows and is more than round-off error."""
-    return [one for one in found.budgets if one.metric.headline and abs(one.total) > ROUNDED_OFF]
+    return [
+        term for term in budget.budgets if term.metric.headline and abs(term.total) > ROUNDED_OFF
+    ]
 
 
 def budgets() -> Iterator[Row]:
@@ -231,16 +233,16 @@ def theory(
     """
 
     def planted(scene: Scene, *given: Any, **named: Any) -> ContactSolution:
-        found = THEORY(change(scene), *given, **named)
+        answer = THEORY(change(scene), *given, **named)
         turned = (
             {
-                name: sign * getattr(found, name)
+                name: sign * getattr(answer, name)
                 for name in ("shear", "tangential_displacement", "slip")
             }
             if sign < 0
             else {}
         )
-        return replace(found, scene=scene, **turned)
+        return replace(answer, scene=scene, **turned)
 
     return mock.patch.object(semi_analytic, "solve", planted)
 

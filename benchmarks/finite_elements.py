@@ -63,14 +63,14 @@ def mindlin() -> Iterator[Row]:
         f"default mesh, {answer.work.counts['degrees of freedom']} dof, Q = 0.6 f P on first"
         " loading"
     )
-    for what, value, limit, unit in (
+    for claim, value, limit, unit in (
         ("peak pressure", peak, 1e-4, ""),
         ("pressure, L2 over ||p||", p_off / norm(exact.pressure), 1e-3, ""),
         ("shear, L2 over f ||p||", q_off / (f * norm(exact.pressure)), 2e-3, ""),
         ("shear, L2 over ||q||", q_off / norm(exact.shear), None, ""),
         ("stick edge", edge, 0.2, "elements"),
     ):
-        yield Row(f"cattaneo-mindlin, FE: {what}", value, limit, how, unit)
+        yield Row(f"cattaneo-mindlin, FE: {claim}", value, limit, how, unit)
     work = answer.dissipation / exact.dissipation - 1
     yield Row("cattaneo-mindlin, FE: dissipation of a cycle", work, 1e-4, "Q between +-0.6 f P")
     error = measure("flat-rounded-paper", DEFAULT)["error"]
@@ -107,14 +107,14 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
     scene = load_scene(name)
     begun = time.process_time()
     answer = halfplane_fe.solve(scene, setting.mesh, setting.solver)
-    found = {
+    errors = {
         "seconds": time.process_time() - begun,
         "nodes": len(answer.x),
         "increments": answer.work.counts["steps solved"],
     }
     if truth is not None:
         error = answer.dissipation / truth - 1
-        return found | {
+        return errors | {
             "error": error,
             "mesh": error,
             "steps": 0.0,
@@ -128,13 +128,16 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
         scene, x=[0.0], time=answer.time, straight_steps=True, fields=fields
     )
     loop = np.trapezoid(answer.tangential_load[last], stepped.tangential_displacement[last])
-    some = last[:: max(1, len(last) // 60)]
+    instants = last[:: max(1, len(last) // 60)]
     exact = semi_analytic.solve(
-        scene, x=answer.x, time=answer.time[: some[-1] + 1], fields=("pressure", "shear")
+        scene, x=answer.x, time=answer.time[: instants[-1] + 1], fields=("pressure", "shear")
     )
-    off = np.trapezoid((answer.shear[some] - exact.shear[some]) ** 2, answer.x, axis=1)
-    size = np.trapezoid(exact.pressure[some] ** 2, answer.x, axis=1) * scene.friction.coefficient**2
-    return found | {
+    off = np.trapezoid((answer.shear[instants] - exact.shear[instants]) ** 2, answer.x, axis=1)
+    size = (
+        np.trapezoid(exact.pressure[instants] ** 2, answer.x, axis=1)
+        * scene.friction.coefficient**2
+    )
+    return errors | {
         "error": answer.dissipation / truth - 1,
         "mesh": (straight := on_straight_steps(answer).dissipation) / stepped.dissipation - 1,
         "steps": stepped.dissipation / straight * answer.dissipation / truth - 1,
@@ -151,37 +154,37 @@ def precision() -> Iterator[Row]:
         ("flat-rounded-paper", DEFAULT, 1.5e-4, 10.0),
         ("hertz-paper", FINE, 1e-4, 60.0),
     ):
-        found = measure(name, setting)
+        errors = measure(name, setting)
         size = f"a/{1 / setting.mesh.edge_element_size:.0f}"
         how = (
-            f"h = {size} at the edges, {found['nodes']} contact nodes, {found['increments']}"
+            f"h = {size} at the edges, {errors['nodes']} contact nodes, {errors['increments']}"
             " increments"
         )
-        for what, value, limit, words, unit in (
-            ("dissipation", found["error"], within, how, ""),
+        for claim, value, limit, words, unit in (
+            ("dissipation", errors["error"], within, how, ""),
             (
                 "... of that by the mesh",
-                found["mesh"],
+                errors["mesh"],
                 None,
                 "against the exact polygon of its own increments",
                 "",
             ),
             (
                 "... of that by the increments",
-                found["steps"],
+                errors["steps"],
                 None,
                 "that polygon, with what FE adds for the ellipse, against it",
                 "",
             ),
             (
                 "CPU time, set-up included",
-                found["seconds"],
+                errors["seconds"],
                 most,
                 "mesh, condensation, revolutions",
                 "s",
             ),
         ):
-            yield Row(f"{name}, FE, {size}: {what}", value, limit, words, unit)
+            yield Row(f"{name}, FE, {size}: {claim}", value, limit, words, unit)
 
 
 # -------------------------------------------------------------------------------------------- peers
@@ -230,8 +233,8 @@ def peers() -> Iterator[Row]:
         f"h = a/{1 / mesh.edge_element_size:.0f}, {answer.work.counts['degrees of freedom']} dof,"
         f" {len(answer.x)} contact nodes"
     )
-    what = "Cattaneo-Mindlin, Q = 0.6 f P: shear, L2 over ||q||"
-    yield Row(what, float(single[-1]), KRATOS_ERROR, f"{how}; Kratos 10.4 on a/80: 0.96 %")
+    claim = "Cattaneo-Mindlin, Q = 0.6 f P: shear, L2 over ||q||"
+    yield Row(claim, float(single[-1]), KRATOS_ERROR, f"{how}; Kratos 10.4 on a/80: 0.96 %")
     words = f"worst {around.max():.2g}, Q from 0.55 to 0.65 f P"
     yield Row(
         "... rms over eleven Q around it", float(np.sqrt(np.mean(around**2))), KRATOS_ERROR, words
@@ -266,10 +269,10 @@ def growth() -> Iterator[Row]:
         " scenes import load_scene"
     )
     answer = f"answer = solve(load_scene('hertz-paper'), {mesh}, {solver})"
-    spent, peak, found = cold(
+    spent, peak, numbers = cold(
         f"{imports}; {answer}; found = len(answer.x), answer.work.counts['steps solved']"
     )
-    nodes, increments = map(int, found)
+    nodes, increments = map(int, numbers)
     how = (
         f"{nodes} contact nodes a side, 400 regular steps a cycle, {increments} increments in two"
         " cycles, imports included"

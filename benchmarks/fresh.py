@@ -65,8 +65,8 @@ def mirror() -> str:
     targets = printed(
         "apt-get", "indextargets", "--format", "$(ORIGIN) $(COMPONENT) $(CODENAME) $(REPO_URI)"
     )
-    if found := re.search(r"^Debian main [a-z]+ (\S+)$", targets, re.MULTILINE):
-        return found[1]
+    if target := re.search(r"^Debian main [a-z]+ (\S+)$", targets, re.MULTILINE):
+        return target[1]
     raise SystemExit(
         "fresh: apt on this machine has no mirror of Debian (apt-get update?); name one: make fresh"
         " MIRROR=URL"

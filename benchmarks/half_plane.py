@@ -74,14 +74,14 @@ def loads_of(row: dict[str, Any]) -> dict[str, float]:
 def batch(row: dict[str, Any]) -> float:
     """Dissipation of a row of the table by the batch, E* = 1."""
     phase = row["phase"] if row["radians"] else math.radians(row["phase"])
-    asked = loads_of(row)
-    asked |= {
+    loads = loads_of(row)
+    loads |= {
         "profile": profile_of(row["flat"]),
         "material": like(1.0),
         "friction_coefficient": row["friction"],
         "phase": phase,
     }
-    return float(semi_analytic.dissipation(**asked).value)
+    return float(semi_analytic.dissipation(**loads).value)
 
 
 def scene_of(row: dict[str, Any]) -> Scene:
@@ -161,10 +161,10 @@ def discretised(case: Case, elements: int) -> float:
     half = 1.15 * float(case.contact().half_width(mp.mpf(case.mean + case.amplitude)))
     cycle = cycle_of(case, 5 * elements // 2)
     path = np.concatenate([np.linspace(0, 1, 11)[1:, None] * cycle[-1], cycle, cycle]).T
-    found = dense_grid.solve(
+    answer = dense_grid.solve(
         scene_of(case._asdict()).profile.height, (-half, half), elements, case.friction, *path
     )
-    return float(found.cycle_work(len(cycle))[-1])
+    return float(answer.cycle_work(len(cycle))[-1])
 
 
 METHODS: dict[str, tuple[tuple[int, ...], Callable[[Case, int], float]]] = {
@@ -182,7 +182,7 @@ def study(case: Case) -> dict[str, list[dict[str, float]]]:
             if case.amplitude
             else mindlin(mp.mpf("0.6"), mp.mpf(case.friction) * case.mean)
         )
-    found: dict[str, list[dict[str, float]]] = {method: [] for method in METHODS}
+    points: dict[str, list[dict[str, float]]] = {method: [] for method in METHODS}
     for method, (sizes, work) in METHODS.items():
         for size in sizes:
             try:
@@ -196,8 +196,8 @@ def study(case: Case) -> dict[str, list[dict[str, float]]]:
                 work(case, size)
                 count += 1
             error = max(float(abs(value / exact - 1)), FLOOR)
-            found[method].append({"size": size, "error": error, "seconds": spent / count})
-    return found
+            points[method].append({"size": size, "error": error, "seconds": spent / count})
+    return points
 
 
 # ---------------------------------------------------------------------------------------- histories
@@ -245,15 +245,17 @@ def histories() -> Iterator[Row]:
     edge = float(solve(scene).x[-1])
     x = np.linspace(-edge, edge, 200)
     instants = start + np.linspace(0, 2 * np.pi, 401)
-    own, one = seconds(lambda: solve(scene), lambda: solve(scene, x=x, time=instants), times=9)
+    seconds_of_own_points, seconds_of_given_points = seconds(
+        lambda: solve(scene), lambda: solve(scene, x=x, time=instants), times=9
+    )
     yield Row(
         "solve(hertz-paper), its own instants: initial loading and two cycles",
-        1e3 * own,
+        1e3 * seconds_of_own_points,
         20,
         grid,
         "ms",
     )
-    yield Row("solve(hertz-paper), one cycle", 1e3 * one, 20, grid, "ms")
+    yield Row("solve(hertz-paper), one cycle", 1e3 * seconds_of_given_points, 20, grid, "ms")
     unit = scene_of(CASES["hertz-paper"]._asdict())
     how = f"{grid}, set-up included"
     for name, profile in PROFILES.items():
@@ -284,11 +286,14 @@ def histories() -> Iterator[Row]:
     some, long = (
         scene.vary(load=TimeSeriesLoad(rows=rows[:count])) for count in (ROWS // 100, ROWS)
     )
-    few, all_rows = seconds(
+    seconds_of_few, all_rows = seconds(
         lambda: solve(some, fields=W_ALONE), lambda: solve(long, fields=W_ALONE), times=2
     )
     yield Row(
-        "cost of a row among 10^6 over that among 10^4", all_rows / few / 100, 1.5, "process time"
+        "cost of a row among 10^6 over that among 10^4",
+        all_rows / seconds_of_few / 100,
+        1.5,
+        "process time",
     )
     alive = solve(long, fields=()).work.counts["pieces_alive"]
     yield Row("pieces of the memory alive at most among 10^6 rows", alive, 60, "counted")
@@ -347,24 +352,26 @@ def random_ellipses(count: int, seed: int = 0) -> dict[str, Any]:
 def batches() -> Iterator[Row]:
     """A million random Hertz ellipses in one call: rate and memory."""
     members = random_ellipses(MEMBERS)
-    few = {
+    few_ellipses = {
         name: value[: MEMBERS // 10] if isinstance(value, np.ndarray) else value
         for name, value in members.items()
     }
 
-    def works(asked: dict[str, Any], flat: float = 0.0) -> Any:
-        return semi_analytic.dissipation(profile=profile_of(flat), **asked)
+    def works(loops: dict[str, Any], flat: float = 0.0) -> Any:
+        return semi_analytic.dissipation(profile=profile_of(flat), **loops)
 
-    (whole,) = seconds(lambda: works(members))
-    took, flat_took = seconds(lambda: works(few), lambda: works(few, 0.7), times=5)
+    (seconds_of_batch,) = seconds(lambda: works(members))
+    took, flat_took = seconds(
+        lambda: works(few_ellipses), lambda: works(few_ellipses, 0.7), times=5
+    )
     yield Row(
         "batch of 10^6 Hertz ellipses: time",
-        whole,
+        seconds_of_batch,
         None,
-        f"{MEMBERS / whole / 1e6:.2f} million a second, one core",
+        f"{MEMBERS / seconds_of_batch / 1e6:.2f} million a second, one core",
         "s",
     )
-    how = f"{len(few['phase']) / flat_took / 1e6:.2f} million a second"
+    how = f"{len(few_ellipses['phase']) / flat_took / 1e6:.2f} million a second"
     yield Row("batch of flat-and-rounded ellipses over Hertz", flat_took / took, 5.0, how)
     for name, profile in PROFILES.items():
         some = random_ellipses(20_000, seed=1)
@@ -397,10 +404,10 @@ def batches() -> Iterator[Row]:
         )
         yield Row(f"batch, {name}: error of W", float(np.max(off)), 1e-10, how)
     peaks = []
-    for some in (few, members):
-        peak, found = traced(lambda some=some: works(some))
+    for some in (few_ellipses, members):
+        peak, works_found = traced(lambda some=some: works(some))
         peaks.append(
-            peak - sum(getattr(value, "nbytes", 0) for value in vars(found).values()) / 1e6
+            peak - sum(getattr(value, "nbytes", 0) for value in vars(works_found).values()) / 1e6
         )
     yield Row(
         "peak memory beyond arguments and results, 10^5 members",

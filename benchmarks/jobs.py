@@ -140,7 +140,7 @@ def heights(count: int) -> dict[str, Any]:
 
 
 def swept(
-    asked: dict[str, Any], *axes: dict[str, Any], workers: int = 1
+    study: dict[str, Any], *axes: dict[str, Any], workers: int = 1
 ) -> tuple[Any, float, float]:
     """The table of a sweep in a new store, wall seconds of checking and of the work, processes'
     starting included.
@@ -152,11 +152,11 @@ def swept(
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         prepared = prepare(
-            study_of(asked | {"axes": list(axes)}, "benchmark"), Path(folder) / "out"
+            study_of(study | {"axes": list(axes)}, "benchmark"), Path(folder) / "out"
         )
         checked = time.perf_counter()
-        found = done(work(prepared, workers=workers))
-        return found, checked - begun, time.perf_counter() - checked
+        rows = done(work(prepared, workers=workers))
+        return rows, checked - begun, time.perf_counter() - checked
 
 
 def sweeps() -> Iterator[Row]:
@@ -169,9 +169,9 @@ def sweeps() -> Iterator[Row]:
             f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores when it ended"
         )
 
-    found, checking, working = swept(EXACT, frictions(1000))
-    count = len(found)
-    solving = float(found["seconds"].sum())
+    rows, checking, working = swept(EXACT, frictions(1000))
+    count = len(rows)
+    solving = float(rows["seconds"].sum())
     how = (
         f"{count} points: checking {checking:.1f} s, work {working:.1f} s, of it solving"
         f" {solving:.1f} s; {load()}"
@@ -186,10 +186,10 @@ def sweeps() -> Iterator[Row]:
     took = {}
     at_once = {}
     for workers in (1, 2):
-        found, _, took[workers] = swept(FE, heights(10), frictions(20), workers=workers)
-        at_once[workers] = float(found["seconds"].sum()) / took[workers]
+        rows, _, took[workers] = swept(FE, heights(10), frictions(20), workers=workers)
+        at_once[workers] = float(rows["seconds"].sum()) / took[workers]
     how = (
-        f"{len(found)} points of blocks, {took[1]:.0f} s and {took[2]:.0f} s, starting of processes"
+        f"{len(rows)} points of blocks, {took[1]:.0f} s and {took[2]:.0f} s, starting of processes"
         f" included; {load()}"
     )
     # As a loss, so that the limit is one that is not to be exceeded: at least 1.8 times is at most

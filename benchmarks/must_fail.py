@@ -71,7 +71,7 @@ def problem(change: Callable[..., tuple[Any, ...]]) -> Planted:
     """
     make = SOLVE.ContactProblem
     return mock.patch.object(
-        SOLVE, "ContactProblem", lambda *given, **named: make(*change(*given), **named)
+        SOLVE, "ContactProblem", lambda *arguments, **named: make(*change(*arguments), **named)
     )
 
 
@@ -133,9 +133,9 @@ def turned_round(
     return replace(state, loads=loads), iterations
 
 
-def short_slip(self: ContactProblem, history: InterfaceState, *given: Any) -> Step:
+def short_slip(self: ContactProblem, history: InterfaceState, *arguments: Any) -> Step:
     """The slip of each increment is recorded one per cent short."""
-    state, iterations = EQUILIBRIUM(self, history, *given)
+    state, iterations = EQUILIBRIUM(self, history, *arguments)
     return state.changed(slip=history.slip + 0.99 * (state.slip - history.slip)), iterations
 
 
@@ -145,17 +145,18 @@ def sticky() -> Planted:
     """
     take = PathRun.take
 
-    def short(one: Increment) -> Increment:
-        sliding = slip_sign(one.state.state) != 0
-        pressure = one.state.pressure
+    def short(increment: Increment) -> Increment:
+        sliding = slip_sign(increment.state.state) != 0
+        pressure = increment.state.pressure
         return replace(
-            one, state=one.state.changed(pressure=np.where(sliding, 0.99 * pressure, pressure))
+            increment,
+            state=increment.state.changed(pressure=np.where(sliding, 0.99 * pressure, pressure)),
         )
 
     def planted(
         self: PathRun, problem: ContactProblem, increments: list[Increment], *rest: Any
     ) -> None:
-        take(self, problem, [short(one) for one in increments], *rest)
+        take(self, problem, [short(increment) for increment in increments], *rest)
         if increments:
             self.states[-1] = increments[-1].state
 
@@ -230,18 +231,18 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
         return np.sqrt(values**2 @ answer.weights)
 
     def worst(name: str) -> float:
-        here, there = pair(name)
-        return float(np.max(np.abs(here - there)) / np.max(np.abs(there)))
+        values, reference = pair(name)
+        return float(np.max(np.abs(values - reference)) / np.max(np.abs(reference)))
 
     def edges(name: str) -> float:
-        here, there = pair(name)
-        return float(np.max(np.nan_to_num(np.abs(here - there), nan=np.inf))) / element_size
+        values, reference = pair(name)
+        return float(np.max(np.nan_to_num(np.abs(values - reference), nan=np.inf))) / element_size
 
     (p, true_p) = pair("pressure")
     (q, true_q) = pair("shear")
     checks = dict(answer.record.certificates)
     energy = checks.pop("energy_balance")
-    found = (
+    edge_errors = (
         answer.dissipation / exact.dissipation - 1,
         np.max(np.abs(p.max(axis=1) / true_p.max(axis=1) - 1)),
         np.max(norm(p - true_p) / norm(true_p)),
@@ -257,7 +258,7 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
         answer.penalty.penetration_share,
         answer.penalty.creep_share,
     )
-    return {name: abs(float(value)) for name, value in zip(LIMITS, found, strict=True)}
+    return {name: abs(float(value)) for name, value in zip(LIMITS, edge_errors, strict=True)}
 
 
 def solved(fault: Fault | None, mesh: MeshSettings | None = None) -> FiniteElementSolution | str:

@@ -37,7 +37,7 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
     """What a command prints; an error with its last lines where it fails."""
     outside = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     outside |= {"MPLBACKEND": "Agg"}
-    done = subprocess.run(
+    process = subprocess.run(
         [str(word) for word in words],
         cwd=cwd,
         env=outside,
@@ -45,12 +45,12 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
         text=True,
         check=False,
     )
-    if done.returncode:
+    if process.returncode:
         raise RuntimeError(
             f"{' '.join(map(str, words))} ended with"
-            f" {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}"
+            f" {process.returncode}:\n{(process.stdout + process.stderr)[-2000:]}"
         )
-    return done.stdout
+    return process.stdout
 
 
 # ----------------------------------------------------------------------------------------- licences
@@ -79,15 +79,15 @@ def closure() -> dict[str, Distribution]:
     """Every package that the requirements need here, theirs included, without extras."""
     from packaging.requirements import Requirement
 
-    found: dict[str, Distribution] = {}
+    distributions: dict[str, Distribution] = {}
     waiting = [*REQUIREMENTS]
     while waiting:
         word = waiting.pop()
         marker = Requirement(word).marker
-        if plain(word) not in found and (marker is None or marker.evaluate({"extra": ""})):
-            found[plain(word)] = distribution(plain(word))
-            waiting += found[plain(word)].requires or []
-    return dict(sorted(found.items()))
+        if plain(word) not in distributions and (marker is None or marker.evaluate({"extra": ""})):
+            distributions[plain(word)] = distribution(plain(word))
+            waiting += distributions[plain(word)].requires or []
+    return dict(sorted(distributions.items()))
 
 
 def licence(package: Distribution) -> str:
@@ -212,9 +212,9 @@ def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
             "--no-index",
             wheel,
         )
-        (own,) = home.glob("lib/python*/site-packages")
+        (packages,) = home.glob("lib/python*/site-packages")
         # A plain path: the .pth files of that folder, which lead to the checkout, are not read.
-        (own / "packages.pth").write_text(sysconfig.get_path("purelib"), "utf-8")
+        (packages / "packages.pth").write_text(sysconfig.get_path("purelib"), "utf-8")
     else:
         run(python, "-m", "pip", "install", "--quiet", *pins)
         run(python, "-m", "pip", "install", "--quiet", wheel)
@@ -252,7 +252,7 @@ def compared(home: Path, folder: Path, pins: list[str]) -> list[str]:
     differs.
     """
     folder.mkdir()
-    found = []
+    answers = []
     for python in (environment(home, folder, pins), sys.executable):
         run(
             python,
@@ -262,23 +262,23 @@ def compared(home: Path, folder: Path, pins: list[str]) -> list[str]:
             "hertz-paper",
             "--quiet",
             "--out",
-            f"out-{len(found)}",
+            f"out-{len(answers)}",
             cwd=folder,
         )
-        metrics = json.loads((folder / f"out-{len(found)}" / "comparison.json").read_text("utf-8"))[
-            "metrics"
-        ]
-        found.append({name: metrics[name]["value"] for name in FIGURES})
-    there, here = found
+        metrics = json.loads(
+            (folder / f"out-{len(answers)}" / "comparison.json").read_text("utf-8")
+        )["metrics"]
+        answers.append({name: metrics[name]["value"] for name in FIGURES})
+    elsewhere, answer_here = answers
     for name in FIGURES:
         print(
-            f"{name:16}{there[name]: .9e}  here {here[name]: .9e}  apart"
-            f" {there[name] - here[name]: .1e}"
+            f"{name:16}{elsewhere[name]: .9e}  here {answer_here[name]: .9e}  apart"
+            f" {elsewhere[name] - answer_here[name]: .1e}"
         )
     return [
         f"{name} differs by more than {AGREE:g}"
         for name in FIGURES
-        if not abs(there[name] - here[name]) <= AGREE
+        if not abs(elsewhere[name] - answer_here[name]) <= AGREE
     ]
 
 

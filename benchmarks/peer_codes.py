@@ -13,27 +13,27 @@ import time
 import numpy as np
 
 
-def tamaas(asked):
+def tamaas(question):
     """Hertz line contact, periodic, by Polonsky and Keer."""
     import tamaas
 
     begun = time.process_time()
     # by hand: tamaas
-    n = int(asked["points"])
-    period = float(asked["period"])
+    n = int(question["points"])
+    period = float(question["period"])
     x = (np.arange(n) + 0.5) * period / n - period / 2
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [period], [n])
-    model.E = float(asked["modulus"])
+    model.E = float(question["modulus"])
     model.nu = 0.0
-    solver = tamaas.PolonskyKeerRey(model, -(x**2) / (2 * float(asked["radius"])), 1e-12)
+    solver = tamaas.PolonskyKeerRey(model, -(x**2) / (2 * float(question["radius"])), 1e-12)
     solver.max_iter = 10_000
-    solver.solve(float(asked["load"]) / period)
+    solver.solve(float(question["load"]) / period)
     pressure = np.array(model.traction).ravel()
     # so far
     return {"x": x, "p": pressure, "seconds": time.process_time() - begun}
 
 
-def contactmechanics(asked):
+def contactmechanics(question):
     """Hertz line contact, periodic."""
     from ContactMechanics import PeriodicFFTElasticHalfSpace
     from ContactMechanics.Systems import NonSmoothContactSystem
@@ -41,23 +41,23 @@ def contactmechanics(asked):
 
     begun = time.process_time()
     # by hand: contactmechanics
-    n = int(asked["points"])
-    period = float(asked["period"])
+    n = int(question["points"])
+    period = float(question["period"])
     x = (np.arange(n) + 0.5) * period / n - period / 2
-    surface = UniformLineScan(-(x**2) / (2 * float(asked["radius"])), period, periodic=True)
+    surface = UniformLineScan(-(x**2) / (2 * float(question["radius"])), period, periodic=True)
     system = NonSmoothContactSystem(
-        PeriodicFFTElasticHalfSpace((n,), float(asked["modulus"]), (period,)), surface=surface
+        PeriodicFFTElasticHalfSpace((n,), float(question["modulus"]), (period,)), surface=surface
     )
-    found = system.minimize_proxy(external_force=float(asked["load"]), pentol=1e-12)
-    pressure = found.jac * n / period
+    minimum = system.minimize_proxy(external_force=float(question["load"]), pentol=1e-12)
+    pressure = minimum.jac * n / period
     # so far
     spent = time.process_time() - begun
-    if not found.success:
-        sys.exit(found.message)
+    if not minimum.success:
+        sys.exit(minimum.message)
     return {"x": x, "p": pressure, "seconds": spent}
 
 
-def getfem(asked):
+def getfem(question):
     """Press and shear two bodies: nodes, elements, held nodes, E, nu, f and the loads are given; p
     and q on the lower face.
     """
@@ -71,17 +71,17 @@ def getfem(asked):
     # by hand: getfem
     def mesh_of(body):
         mesh = gf.Mesh("empty", 2)
-        corners = asked[body + "_nodes"][asked[body + "_elements"]][:, [0, 1, 3, 2]]
+        corners = question[body + "_nodes"][question[body + "_elements"]][:, [0, 1, 3, 2]]
         mesh.add_convex(gf.GeoTrans("GT_QK(2,1)"), np.transpose(corners, (2, 1, 0)))
         for region, nodes in ((contact, "_contact"), (held, "_held")):
             mesh.set_region(
-                region, mesh.faces_from_pid(mesh.pid_from_coords(asked[body + nodes].T))
+                region, mesh.faces_from_pid(mesh.pid_from_coords(question[body + nodes].T))
             )
         return mesh
 
-    model, young, poisson, friction = gf.Model("real"), *asked["numbers"][:3]
-    normal = asked["normal"]
-    tangential = asked["tangential"]
+    model, young, poisson, friction = gf.Model("real"), *question["numbers"][:3]
+    normal = question["normal"]
+    tangential = question["tangential"]
     meshes = {body: mesh_of(body) for body in ("lower", "upper")}
     rule = gf.Integ("IM_GAUSS_PARALLELEPIPED(2,4)")
     methods = {body: gf.MeshIm(mesh, rule) for body, mesh in meshes.items()}
@@ -113,7 +113,7 @@ def getfem(asked):
     add_slave(brick, methods["lower"], contact, "u_lower", "traction", "old_lower")
     add_master = model.add_master_contact_boundary_to_large_sliding_contact_brick
     add_master(brick, methods["upper"], contact, "u_upper", "old_upper")
-    guess = np.array([0.0, -asked["numbers"][3]])
+    guess = np.array([0.0, -question["numbers"][3]])
     model.set_variable("plane", guess)
     model.set_variable("u_upper", np.tile(guess, fields["upper"].nbdof() // 2))
     for load in zip(tangential, -normal, strict=True):

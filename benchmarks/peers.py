@@ -84,22 +84,22 @@ def interpreted(python: Path, code: str, **question: Any) -> dict[str, Any]:
         subprocess.run(
             command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}
         )
-        with np.load(answer) as found:
-            return {name: found[name] for name in found.files}
+        with np.load(answer) as arrays:
+            return {name: arrays[name] for name in arrays.files}
 
 
 def periodic(code: str, per_half_width: int) -> Answer:
     """Hertz by a code for periodic half-spaces."""
     modulus, radius, load = hertz()
-    asked = {
+    question = {
         "modulus": modulus,
         "radius": radius,
         "load": load,
         "period": PERIOD,
         "points": int(PERIOD * per_half_width),
     }
-    found = interpreted(PEERS, code, **asked)
-    return Answer(found["x"], found["p"], None, float(found["seconds"]))
+    arrays = interpreted(PEERS, code, **question)
+    return Answer(arrays["x"], arrays["p"], None, float(arrays["seconds"]))
 
 
 def naive_hertz(per_half_width: int) -> Answer:
@@ -107,10 +107,10 @@ def naive_hertz(per_half_width: int) -> Answer:
     begun = time.process_time()
     extent = (-1.1, 1.1)
     cells = round(2.2 * per_half_width)
-    found = dense_grid.solve(
+    answer = dense_grid.solve(
         lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus
     )
-    return Answer(found.x, found.pressure[0], None, time.process_time() - begun)
+    return Answer(answer.x, answer.pressure[0], None, time.process_time() - begun)
 
 
 def our_theory(scene: Scene, at: float) -> Answer:
@@ -146,26 +146,29 @@ def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
 def getfem(scene: Scene, edge: int) -> Answer:
     """By GetFEM: augmented Lagrangian, both bodies of the deck, P in one step and Q in another."""
     deck, _, meshed = deck_of(scene, edge)
-    asked: dict[str, Any] = {
+    question: dict[str, Any] = {
         "normal": deck.normal_load[[-1, -1]],
         "tangential": np.array([0.0, deck.tangential_load[-1]]),
     }
     for name, body in (("lower", deck.lower), ("upper", deck.upper)):
-        asked[f"{name}_nodes"] = body.nodes
-        asked[f"{name}_elements"] = body.elements - body.first_node
-        asked[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
-        asked[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
+        question[f"{name}_nodes"] = body.nodes
+        question[f"{name}_elements"] = body.elements - body.first_node
+        question[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
+        question[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
     steel = scene.material.lower
-    asked["numbers"] = [
+    question["numbers"] = [
         steel.young_modulus,
         steel.poisson_ratio,
         scene.friction.coefficient,
         4 * deck.touch_approach,
     ]
-    found = interpreted(DEBIAN, "getfem", **asked)
-    order = np.argsort(found["x"])
+    arrays = interpreted(DEBIAN, "getfem", **question)
+    order = np.argsort(arrays["x"])
     return Answer(
-        found["x"][order], found["p"][order], found["q"][order], float(found["seconds"]) + meshed
+        arrays["x"][order],
+        arrays["p"][order],
+        arrays["q"][order],
+        float(arrays["seconds"]) + meshed,
     )
 
 
@@ -202,8 +205,8 @@ def calculix(scene: Scene, edge: int) -> Answer:
         (folder / "third.inp").write_text(text, encoding="utf-8")
         run = (find_calculix(), folder, "third", float(deck.deck_time[-1]), 600.0, report)
         spent, _ = with_children(lambda: run_calculix(*run))
-        found = judged(folder / "third.frd", deck, "CalculiX").comparison.result
-    return Answer(found.x, found.pressure[-1], found.shear[-1], spent + meshed)
+        answer = judged(folder / "third.frd", deck, "CalculiX").comparison.result
+    return Answer(answer.x, answer.pressure[-1], answer.shear[-1], spent + meshed)
 
 
 # How each code is found: a program, a package of Debian's interpreter, or one of `make peers`'
@@ -229,8 +232,8 @@ def version_of(code: str) -> str | None:
         command = ["dpkg-query", "-W", "-f", "${Version}", "python3-getfem"]
     if shutil.which(command[0]) is None:
         return None
-    said = subprocess.run(command, check=False, capture_output=True, text=True).stdout.split()
-    return said[-1] if said else None
+    words = subprocess.run(command, check=False, capture_output=True, text=True).stdout.split()
+    return words[-1] if words else None
 
 
 def lines_by_hand() -> dict[str, int]:
@@ -244,15 +247,15 @@ def lines_by_hand() -> dict[str, int]:
         return file.read_text(encoding="utf-8")
 
     codes = read(HERE / "peer_codes.py")
-    found = {
+    lines = {
         name: count(codes.partition(f"# by hand: {name}\n")[2].partition("# so far")[0])
         for name in ("tamaas", "contactmechanics", "getfem")
     }
     # The scene file is what is written for ours, without what it expects of itself.
     scene = read(ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").partition("[[expected]]")[0]
     written = sum(map(bool, map(str.strip, scene.splitlines())))
-    found |= {"kratos": count(read(KRATOS)), "naive": count(read(Path(dense_grid.__file__)))}
-    return found | {"ours": written, "calculix": written}
+    lines |= {"kratos": count(read(KRATOS)), "naive": count(read(Path(dense_grid.__file__)))}
+    return lines | {"ours": written, "calculix": written}
 
 
 # ---------------------------------------------------------------------------------------- measuring
@@ -347,25 +350,25 @@ def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
     """All entries in turn, those slower than 2 s twice: CPU seconds, errors against the closed
     form, or why there is no answer.
     """
-    found = [
+    rows = [
         ({"code": code, "size": size, "lines": key, "seconds": []}, work)
         for code, size, key, work in entries
     ]
     for turn in range(RUNS):
-        for row, work in found:
+        for row, work in rows:
             if turn > 1 and min(row["seconds"], default=0.0) > 2.0:
                 continue
             try:
                 answer = work()
             except (subprocess.CalledProcessError, RuntimeError, ValueError) as failure:
-                said = getattr(failure, "stderr", b"") or str(failure).encode()
-                row["failure"] = said.decode(errors="replace").strip().splitlines()[-1][:300]
+                message = getattr(failure, "stderr", b"") or str(failure).encode()
+                row["failure"] = message.decode(errors="replace").strip().splitlines()[-1][:300]
                 row["seconds"].append(float("nan"))
                 print(f"    {row['code']} {row['size']}: {row['failure']}", flush=True)
             else:
                 row["seconds"].append(answer.seconds)
                 row.update(judged_answer(answer, scene))
-    return [row for row, _ in found]
+    return [row for row, _ in rows]
 
 
 def measure() -> dict[str, Any]:
@@ -386,12 +389,12 @@ SHOWN = (
 )
 
 
-def panels(found: dict[str, Any]) -> list[tuple]:
+def panels(stored_rows: dict[str, Any]) -> list[tuple]:
     """Error over time, a panel a scene."""
     drawn = []
     for name, key, title in SHOWN:
         lines: dict[str, list[tuple[float, float]]] = {}
-        for row in found[name]:
+        for row in stored_rows[name]:
             if row.get(key) is not None:
                 lines.setdefault(row["code"], []).append(
                     (statistics.median(row["seconds"]), max(row[key], 1e-16))
@@ -406,8 +409,8 @@ def rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str
     """
     if row["code"].startswith("halfplane") or row.get(key) is None:
         return None
-    own = [other for other in rows if other["code"] == OURS and other[key] <= row[key]]
-    return min(own, key=lambda other: statistics.median(other["seconds"]), default=None)
+    our_rows = [our_row for our_row in rows if our_row["code"] == OURS and our_row[key] <= row[key]]
+    return min(our_rows, key=lambda our_row: statistics.median(our_row["seconds"]), default=None)
 
 
 def times_faster(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> float:
@@ -428,16 +431,16 @@ def _spread(values: list[float], form: str) -> str:
     )
 
 
-def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
+def _table(stored_rows: dict[str, Any], name: str, key: str) -> list[str]:
     head = (
         "code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite"
         " elements at no larger error"
     )
     head += " | lines by hand"
     cells = []
-    for row in found[name]:
-        lines = found["lines"][row["lines"]]
-        best = rival(row, found[name], key)
+    for row in stored_rows[name]:
+        lines = stored_rows["lines"][row["lines"]]
+        best = rival(row, stored_rows[name], key)
         if "failure" in row:
             cells.append(
                 (row["code"], row["size"], "", "", "", f"no answer: {row['failure']}", "", lines)
@@ -468,12 +471,12 @@ def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
     return markdown(head, cells)
 
 
-def page(found: dict[str, Any]) -> list[str]:
+def page(stored_rows: dict[str, Any]) -> list[str]:
     """Two tables, the ratios, what is missing."""
-    names = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
+    names = ", ".join(f"{name} {number}" for name, number in stored_rows["versions"].items())
     missing = (
-        f" Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)."
-        if found["missing"]
+        f" Not installed, so not measured: {', '.join(stored_rows['missing'])} (`make peers`)."
+        if stored_rows["missing"]
         else ""
     )
     share = (np.pi / PERIOD) ** 2 / 12
@@ -489,7 +492,7 @@ def page(found: dict[str, Any]) -> list[str]:
             " grid."
         ),
         "",
-        *_table(found, "normal", "p"),
+        *_table(stored_rows, "normal", "p"),
         "",
         "### Cattaneo-Mindlin, Q = 0.6 f P, first loading",
         "",
@@ -499,7 +502,7 @@ def page(found: dict[str, Any]) -> list[str]:
             " meshing (ours, in every row), reading, and all increments."
         ),
         "",
-        *_table(found, "shear", "q"),
+        *_table(stored_rows, "shear", "q"),
         "",
         (
             "CalculiX on the whole cycles of the paper is on the page [A third solver](third.md),"
@@ -512,20 +515,20 @@ def page(found: dict[str, Any]) -> list[str]:
     ]
     for name, key, title in SHOWN:
         faster: dict[str, tuple[float, str]] = {}
-        for row in found[name]:
-            if best := rival(row, found[name], key):
+        for row in stored_rows[name]:
+            if best := rival(row, stored_rows[name], key):
                 times = statistics.median(best["seconds"]) / statistics.median(row["seconds"])
                 if times > max(1.0, faster.get(row["code"], (0.0, ""))[0]):
                     faster[row["code"]] = times, row["size"]
         words = ", ".join(
             f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items()
         )
-        said = (
+        sentences = (
             f"faster than our finite elements at their own error are {words}"
             if words
             else "none is faster at its own error"
         )
-        lines.append(f"- {title}: {said}.")
+        lines.append(f"- {title}: {sentences}.")
     return [
         *lines,
         "",

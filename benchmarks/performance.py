@@ -72,7 +72,7 @@ SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
 WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
-def series(whole: bool) -> dict[str, list[Setting]]:
+def series(all_points: bool) -> dict[str, list[Setting]]:
     """What is varied, one thing at a time about the default; the dearest points only for the
     `whole` of it.
     """
@@ -87,8 +87,8 @@ def series(whole: bool) -> dict[str, list[Setting]]:
             for n, size in middle.items()
         ]
 
-    def turns(count: int, **more: Any) -> Setting:
-        return Setting(f"{count} a turn", solver=SolverSettings(steps_per_cycle=count, **more))
+    def turns(count: int, **changes: Any) -> Setting:
+        return Setting(f"{count} a turn", solver=SolverSettings(steps_per_cycle=count, **changes))
 
     def soft(k: float) -> Setting:
         return Setting(
@@ -97,35 +97,35 @@ def series(whole: bool) -> dict[str, list[Setting]]:
         )
 
     return {
-        "named settings": [COARSE, DEFAULT, *([FINE] if whole else [])],
-        "quadratic, graded": cut(2, 24, 10, 20, 40, 80, *((160, 320) if whole else (240,))),
-        "quadratic, uniform": cut(2, None, 10, 20, 40, *((80,) if whole else ())),
+        "named settings": [COARSE, DEFAULT, *([FINE] if all_points else [])],
+        "quadratic, graded": cut(2, 24, 10, 20, 40, 80, *((160, 320) if all_points else (240,))),
+        "quadratic, uniform": cut(2, None, 10, 20, 40, *((80,) if all_points else ())),
         "linear, graded": cut(1, 24, 20, 40, 80, 160),
         "growth of the bulk": [
             Setting(f"growth {g:g}", replace(MeshSettings(), growth=g)) for g in (0.1, 0.4)
         ],
         "regular increments": [turns(n) for n in (12, 48, 96)],
         "increments, no tolerance": [
-            turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if whole else (8, 24, 96))
+            turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if all_points else (8, 24, 96))
         ],
         "penalty, a/160": [soft(k) for k in (10.0, 1e2, 1e3)],
     }
 
 
-def point(text: str, found: dict[str, float], exact_law: dict[str, float]) -> Found:
+def point(text: str, errors: dict[str, float], exact_law: dict[str, float]) -> Found:
     """Size of the error, and of what a penalty layer adds to it."""
 
     def size(*parts: str) -> float:
-        exact, whole = (sum(one[part] for part in parts) for one in (exact_law, found))
-        return abs(exact) + abs(whole - exact)
+        exact, total = (sum(row[part] for part in parts) for row in (exact_law, errors))
+        return abs(exact) + abs(total - exact)
 
     work = size("error")
     loop = size("loop", "corners")
     return {
         "text": text,
-        "seconds": found["seconds"],
+        "seconds": errors["seconds"],
         "work": work,
-        "shear": found.get("shear"),
+        "shear": errors.get("shear"),
         "loop": loop,
     }
 
@@ -141,44 +141,44 @@ def precision() -> Found:
         )
         fe.measure.cache_clear()
         exact_law = fe.measure(name, DEFAULT, reference)
-        found = {}
+        errors = {}
         for title, settings in series(name == "hertz-paper").items():
-            runs = [(one, fe.measure(name, one, reference)) for one in settings]
-            found[title] = [
-                point(one.text, m, exact_law if one.solver.method == "penalty" else m)
-                for one, m in runs
+            runs = [(setting, fe.measure(name, setting, reference)) for setting in settings]
+            errors[title] = [
+                point(setting.text, m, exact_law if setting.solver.method == "penalty" else m)
+                for setting, m in runs
             ]
-        scenes[name] = {"series": found, "reference": reference}
+        scenes[name] = {"series": errors, "reference": reference}
     return scenes
 
 
 def precision_panels(scenes: Found) -> list[Panel]:
-    wanted = [(name, "dissipation", "work", "error of W") for name in scenes]
-    wanted += [
+    figures = [(name, "dissipation", "work", "error of W") for name in scenes]
+    figures += [
         (name, "shear", "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"
     ]
     return [
         (
             f"{name}: {title}",
             "CPU time [s]",
-            what,
+            label,
             {
-                one: [(p["seconds"], p[key]) for p in points]
-                for one, points in scenes[name]["series"].items()
+                title_of_series: [(p["seconds"], p[key]) for p in points]
+                for title_of_series, points in scenes[name]["series"].items()
             },
         )
-        for name, title, key, what in wanted
+        for name, title, key, label in figures
     ]
 
 
-def better(found: Found, default: Found, measures: Sequence[str]) -> list[str]:
+def better(scene: Found, default: Found, measures: Sequence[str]) -> list[str]:
     """Settings that are neither slower nor less exact than the default in any of `measures`, and in
     time or one of them better.
     """
     rivals = []
     for name, one in (
         (name, one)
-        for name, points in found["series"].items()
+        for name, points in scene["series"].items()
         for one in points
         if one is not default
     ):
@@ -211,7 +211,7 @@ ALTERNATIVES = (
 )
 
 
-def precision_page(found: Found) -> list[str]:
+def precision_page(scenes: Found) -> list[str]:
     """Whether the defaults lie on the front, and what each costs and buys."""
     lines = [
         (
@@ -234,11 +234,11 @@ def precision_page(found: Found) -> list[str]:
     ]
     defaults = {
         name: next(p for p in scene["series"]["named settings"] if p["text"] == "default")
-        for name, scene in found.items()
+        for name, scene in scenes.items()
     }
     for name, default in defaults.items():
         measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
-        rivals = better(found[name], default, measures)
+        rivals = better(scenes[name], default, measures)
         errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
         words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
         if rivals and default["shear"] is None:
@@ -248,21 +248,21 @@ def precision_page(found: Found) -> list[str]:
             )
         lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
         for key in measures:
-            alone = [rival for rival in better(found[name], default, [key]) if rival not in rivals]
+            alone = [rival for rival in better(scenes[name], default, [key]) if rival not in rivals]
             lines += (
                 [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
             )
     cells = []
-    for what, group, texts in ALTERNATIVES:
-        others = {
+    for claim, group, texts in ALTERNATIVES:
+        alternatives = {
             name: next(p for p in scene["series"][group] if p["text"] in texts)
-            for name, scene in found.items()
+            for name, scene in scenes.items()
         }
         ratios = [
             "; ".join(f"{defaults[n][key] / o[key]:.2g}" for key in WHAT if o[key] is not None)
-            for n, o in others.items()
+            for n, o in alternatives.items()
         ]
-        cells.append((what, f"{group}: {' or '.join(texts)}", *ratios))
+        cells.append((claim, f"{group}: {' or '.join(texts)}", *ratios))
     lines += [
         "",
         (
@@ -271,7 +271,7 @@ def precision_page(found: Found) -> list[str]:
         ),
         "",
     ]
-    return [*lines, *markdown(f"default | instead | {' | '.join(found)}", cells)]
+    return [*lines, *markdown(f"default | instead | {' | '.join(scenes)}", cells)]
 
 
 # ------------------------------------------------------------------------ beside an earlier version
@@ -320,62 +320,64 @@ def earlier() -> Found:
     pythons = {"this": (sys.executable, ROOT), "other": (f"{EARLIER}/.venv/bin/python", EARLIER)}
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     environment["HALFPLANE_CACHE"] = "off"  # until 0.3 condensed bodies were stored on disk
-    found: Found = {"other": commit.stdout.strip(), "runs": {}}
-    asked = [(name, edge, 1 + (edge < 320)) for edge in FRONT for name in SCENES]
-    asked += [(name, 160, 1) for name in SLOW] + [("hertz-paper", 640, 1)]
-    for name, edge, times in asked:
-        both = {}
-        for which, (python, folder) in pythons.items():
+    comparison: Found = {"other": commit.stdout.strip(), "runs": {}}
+    runs = [(name, edge, 1 + (edge < 320)) for edge in FRONT for name in SCENES]
+    runs += [(name, 160, 1) for name in SLOW] + [("hertz-paper", 640, 1)]
+    for name, edge, times in runs:
+        of_versions = {}
+        for version_name, (python, folder) in pythons.items():
             command = [str(python), "-c", ONE_RUN, name, str(edge), str(times)]
-            done = subprocess.run(
+            process = subprocess.run(
                 command, check=True, capture_output=True, text=True, cwd=folder, env=environment
             )
-            both[which] = json.loads(done.stdout)
-        found["runs"].setdefault(name, {})[str(edge)] = both
+            of_versions[version_name] = json.loads(process.stdout)
+        comparison["runs"].setdefault(name, {})[str(edge)] = of_versions
         print(
-            f"    {name}, a/{edge}: {both['other']['seconds'] / both['this']['seconds']:.2f} times"
+            f"    {name}, a/{edge}: {of_versions['other']['seconds'] / of_versions['this']['seconds']:.2f} times"
             " faster",
             flush=True,
         )
-    found["truth"] = {
+    comparison["truth"] = {
         name: semi_analytic.solve(load_scene(name)).dissipation
         for name in SCENES
         if name != "blocks"
     }
-    return found | {
+    return comparison | {
         "truth": (
-            found["truth"]
+            comparison["truth"]
             | {"blocks": halfplane_fe.solve(load_scene("blocks"), *FINER).dissipation}
         )
     }
 
 
-def earlier_page(found: Found) -> list[str]:
+def earlier_page(comparison: Found) -> list[str]:
     front = []
-    for name, runs in found["runs"].items():
-        for edge, both in sorted(runs.items(), key=lambda one: int(one[0])):
-            other = both["other"]
-            this = both["this"]
-            times = (f"{one['seconds']:.2f}" for one in (other, this))
-            truth = found["truth"].get(name)
+    for name, runs in comparison["runs"].items():
+        for edge, of_versions in sorted(runs.items(), key=lambda one: int(one[0])):
+            earlier_run = of_versions["other"]
+            this_run = of_versions["this"]
+            times = (f"{one['seconds']:.2f}" for one in (earlier_run, this_run))
+            truth = comparison["truth"].get(name)
             works = [
                 f"{abs(one['dissipation'] / truth - 1):.1e}" if truth else ""
-                for one in (other, this)
+                for one in (earlier_run, this_run)
             ]
-            shears = [f"{one['shear']:.1e}" if "shear" in one else "" for one in (other, this)]
+            shears = [
+                f"{one['shear']:.1e}" if "shear" in one else "" for one in (earlier_run, this_run)
+            ]
             front.append(
                 (
                     name,
                     f"a/{edge}",
                     *times,
-                    f"{other['seconds'] / this['seconds']:.2g}",
+                    f"{earlier_run['seconds'] / this_run['seconds']:.2g}",
                     *works,
                     *shears,
                 )
             )
     return [
         (
-            f"The same scene by this version and by commit {found['other']}, a process each, in"
+            f"The same scene by this version and by commit {comparison['other']}, a process each, in"
             " turn, the least of two runs (one on a/320, a/640 and of the last two scenes), each"
             " with its own default settings but for the element at the edges. Errors of W and q as"
             " above; those of unlike bodies and of the roller, whose truth is not known, are left"
@@ -383,28 +385,30 @@ def earlier_page(found: Found) -> list[str]:
         ),
         "",
         *markdown(
-            f"scene | edges | {found['other']} [s] | now [s] | times faster | error of W,"
-            f" {found['other']} | now | error of q, {found['other']} | now",
+            f"scene | edges | {comparison['other']} [s] | now [s] | times faster | error of W,"
+            f" {comparison['other']} | now | error of q, {comparison['other']} | now",
             front,
         ),
     ]
 
 
-def earlier_panels(found: Found) -> list[Panel]:
+def earlier_panels(comparison: Found) -> list[Panel]:
     return [
         (
             f"{name}: W",
             "CPU time [s]",
             "error of W",
             {
-                {"this": "this version", "other": f"commit {found['other']}"}[which]: [
+                {"this": "this version", "other": f"commit {comparison['other']}"}[version_name]: [
                     (
-                        both[which]["seconds"],
-                        abs(both[which]["dissipation"] / found["truth"][name] - 1),
+                        both[version_name]["seconds"],
+                        abs(both[version_name]["dissipation"] / comparison["truth"][name] - 1),
                     )
-                    for _, both in sorted(found["runs"][name].items(), key=lambda one: int(one[0]))
+                    for _, both in sorted(
+                        comparison["runs"][name].items(), key=lambda one: int(one[0])
+                    )
                 ]
-                for which in ("this", "other")
+                for version_name in ("this", "other")
             },
         )
         for name in SCENES
@@ -601,12 +605,14 @@ def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
     )
 
 
-def growth_panels(found: Found) -> list[Panel]:
+def growth_panels(stored_points: Found) -> list[Panel]:
     def lines(key: str) -> dict[str, list[tuple[float, float]]]:
-        labels = {name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in found["growth"]}
+        labels = {
+            name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in stored_points["growth"]
+        }
         return {
             labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points]
-            for name, points in found["growth"].items()
+            for name, points in stored_points["growth"].items()
         }
 
     x = "size, in its own unit"
@@ -616,13 +622,13 @@ def growth_panels(found: Found) -> list[Panel]:
     ]
 
 
-def growth_page(found: Found) -> list[str]:
+def growth_page(stored_points: Found) -> list[str]:
     def exponents(points: list[dict[str, float]], key: str = "seconds") -> str:
         return f"{exponent(points, key):.2f}; {exponent(points[-2:], key):.2f}"
 
     cells = []
     steep = []
-    for name, points in found["growth"].items():
+    for name, points in stored_points["growth"].items():
         kind = KINDS[name]
         sizes, spent = (
             ", ".join(f"{p[key]:{form}}" for p in points)
@@ -644,10 +650,10 @@ def growth_page(found: Found) -> list[str]:
                 ("one increment of them", kind.unit, sizes, each, exponents(points, "each"), "")
             )
         steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
-    names = list(next(iter(found["stages"].values())))
+    names = list(next(iter(stored_points["stages"].values())))
     stages = [
         (scene, *(f"{spent[name]:.2f}" for name in names))
-        for scene, spent in found["stages"].items()
+        for scene, spent in stored_points["stages"].items()
     ]
     return [
         (
@@ -740,20 +746,22 @@ def start() -> Found:
     return {"seconds": times, "wheel": wheel} | environment
 
 
-def start_page(found: Found) -> list[str]:
+def start_page(stored_times: Found) -> list[str]:
     cells = [
         (name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max)))
-        for name, t in found["seconds"].items()
+        for name, t in stored_times["seconds"].items()
     ]
-    largest = ", ".join(f"{name} {size / 1e6:.0f}" for name, size in found["largest"].items())
+    largest = ", ".join(
+        f"{name} {size / 1e6:.0f}" for name, size in stored_times["largest"].items()
+    )
     return [
         "CPU time of a process from its start to its end, 5 runs after one to warm up:",
         "",
         *markdown("process | least [s] | median [s] | most [s]", cells),
         "",
         (
-            f"The wheel has {found['wheel'] / 1e6:.2f} MB. The environment that `make` sets up,"
-            f" tests, linters, browser and pages included, has {found['environment'] / 1e9:.2f} GB"
+            f"The wheel has {stored_times['wheel'] / 1e6:.2f} MB. The environment that `make` sets up,"
+            f" tests, linters, browser and pages included, has {stored_times['environment'] / 1e9:.2f} GB"
             f" on disk; the largest of it [MB]: {largest}."
         ),
     ]

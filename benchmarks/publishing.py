@@ -59,9 +59,9 @@ def compute(name: str) -> Comparison:
     from reports.comparison.budget import theory_on_steps
 
     scene = load_scene(name)
-    result = halfplane_fe.solve(scene)
-    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    return compare(reference, result, polygon_reference=theory_on_steps(result))
+    answer = halfplane_fe.solve(scene)
+    reference = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    return compare(reference, answer, polygon_reference=theory_on_steps(answer))
 
 
 def half_plane_findings(name: str) -> Findings:
@@ -74,8 +74,10 @@ def half_plane_findings(name: str) -> Findings:
     solution = semi_analytic.solve(
         scene, fields=("dissipation", "pressure", "tangential_displacement")
     )
-    found = of_solution(solution, name)
-    return replace(found, figures=_with_expected(found.figures, solution))
+    findings_of_solution = of_solution(solution, name)
+    return replace(
+        findings_of_solution, figures=_with_expected(findings_of_solution.figures, solution)
+    )
 
 
 def _with_expected(
@@ -84,10 +86,10 @@ def _with_expected(
     """The figures of an engine, and what the scene expects of it beside them."""
     engine = name_of(solution.engine)
     known = dict(figures)
-    for one in solution.scene.expected:
-        if one.engine == engine:
+    for expected in solution.scene.expected:
+        if expected.engine == engine:
             known.setdefault(
-                f"{solution.engine}.{one.quantity}", QUANTITIES[one.quantity].of(solution)
+                f"{solution.engine}.{expected.quantity}", QUANTITIES[expected.quantity].of(solution)
             )
     return known
 
@@ -100,21 +102,28 @@ def findings(comparison: Comparison) -> Findings:
     from reports.comparison.words import as_json
 
     name = comparison.scene.name
-    both = of_content(json.loads(as_json(Report(comparison))), name)
+    of_both = of_content(json.loads(as_json(Report(comparison))), name)
     alone = half_plane_findings(name)
-    if both.unfinished:
-        raise InputError(f"{name}: not converged, so not published: {'; '.join(both.unfinished)}")
-    kept = {
-        key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")
+    if of_both.unfinished:
+        raise InputError(
+            f"{name}: not converged, so not published: {'; '.join(of_both.unfinished)}"
+        )
+    chosen_findings = {
+        key: value for key, value in of_both.figures.items() if not key.startswith("semi_analytic.")
     }
-    kept = _with_expected(kept, comparison.result)
-    return Findings(name, both.scene, kept | dict(alone.figures), {**both.engines, **alone.engines})
+    chosen_findings = _with_expected(chosen_findings, comparison.result)
+    return Findings(
+        name,
+        of_both.scene,
+        chosen_findings | dict(alone.figures),
+        {**of_both.engines, **alone.engines},
+    )
 
 
 def published_by_others(scene: Scene) -> Iterator[Expected]:
     """What a benchmark of other codes expects of finite elements."""
     if "benchmark" in scene.tags:
-        yield from (one for one in scene.expected if one.engine == "finite elements")
+        yield from (expected for expected in scene.expected if expected.engine == "finite elements")
 
 
 def references(scene: str) -> list[Case]:
@@ -235,14 +244,15 @@ _ENGINES = ("semi_analytic", "halfplane_fe")
 def page(name: str, stored: Mapping[str, Any]) -> str:
     """The page of a scene."""
     scene = load_scene(name)
-    found = metrics(scene, stored)
+    metrics_of_scene = metrics(scene, stored)
     cells = [
-        (m.label, words.value_of(m), m.unit, words.tolerance_of(m), m.verdict or "–") for m in found
+        (m.label, words.value_of(m), m.unit, words.tolerance_of(m), m.verdict or "–")
+        for m in metrics_of_scene
     ]
     return _written(
         scene=scene,
         stored=stored,
-        found=found,
+        found=metrics_of_scene,
         half_planes=are_half_planes(scene),
         bodies=" ".join(
             filter(
@@ -254,8 +264,12 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
             )
         ),
         heads=("metric", "discrepancy", "as a share", "tolerance", "accurate"),
-        judged=[row for row, m in zip(cells, found, strict=True) if m.tolerance is not None],
-        others=[row[:3] for row, m in zip(cells, found, strict=True) if m.tolerance is None],
+        judged=[
+            row for row, m in zip(cells, metrics_of_scene, strict=True) if m.tolerance is not None
+        ],
+        others=[
+            row[:3] for row, m in zip(cells, metrics_of_scene, strict=True) if m.tolerance is None
+        ],
         external=_external_rows(scene, stored),
         roller=_causes(scene, stored["frozen"]),
         engines=[name_of(engine) for engine in _ENGINES],
@@ -268,13 +282,15 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
     rows = []
     for name, stored in scenes.items():
         scene = load_scene(name)
-        found = {metric.key: metric for metric in metrics(scene, stored)}
+        metrics_by_key = {metric.key: metric for metric in metrics(scene, stored)}
         met = [
             metric.accurate
-            for metric in found.values()
+            for metric in metrics_by_key.values()
             if metric.tolerance is not None and metric.accurate is not None
         ]
-        cells = [words.value_of(found[key]) for key in ("peak_pressure", "shear", "dissipation")]
+        cells = [
+            words.value_of(metrics_by_key[key]) for key in ("peak_pressure", "shear", "dissipation")
+        ]
         kind = "half-planes" if scene.bodies.half_planes else "real bodies"
         missed = [row for row in _external_rows(scene, stored) if row[5] == "outside"]
         rows.append(
@@ -303,7 +319,7 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
     """The metrics with their values and tolerances; a published run has no budget, so |E| alone is
     judged.
     """
-    found = []
+    rows = []
     tolerances = tolerances_of(scene, are_half_planes(scene))
     for key, value in stored["frozen"].items():
         part, _, name = key.partition(".")
@@ -311,8 +327,8 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
             metric = METRICS[name]
             measured = Measured(value=number, absolute=name in stored["absolute"])
-            found.append(metric.with_value(measured, metric.admitted(tolerances)))
-    return found
+            rows.append(metric.with_value(measured, metric.admitted(tolerances)))
+    return rows
 
 
 def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
@@ -334,10 +350,10 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any]
     """Why the published values of the roller differ from ours, as benchmarks/third.py measured it
     with CalculiX.
     """
-    kept = json.loads(ROLLER.read_text(encoding="utf-8"))
+    roller = json.loads(ROLLER.read_text(encoding="utf-8"))
     cases = {
         name.partition(": ")[2]: case
-        for name, case in kept.items()
+        for name, case in roller.items()
         if name.partition(": ")[0] == scene.name
     }
     if not cases:
@@ -349,9 +365,9 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any]
     def change(case: Mapping[str, float], key: str) -> str:
         return "" if case is base else _per_cent(case[key] / base[key] - 1)
 
-    found: dict[str, Any] = {"code": base["code"], "coarse": change(coarse, "stress")}
-    found["pressure"] = change(large, "pressure per undeformed length")
-    found["rows"] = [
+    changes: dict[str, Any] = {"code": base["code"], "coarse": change(coarse, "stress")}
+    changes["pressure"] = change(large, "pressure per undeformed length")
+    changes["rows"] = [
         (
             name,
             minus(f"{case['displacement']:.4f}"),
@@ -365,7 +381,11 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any]
         ("displacement", "lower_face_displacement"),
         ("stress", "largest_pressure"),
     ):
-        published = {one.source: one.value for one in scene.expected if one.quantity == quantity}
+        published = {
+            expected.source: expected.value
+            for expected in scene.expected
+            if expected.quantity == quantity
+        }
         quadratic, linear = (
             next(value for source, value in published.items() if f"{kind} elements" in source)
             for kind in ("quadratic", "linear")
@@ -373,13 +393,13 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any]
         mended = (figures[f"halfplane_fe.{quantity}"] or math.nan) * (
             1 + (large[key] / base[key] - 1)
         )
-        found[key] = {
+        changes[key] = {
             "change": change(large, key),
             "mended": mended,
             "left": _per_cent(mended / quadratic - 1),
         }
-        found["apart"] = _per_cent(linear / quadratic - 1)  # of the stress in the end
-    return found
+        changes["apart"] = _per_cent(linear / quadratic - 1)  # of the stress in the end
+    return changes
 
 
 def _per_cent(share: float) -> str:
@@ -449,14 +469,16 @@ def renew(known: Sheet, now: Mapping[str, Case]) -> Sheet:
     say(
         f"{known.scene}: {len(changed)} baselines moved" if changed else f"{known.scene}: as it was"
     )
-    kept = [case for case in known.cases if not is_published(case) or key_of(case) not in changed]
+    cases_left = [
+        case for case in known.cases if not is_published(case) or key_of(case) not in changed
+    ]
     renewed = []
     for key in changed:
         if key in now and key in before:
             renewed.append(replace(now[key], tolerance=before[key].tolerance))
         elif key in now:
             renewed.append(now[key])
-    return replace(known, cases=(*kept, *renewed))
+    return replace(known, cases=(*cases_left, *renewed))
 
 
 def changes(before: Mapping[str, Case], now: Mapping[str, Case]) -> dict[str, str]:

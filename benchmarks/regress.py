@@ -130,14 +130,14 @@ def instant_of(scene: Scene) -> dict[str, list[float]]:
     path = semi_analytic.solve(scene, x=[0.0], fields=())
     times = times_of(path)
     edges = semi_analytic.solve(scene, x=[0.0], time=times, fields=())
-    which = int(np.argmin(np.nan_to_num(edges.stick_half_width, nan=math.inf)))
-    outer = float(edges.contact_half_width[which])
-    inner = float(edges.stick_half_width[which])
+    instant = int(np.argmin(np.nan_to_num(edges.stick_half_width, nan=math.inf)))
+    outer = float(edges.contact_half_width[instant])
+    inner = float(edges.stick_half_width[instant])
     if not inner < 0.99999 * outer:
         inner = 0.8 * outer
     always = 0.3 * min(np.nan_to_num(path.permanent_stick_half_width, nan=inner), inner)
     at = [float(always), inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]
-    return {"time": [float(times[which])], "x": at}
+    return {"time": [float(times[instant])], "x": at}
 
 
 def places(scene: Scene) -> list[float]:
@@ -161,22 +161,22 @@ def references(known: Sheet) -> tuple[Sheet, float, str]:
     scene = load_scene(known.scene)
     stored = {(case.quantity, case.at): case for case in known.references(THEORY)}
     work = mp.nstr(truth(scene), DIGITS)
-    apart = [difference_of(stored["dissipation", ""].value, work)]
-    kept = list(known.cases)
+    differences_met = [difference_of(stored["dissipation", ""].value, work)]
+    cases = list(known.cases)
     for (quantity, at), (value, tolerance) in evaluated(scene, known).items():
         old = stored.get((quantity, at))
         if old is not None:
             pairs = zip(case_table.entries(old.value), case_table.entries(value), strict=True)
             differences = [difference_of(before, after) for before, after in pairs]
             if max(differences) <= ACCURATE:
-                apart += differences
+                differences_met += differences
                 continue
-            kept.remove(old)
+            cases.remove(old)
         row = {"run": THEORY, "quantity": quantity, "at": at, "value": value}
         row |= {"tolerance": tolerance, "source": _SOURCE}
-        kept.append(case_table.case_of_row(known.scene, row))
-    changed = Sheet(known.scene, known.keys, known.points, tuple(kept))
-    return changed, max(apart), work
+        cases.append(case_table.case_of_row(known.scene, row))
+    changed = Sheet(known.scene, known.keys, known.points, tuple(cases))
+    return changed, max(differences_met), work
 
 
 def evaluated(scene: Scene, known: Sheet) -> dict[tuple[str, str], tuple[Any, float]]:
@@ -199,8 +199,8 @@ def evaluated(scene: Scene, known: Sheet) -> dict[tuple[str, str], tuple[Any, fl
     return values
 
 
-def difference_of(stored: str, again: str) -> float:
+def difference_of(stored: str, renewed: str) -> float:
     """Relative difference of two numbers given by their digits."""
     a = mp.mpf(stored)
-    b = mp.mpf(again)
+    b = mp.mpf(renewed)
     return 0.0 if a == b else float(abs(a - b) / max(abs(a), abs(b)))

@@ -249,7 +249,9 @@ def mindlin(k: mp.mpf, limit: mp.mpf) -> mp.mpf:
 
 def density_truth(scene: Scene, x: Sequence[float]) -> list[str]:
     """W(x) of the last cycle by brute force."""
-    return [_text(one) for one in np.sum(_work(scene).density(x), axis=0) / _long(modulus(scene))]
+    return [
+        _text(value) for value in np.sum(_work(scene).density(x), axis=0) / _long(modulus(scene))
+    ]
 
 
 def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | None:
@@ -268,10 +270,10 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
     oracle = Oracle(scene, [time])
     e_star = _long(modulus(scene))
     oracle.law = _stiff(oracle.law, e_star)
-    found = oracle.at(0, x)
-    shift = found["tangential_displacement"] / e_star
-    slip = found["slip"][-1] / e_star
-    return [_text(one) for one in (shift, found["stick_half_width"], *found["shear"], slip)]
+    fields = oracle.at(0, x)
+    shift = fields["tangential_displacement"] / e_star
+    slip = fields["slip"][-1] / e_star
+    return [_text(value) for value in (shift, fields["stick_half_width"], *fields["shear"], slip)]
 
 
 def _work(scene: Scene) -> Work:

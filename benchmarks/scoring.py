@@ -65,8 +65,8 @@ def altered(
 
     def plant(scene: Scene, severity: float) -> Comparison:
         true = truth(scene.name)
-        given = true.pressure, true.shear, severity
-        return compare(true, replace(true, pressure=pressure(*given), shear=shear(*given)))
+        arguments = true.pressure, true.shear, severity
+        return compare(true, replace(true, pressure=pressure(*arguments), shear=shear(*arguments)))
 
     return plant
 
@@ -79,9 +79,15 @@ def asked(
     def plant(scene: Scene, severity: float) -> Comparison:
         true = truth(scene.name)
         k = factor(severity)
-        other = semi_analytic.solve(change(scene, severity), x=true.x, time=true.time)
+        changed_answer = semi_analytic.solve(change(scene, severity), x=true.x, time=true.time)
         return compare(
-            true, replace(other, scene=scene, pressure=k * other.pressure, shear=k * other.shear)
+            true,
+            replace(
+                changed_answer,
+                scene=scene,
+                pressure=k * changed_answer.pressure,
+                shear=k * changed_answer.shear,
+            ),
         )
 
     return plant
@@ -90,19 +96,21 @@ def asked(
 def moved(scene: Scene, distance: float) -> Comparison:
     """The centre off by so much of the largest half-width."""
     true = truth(scene.name)
-    other = semi_analytic.solve(
+    changed_answer = semi_analytic.solve(
         scene, x=true.x - distance * float(true.contact_half_width.max()), time=true.time
     )
-    return compare(true, replace(true, pressure=other.pressure, shear=other.shear))
+    return compare(
+        true, replace(true, pressure=changed_answer.pressure, shear=changed_answer.shear)
+    )
 
 
-def last_revolution(scene: Scene, other: ContactSolution, rows: slice = slice(None)) -> Comparison:
+def last_revolution(scene: Scene, answer: ContactSolution, rows: slice = slice(None)) -> Comparison:
     """The last revolution's tractions replaced by rows of `other`."""
     true = truth(scene.name)
     pressure = true.pressure.copy()
     shear = true.shear.copy()
-    pressure[true.last_cycle] = other.pressure[rows]
-    shear[true.last_cycle] = other.shear[rows]
+    pressure[true.last_cycle] = answer.pressure[rows]
+    shear[true.last_cycle] = answer.shear[rows]
     return compare(true, replace(true, pressure=pressure, shear=shear))
 
 
@@ -216,25 +224,25 @@ def confusion() -> Iterator[Row]:
     """The share of results out of tolerance whose first diagnosis is another fault than the planted
     one.
     """
-    seen = 0
+    n_seen = 0
     wrong = []
     for key, fault in FAULTS.items():
         for name, severity in (
             (name, severity) for name in SCENES for severity in fault.severities
         ):
-            found = diagnose(fault.plant(load_scene(name), severity))
-            seen += bool(found)
+            causes = diagnose(fault.plant(load_scene(name), severity))
+            n_seen += bool(causes)
             wrong += (
-                [f"{key} of {severity:g}, {name}: {found[0].fault}"]
-                if found and found[0].fault != key
+                [f"{key} of {severity:g}, {name}: {causes[0].fault}"]
+                if causes and causes[0].fault != key
                 else []
             )
     how = (
-        f"{seen} results out of tolerance of {len(FAULTS)} faults;"
+        f"{n_seen} results out of tolerance of {len(FAULTS)} faults;"
         f" {'; '.join(wrong) or 'none wrong'}"
     )
     yield Row(
-        "first diagnosis wrong, all faults, scenes and severities", len(wrong) / seen, 0.05, how
+        "first diagnosis wrong, all faults, scenes and severities", len(wrong) / n_seen, 0.05, how
     )
 
 
@@ -246,30 +254,35 @@ def rules() -> Iterator[Row]:
     scene = load_scene("hertz-paper")
     path = scene.load.path()
     x = np.linspace(-1.3, 1.3, 105)
-    own, few = (
+    exact, exact_at_few = (
         semi_analytic.solve(
             scene, x=x, time=path.cycle_start + (path.period or 0) * np.linspace(1, 2, count)
         )
         for count in (25, 21)
     )
-    peak = score(own.x, own.pressure, own.shear, scene=scene).metric("peak_pressure").value
+    peak = score(exact.x, exact.pressure, exact.shear, scene=scene).metric("peak_pressure").value
     how = "hertz-paper, 25 instants found from the integrals of p and q over 105 points"
     yield Row("instants from integrals: peak pressure", float(peak or 0.0), 5e-5, how)
-    work = float(np.trapezoid(friction_work(few.shear, few.slip), x))
+    work = float(np.trapezoid(friction_work(exact_at_few.shear, exact_at_few.slip), x))
     how = "hertz-paper, theory's own fields at 105 points"
     yield Row(
         "sum of q ds over a cycle of 21 instants: too little by",
-        100 * (1 - work / few.dissipation),
+        100 * (1 - work / exact_at_few.dissipation),
         None,
         how,
         "%",
     )
     fe = halfplane_fe.solve(scene)
-    own = semi_analytic.solve(scene, x=fe.x, time=fe.time[fe.last_cycle])
-    found = zones(own.x, own.pressure, own.shear, None, scene.friction.coefficient, own.time)
-    off = np.max(np.abs(found.stick_edges - own.stick_edges), axis=1) / scales(own).half_width
+    exact = semi_analytic.solve(scene, x=fe.x, time=fe.time[fe.last_cycle])
+    zones_found = zones(
+        exact.x, exact.pressure, exact.shear, None, scene.friction.coefficient, exact.time
+    )
+    off = (
+        np.max(np.abs(zones_found.stick_edges - exact.stick_edges), axis=1)
+        / scales(exact).half_width
+    )
     how = (
-        f"hertz-paper, theory at the {len(own.x)} points and {len(own.time)} instants of a cycle of"
+        f"hertz-paper, theory at the {len(exact.x)} points and {len(exact.time)} instants of a cycle of"
         " the finite elements"
     )
     yield Row("stick edge without slip, off by up to", float(np.nanmax(off)), None, how, "a")

@@ -141,15 +141,19 @@ class Outcome:
             ]
         )
 
-    def count(self, case: Case, name: str, found: float | Found) -> None:
+    def count(self, case: Case, name: str, outcome_of_case: float | Found) -> None:
         """One trial that was answered: right, in error and stated, or wrong and silent."""
-        errors, notes, shown = found if isinstance(found, Found) else Found({"": float(found)})
-        for target, source in ((self.worst, errors), (self.shown, shown)):
+        errors, notes, shown_values = (
+            outcome_of_case
+            if isinstance(outcome_of_case, Found)
+            else Found({"": float(outcome_of_case)})
+        )
+        for target, source in ((self.worst, errors), (self.shown, shown_values)):
             target |= {
                 key: float(np.maximum(target.get(key, 0.0), value)) for key, value in source.items()
             }
         off = {key: value for key, value in errors.items() if not value <= case.limit}
-        values = _values({**off, **(shown if "W" in off else {})})
+        values = _values({**off, **(shown_values if "W" in off else {})})
         if not off:
             self.right += 1
         elif (
@@ -799,13 +803,13 @@ HEAD = (
 )
 
 
-def page(found: Mapping[str, Outcome]) -> str:
+def page(outcomes: Mapping[str, Outcome]) -> str:
     """The tables of docs/stress.md."""
     lines = ["# Numerical stress tests", "", HEAD, ""]
     for engine in (HALF_PLANE, FE):
         cells = []
         for name, case in cases().items():
-            if case.engine == engine and (one := found.get(name)):
+            if case.engine == engine and (one := outcomes.get(name)):
                 worst = _values(one.worst) + (f" ({_values(one.shown)})" if one.shown else "")
                 limit = f"{case.limit:.0e}" if one.worst else ""
                 cells.append(

@@ -54,7 +54,7 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
     """What CalculiX gives for a deck, for JSON; a metric that has no value is null."""
     begun = time.perf_counter()
     third = solve_with_calculix(load_scene(scene), settings, Stages(quiet=True))
-    done = third.done
+    settings_done = third.done
     errors = {}
     for key in ("peak_pressure", "pressure", "shear", "dissipation") if third.comparison else ():
         value = third.comparison.metric(key).value
@@ -63,9 +63,11 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
         "code": third.code,
         "nodes": third.deck.reference,
         "instants": len(third.deck.time) - 1,
-        "seconds": round(done.seconds if done else time.perf_counter() - begun, 1),
-        "increments": done.increments if done else None,
-        "iterations": done.iterations if done else None,
+        "seconds": round(
+            settings_done.seconds if settings_done else time.perf_counter() - begun, 1
+        ),
+        "increments": settings_done.increments if settings_done else None,
+        "iterations": settings_done.iterations if settings_done else None,
         "failure": third.failure,
         "errors": errors,
     }
@@ -83,9 +85,9 @@ def whole_cylinder(deck: Deck) -> Deck:
     y = upper.nodes[:, 1]
     first = upper.first_node
     middle = y.max()
-    own = y > middle * (1 - 1e-9)
-    number = np.where(own, np.arange(len(y)), len(y) + np.cumsum(~own) - 1)
-    mirrored = np.stack([upper.nodes[~own, 0], 2 * middle - y[~own]], axis=1)
+    on_axis = y > middle * (1 - 1e-9)
+    number = np.where(on_axis, np.arange(len(y)), len(y) + np.cumsum(~on_axis) - 1)
+    mirrored = np.stack([upper.nodes[~on_axis, 0], 2 * middle - y[~on_axis]], axis=1)
     nodes = np.concatenate([upper.nodes, mirrored])
     turned = number[upper.elements - first][:, [0, 3, 2, 1]] + first
     top = np.flatnonzero(nodes[:, 1] >= 2 * middle - deck.scales.half_width**2 / (2 * middle))
@@ -121,7 +123,9 @@ def on_roller(
     program = find_calculix()
     if element_size is not None:
         half_width = next(
-            one.value for one in load_scene(scene).expected if one.quantity == "largest_half_width"
+            expected.value
+            for expected in load_scene(scene).expected
+            if expected.quantity == "largest_half_width"
         )
         settings = replace(
             settings,
@@ -136,18 +140,18 @@ def on_roller(
     with tempfile.TemporaryDirectory(prefix="halfplane-roller-") as name:
         folder = Path(name)
         (folder / "roller.inp").write_text(text, encoding="utf-8")
-        done = run_calculix(program, folder, "roller", float(deck.deck_time[-1]), LIMIT)
-        result = read_frd(folder / "roller.frd", ("DISP", "STRESS", "CONTACT"))
+        process = run_calculix(program, folder, "roller", float(deck.deck_time[-1]), LIMIT)
+        frd = read_frd(folder / "roller.frd", ("DISP", "STRESS", "CONTACT"))
 
     def last(block: str, component: str) -> float:
         """A nodal value in the last frame, under the middle of the roller."""
-        frame = [one for one in result.blocks if one.name == block][-1]
+        frame = [expected for expected in frd.blocks if expected.name == block][-1]
         return float(frame.column(component)[np.flatnonzero(frame.nodes == middle)[0]])
 
     return {
         "code": f"CalculiX {calculix_version(program)}",
         "nodes": len(deck.lower.nodes) + len(deck.upper.nodes),
-        "seconds": round(done.seconds, 1),
+        "seconds": round(process.seconds, 1),
         "displacement": round(last("DISP", "D2"), 6),
         "stress": round(-last("STRESS", "SYY"), 2),
         "pressure per undeformed length": round(last("CONTACT", "CPRESS"), 2),
@@ -186,14 +190,12 @@ ROLLERS = {
 
 
 def dated(case: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    found = case() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
+    row = case() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
     print(
-        found.get("failure")
-        or found.get("errors")
-        or f"{found['displacement']} mm, {found['stress']} MPa",
+        row.get("failure") or row.get("errors") or f"{row['displacement']} mm, {row['stress']} MPa",
         flush=True,
     )
-    return found
+    return row
 
 
 def main(words: list[str]) -> int:
