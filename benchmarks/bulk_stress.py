@@ -72,9 +72,12 @@ def case(
         "profile": {"kind": "hertz", "radius": 1.0},
         "friction": 1.0,
     }
-    kind = (
-        "ellipse" if "mean_normal_load" in load else "time_series" if "rows" in load else "polygon"
-    )
+    if "mean_normal_load" in load:
+        kind = "ellipse"
+    elif "rows" in load:
+        kind = "time_series"
+    else:
+        kind = "polygon"
     return Row(
         number,
         words,

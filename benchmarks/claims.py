@@ -202,9 +202,10 @@ def markdown(head: str, cells: Iterable[Sequence[object]]) -> list[str]:
     ['| a | b |', '|---|---|', '| 1 | x\\\\|y |']
     """
     lines = [f"| {head} |", "|---" * (head.count(" | ") + 1) + "|"]
-    return lines + [
-        "| " + " | ".join(str(cell).replace("|", r"\|") for cell in row) + " |" for row in cells
-    ]
+    for row in cells:
+        words = [str(cell).replace("|", r"\|") for cell in row]
+        lines.append(f"| {' | '.join(words)} |")
+    return lines
 
 
 def stored(file: Path) -> dict[str, Any]:

@@ -350,9 +350,11 @@ def with_fault(fault: Fault) -> Found:
     with fault.plant():
         comparison = plain(load_scene("hertz-paper"), fault.mesh, settings)
         terms = budget_of(comparison, fault.mesh, settings, 1.0).budgets
-    known = {
-        one.metric.key: one for one in terms if not any(part in one.metric.key for part in LEFT_OUT)
-    }
+    known = {}
+    for term in terms:
+        key = term.metric.key
+        if not any(part in key for part in LEFT_OUT):
+            known[key] = term
     return Found(
         {key: one.total for key, one in known.items()}
         | {STEP: comparison.metric(STEP).value or 0.0},

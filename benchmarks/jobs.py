@@ -268,7 +268,9 @@ def faults(files: int = 100, number: int = 12) -> Iterator[Row]:
 
 
 if __name__ == "__main__":
-    files, number, *_ = [*map(int, sys.argv[1:]), *(1_000, 200)[len(sys.argv) - 1 :]]
-    found = [*faults(files, number)]
-    print("\n".join(" | ".join(row.cells) for row in found))
-    sys.exit(any(row.met is False for row in found))
+    spoilt_files = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000
+    kills = int(sys.argv[2]) if len(sys.argv) > 2 else 200
+    rows = list(faults(spoilt_files, kills))
+    for row in rows:
+        print(" | ".join(row.cells))
+    sys.exit(any(row.met is False for row in rows))

@@ -79,7 +79,8 @@ def getfem(question):
             )
         return mesh
 
-    model, young, poisson, friction = gf.Model("real"), *question["numbers"][:3]
+    model = gf.Model("real")
+    young, poisson, friction, _ = question["numbers"]
     normal = question["normal"]
     tangential = question["tangential"]
     meshes = {body: mesh_of(body) for body in ("lower", "upper")}

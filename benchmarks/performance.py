@@ -116,7 +116,8 @@ def point(text: str, errors: dict[str, float], exact_law: dict[str, float]) -> F
     """Size of the error, and of what a penalty layer adds to it."""
 
     def size(*parts: str) -> float:
-        exact, total = (sum(row[part] for part in parts) for row in (exact_law, errors))
+        exact = sum(exact_law[part] for part in parts)
+        total = sum(errors[part] for part in parts)
         return abs(exact) + abs(total - exact)
 
     work = size("error")
@@ -157,43 +158,34 @@ def precision_panels(scenes: Found) -> list[Panel]:
     figures += [
         (name, "shear", "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"
     ]
-    return [
-        (
-            f"{name}: {title}",
-            "CPU time [s]",
-            label,
-            {
-                title_of_series: [(p["seconds"], p[key]) for p in points]
-                for title_of_series, points in scenes[name]["series"].items()
-            },
-        )
-        for name, title, key, label in figures
-    ]
+    panels = []
+    for name, title, key, label in figures:
+        curves = {}
+        for title_of_series, points in scenes[name]["series"].items():
+            curves[title_of_series] = [(point["seconds"], point[key]) for point in points]
+        panels.append((f"{name}: {title}", "CPU time [s]", label, curves))
+    return panels
 
 
 def better(scene: Found, default: Found, measures: Sequence[str]) -> list[str]:
     """Settings that are neither slower nor less exact than the default in any of `measures`, and in
     time or one of them better.
     """
+    keys = [key for key in ("seconds", *measures) if default[key] is not None]
+
+    def size(setting: Found, key: str) -> float:
+        """Time or error, no smaller than what scatters."""
+        return max(setting[key], SCATTER.get(key, 0.0))
+
     rivals = []
-    for name, one in (
-        (name, one)
-        for name, points in scene["series"].items()
-        for one in points
-        if one is not default
-    ):
-        size = [
-            {
-                key: max(p[key], SCATTER.get(key, 0.0))
-                for key in ("seconds", *measures)
-                if p[key] is not None
-            }
-            for p in (one, default)
-        ]
-        ratios = {key: size[0][key] / size[1][key] for key in size[0]}
-        if max(ratios.values()) <= 1 + SAME and min(ratios.values()) < 1 - MARGIN:
-            words = ", ".join(f"{ratio:.2f} of the {WHAT[key]}" for key, ratio in ratios.items())
-            rivals.append(f"{name}, {one['text']} ({words})")
+    for name, points in scene["series"].items():
+        for setting in points:
+            if setting is default:
+                continue
+            ratios = {key: size(setting, key) / size(default, key) for key in keys}
+            if max(ratios.values()) <= 1 + SAME and min(ratios.values()) < 1 - MARGIN:
+                of_default = [f"{ratio:.2f} of the {WHAT[key]}" for key, ratio in ratios.items()]
+                rivals.append(f"{name}, {setting['text']} ({', '.join(of_default)})")
     return rivals
 
 
@@ -232,9 +224,13 @@ def precision_page(scenes: Found) -> list[str]:
         ),
         "",
     ]
+
+    def point_of(scene: Found, group: str, texts: Sequence[str]) -> Found:
+        """The first point of a series that has one of these names."""
+        return next(point for point in scene["series"][group] if point["text"] in texts)
+
     defaults = {
-        name: next(p for p in scene["series"]["named settings"] if p["text"] == "default")
-        for name, scene in scenes.items()
+        name: point_of(scene, "named settings", ["default"]) for name, scene in scenes.items()
     }
     for name, default in defaults.items():
         measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
@@ -249,19 +245,19 @@ def precision_page(scenes: Found) -> list[str]:
         lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
         for key in measures:
             alone = [rival for rival in better(scenes[name], default, [key]) if rival not in rivals]
-            lines += (
-                [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
-            )
+            if alone:
+                lines.append(f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}.")
     cells = []
     for claim, group, texts in ALTERNATIVES:
-        alternatives = {
-            name: next(p for p in scene["series"][group] if p["text"] in texts)
-            for name, scene in scenes.items()
-        }
-        ratios = [
-            "; ".join(f"{defaults[n][key] / o[key]:.2g}" for key in WHAT if o[key] is not None)
-            for n, o in alternatives.items()
-        ]
+        ratios = []
+        for name, scene in scenes.items():
+            alternative = point_of(scene, group, texts)
+            of_scene = [
+                f"{defaults[name][key] / alternative[key]:.2g}"
+                for key in WHAT
+                if alternative[key] is not None
+            ]
+            ratios.append("; ".join(of_scene))
         cells.append((claim, f"{group}: {' or '.join(texts)}", *ratios))
     lines += [
         "",
@@ -332,11 +328,8 @@ def earlier() -> Found:
             )
             of_versions[version_name] = json.loads(process.stdout)
         comparison["runs"].setdefault(name, {})[str(edge)] = of_versions
-        print(
-            f"    {name}, a/{edge}: {of_versions['other']['seconds'] / of_versions['this']['seconds']:.2f} times"
-            " faster",
-            flush=True,
-        )
+        ratio = of_versions["other"]["seconds"] / of_versions["this"]["seconds"]
+        print(f"    {name}, a/{edge}: {ratio:.2f} times faster", flush=True)
     comparison["truth"] = {
         name: semi_analytic.solve(load_scene(name)).dissipation
         for name in SCENES
@@ -377,8 +370,8 @@ def earlier_page(comparison: Found) -> list[str]:
             )
     return [
         (
-            f"The same scene by this version and by commit {comparison['other']}, a process each, in"
-            " turn, the least of two runs (one on a/320, a/640 and of the last two scenes), each"
+            f"The same scene by this version and by commit {comparison['other']}, a process each,"
+            " in turn, the least of two runs (one on a/320, a/640 and of the last two scenes), each"
             " with its own default settings but for the element at the edges. Errors of W and q as"
             " above; those of unlike bodies and of the roller, whose truth is not known, are left"
             " out."
@@ -393,26 +386,18 @@ def earlier_page(comparison: Found) -> list[str]:
 
 
 def earlier_panels(comparison: Found) -> list[Panel]:
-    return [
-        (
-            f"{name}: W",
-            "CPU time [s]",
-            "error of W",
-            {
-                {"this": "this version", "other": f"commit {comparison['other']}"}[version_name]: [
-                    (
-                        both[version_name]["seconds"],
-                        abs(both[version_name]["dissipation"] / comparison["truth"][name] - 1),
-                    )
-                    for _, both in sorted(
-                        comparison["runs"][name].items(), key=lambda one: int(one[0])
-                    )
-                ]
-                for version_name in ("this", "other")
-            },
-        )
-        for name in SCENES
-    ]
+    titles = {"this": "this version", "other": f"commit {comparison['other']}"}
+    panels = []
+    for name in SCENES:
+        truth = comparison["truth"][name]
+        runs = comparison["runs"][name]
+        curves: dict[str, list[tuple[float, float]]] = {title: [] for title in titles.values()}
+        for edge in sorted(runs, key=int):
+            for version_name, title in titles.items():
+                run = runs[edge][version_name]
+                curves[title].append((run["seconds"], abs(run["dissipation"] / truth - 1)))
+        panels.append((f"{name}: W", "CPU time [s]", "error of W", curves))
+    return panels
 
 
 # ------------------------------------------------------------ error against time: half-plane theory
@@ -424,25 +409,26 @@ METHODS = {
 
 
 def theory_panels(cases: Found) -> list[Panel]:
-    lines = {
-        title: {
-            words: [(p["seconds"], p["error"]) for p in methods[key]]
-            for key, (_, words) in METHODS.items()
-        }
-        for title, methods in cases.items()
-    }
-    return [(title, "CPU time of one W [s]", "error of W", one) for title, one in lines.items()]
+    panels = []
+    for title, methods in cases.items():
+        curves = {}
+        for key, (_, words) in METHODS.items():
+            curves[words] = [(point["seconds"], point["error"]) for point in methods[key]]
+        panels.append((title, "CPU time of one W [s]", "error of W", curves))
+    return panels
 
 
 def theory_page(cases: Found) -> list[str]:
     cells = []
     for title, methods in cases.items():
-        best = [min(methods[key], key=lambda one: one["error"], default=None) for key in METHODS]
-        each = [
-            (f"{one['error']:.1e}", f"{1e3 * one['seconds']:.2g}") if one else ("no answer", "")
-            for one in best
-        ]
-        cells.append((title, *(cell for pair in each for cell in pair)))
+        row = [title]
+        for key in METHODS:
+            best = min(methods[key], key=lambda point: point["error"], default=None)
+            if best is None:
+                row += ["no answer", ""]
+            else:
+                row += [f"{best['error']:.1e}", f"{1e3 * best['seconds']:.2g}"]
+        cells.append(tuple(row))
     return [
         (
             "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule"
@@ -607,13 +593,11 @@ def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
 
 def growth_panels(stored_points: Found) -> list[Panel]:
     def lines(key: str) -> dict[str, list[tuple[float, float]]]:
-        labels = {
-            name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in stored_points["growth"]
-        }
-        return {
-            labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points]
-            for name, points in stored_points["growth"].items()
-        }
+        curves = {}
+        for name, points in stored_points["growth"].items():
+            label = f"{KINDS[name].what}, by {KINDS[name].unit}"
+            curves[label] = [(point["size"], max(point[key], 1e-4)) for point in points]
+        return curves
 
     x = "size, in its own unit"
     return [
@@ -630,10 +614,8 @@ def growth_page(stored_points: Found) -> list[str]:
     steep = []
     for name, points in stored_points["growth"].items():
         kind = KINDS[name]
-        sizes, spent = (
-            ", ".join(f"{p[key]:{form}}" for p in points)
-            for key, form in (("size", ",.0f"), ("seconds", ".3g"))
-        )
+        sizes = ", ".join(f"{point['size']:,.0f}" for point in points)
+        spent = ", ".join(f"{point['seconds']:.3g}" for point in points)
         cells.append(
             (
                 kind.what,
@@ -716,10 +698,10 @@ def start() -> Found:
             if file.is_file() and not file.is_symlink()
         )
 
-    times = {
-        name: [child(words) for words in [arguments] * 6][1:]
-        for name, arguments in COMMANDS.items()
-    }
+    times = {}
+    for name, arguments in COMMANDS.items():
+        child(arguments)  # the first also reads what the later ones find
+        times[name] = [child(arguments) for _ in range(5)]
     with tempfile.TemporaryDirectory() as folder:
         child(
             [
@@ -748,8 +730,8 @@ def start() -> Found:
 
 def start_page(stored_times: Found) -> list[str]:
     cells = [
-        (name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max)))
-        for name, t in stored_times["seconds"].items()
+        (name, f"{min(times):.2f}", f"{statistics.median(times):.2f}", f"{max(times):.2f}")
+        for name, times in stored_times["seconds"].items()
     ]
     largest = ", ".join(
         f"{name} {size / 1e6:.0f}" for name, size in stored_times["largest"].items()
@@ -760,9 +742,10 @@ def start_page(stored_times: Found) -> list[str]:
         *markdown("process | least [s] | median [s] | most [s]", cells),
         "",
         (
-            f"The wheel has {stored_times['wheel'] / 1e6:.2f} MB. The environment that `make` sets up,"
-            f" tests, linters, browser and pages included, has {stored_times['environment'] / 1e9:.2f} GB"
-            f" on disk; the largest of it [MB]: {largest}."
+            f"The wheel has {stored_times['wheel'] / 1e6:.2f} MB. The environment that `make` sets"
+            " up, tests, linters, browser and pages included, has"
+            f" {stored_times['environment'] / 1e9:.2f} GB on disk; the largest of it [MB]:"
+            f" {largest}."
         ),
     ]
 

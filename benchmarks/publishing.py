@@ -386,10 +386,8 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> dict[str, Any]
             for expected in scene.expected
             if expected.quantity == quantity
         }
-        quadratic, linear = (
-            next(value for source, value in published.items() if f"{kind} elements" in source)
-            for kind in ("quadratic", "linear")
-        )
+        quadratic = next(v for source, v in published.items() if "quadratic elements" in source)
+        linear = next(v for source, v in published.items() if "linear elements" in source)
         mended = (figures[f"halfplane_fe.{quantity}"] or math.nan) * (
             1 + (large[key] / base[key] - 1)
         )

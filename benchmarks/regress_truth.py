@@ -85,10 +85,8 @@ class Contact(NamedTuple):
         if not self.b:
             return (p * mp.log(p / front) - p + front) / 2
         stiffness = self.modulus / self.radius * self.b**2
-        (tau, inner) = (
-            self.depth(p),
-            self.depth(front),
-        )
+        tau = self.depth(p)
+        inner = self.depth(front)
 
         def below(t: mp.mpf) -> mp.mpf:
             return stiffness / 2 * (((1 + t**2) * mp.atan(t) - t) / 2 - t + mp.atan(t))

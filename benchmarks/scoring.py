@@ -282,8 +282,8 @@ def rules() -> Iterator[Row]:
         / scales(exact).half_width
     )
     how = (
-        f"hertz-paper, theory at the {len(exact.x)} points and {len(exact.time)} instants of a cycle of"
-        " the finite elements"
+        f"hertz-paper, theory at the {len(exact.x)} points and {len(exact.time)} instants of a"
+        " cycle of the finite elements"
     )
     yield Row("stick edge without slip, off by up to", float(np.nanmax(off)), None, how, "a")
     for kind, suffixes in (

@@ -70,7 +70,7 @@ def public_names(tree: ast.Module) -> set[str]:
             names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             names.add(node.target.id)
-    return {name for name in names if not any(part.startswith("_") for part in name.split("."))}
+    return {name for name in names if not name.startswith("_") and "._" not in name}
 
 
 def size(part: str) -> Size:

@@ -132,14 +132,12 @@ class Outcome:
         """Every trial accounted for."""
         if self.broken:
             return "**broken**: " + "; ".join(self.broken)
-        words = [f"right ({self.right})" if self.told else "right"] if self.right else []
-        return "; ".join(
-            [
-                *words,
-                *(f"stated: {one}" for one in self.told),
-                *(f"refused: “{one}”" for one in self.refused),
-            ]
-        )
+        words = []
+        if self.right:
+            words.append(f"right ({self.right})" if self.told else "right")
+        words += [f"stated: {sentence}" for sentence in self.told]
+        words += [f"refused: “{sentence}”" for sentence in self.refused]
+        return "; ".join(words)
 
     def count(self, case: Case, name: str, outcome_of_case: float | Found) -> None:
         """One trial that was answered: right, in error and stated, or wrong and silent."""
@@ -382,10 +380,13 @@ def against_theory(
     friction = scene.friction.coefficient
     unit = 2 / composite_modulus(scene.material) * (friction * answer.normal_load.max()) ** 2
     off = abs(answer.dissipation - work)
+    error_of_work = off / work if work else np.inf
+    if not off:
+        error_of_work = 0.0
     errors = {
         "p": float(np.max(l2(answer.pressure[chosen] - exact.pressure) / size)),
         "q": float(np.max(l2(answer.shear[chosen] - exact.shear) / (friction * size))),
-        "W": off / work if work else (np.inf if off else 0.0),
+        "W": error_of_work,
     }
     # Equilibrium is over P of the instant, of which rounding of the largest load is a share.
     rounding = (
