@@ -70,12 +70,12 @@ ROUNDED_OFF = 1e-11
 
 
 # ------------------------------------------------------------------------------------------ budgets
-def beside_theory(result: ContactSolution) -> Comparison:
+def beside_theory(answer: ContactSolution) -> Comparison:
     """As `halfplane run` compares: theory on the points and instants of the result, and on the
     polygon of its increments.
     """
-    reference = semi_analytic.solve(result.scene, x=result.x, time=result.time)
-    return compare(reference, result, polygon_reference=theory_on_steps(result))
+    reference = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
+    return compare(reference, answer, polygon_reference=theory_on_steps(answer))
 
 
 def plain(scene: Scene, mesh: MeshSettings, steps: SolverSettings = STEPS) -> Comparison:
@@ -112,11 +112,11 @@ def budgets() -> Iterator[Row]:
     """
     scenes = {name: load_scene(name) for name in scene_names()}
     library = {name: budgeted(scene) for name, scene in scenes.items() if are_half_planes(scene)}
-    pairs = [(name, one) for name, found in library.items() for one in headlines(found)]
-    known = [(name, one) for name, one in pairs if one.honest is not None]
-    what = "budget: metrics that have no uncertainty, a term not being measured"
-    yield Row(what, len(pairs) - len(known), None, "left out below")
-    missed = [f"{name} {one.metric.key}" for name, one in known if not one.honest]
+    pairs = [(name, term) for name, budget in library.items() for term in headlines(budget)]
+    known = [(name, term) for name, term in pairs if term.honest is not None]
+    claim = "budget: metrics that have no uncertainty, a term not being measured"
+    yield Row(claim, len(pairs) - len(known), None, "left out below")
+    missed = [f"{name} {term.metric.key}" for name, term in known if not term.honest]
     how = (
         f"{len(known) - len(missed)} of {len(known)} covered over {len(library)} scenes; not:"
         f" {', '.join(missed) or 'none'}"
@@ -124,7 +124,7 @@ def budgets() -> Iterator[Row]:
     yield Row(
         "budget: share not covered by the stated uncertainty", len(missed) / len(known), 0.05, how
     )
-    thin = sum(abs(one.rest) > (one.uncertainty or 0.0) / 10 for _, one in known) / len(known)
+    thin = sum(abs(term.rest) > (term.uncertainty or 0.0) / 10 for _, term in known) / len(known)
     yield Row(
         "budget: ... by a tenth of it",
         thin,
@@ -132,20 +132,26 @@ def budgets() -> Iterator[Row]:
         "the count can fail: no uncertainty is a blank cheque",
     )
 
-    def sharpness(ones: list[Budget]) -> float:
-        return float(np.median([(one.uncertainty or 0.0) / abs(one.total) for one in ones]))
+    def sharpness(terms: list[Budget]) -> float:
+        return float(np.median([(term.uncertainty or 0.0) / abs(term.total) for term in terms]))
 
-    yield Row("budget: u over |E|, median", sharpness([one for _, one in known]), None, "sharpness")
-    for key in dict.fromkeys(one.metric.key for _, one in known):
-        mine = [one for _, one in known if one.metric.key == key]
+    yield Row(
+        "budget: u over |E|, median", sharpness([term for _, term in known]), None, "sharpness"
+    )
+    for key in dict.fromkeys(term.metric.key for _, term in known):
+        of_metric = [term for _, term in known if term.metric.key == key]
         how = (
-            f"{sum(bool(one.honest) for one in mine)} of {len(mine)}; u/|E| {sharpness(mine):.2g}"
+            f"{sum(bool(term.honest) for term in of_metric)} of {len(of_metric)};"
+            f" u/|E| {sharpness(of_metric):.2g}"
             " in the median"
         )
         yield Row(
-            f"budget: {key} not covered", sum(not one.honest for one in mine) / len(mine), None, how
+            f"budget: {key} not covered",
+            sum(not term.honest for term in of_metric) / len(of_metric),
+            None,
+            how,
         )
-    ratios = {name: found.cost for name, found in library.items()}
+    ratios = {name: budget.cost for name, budget in library.items()}
     worst = max(ratios, key=ratios.__getitem__)
     yield Row(
         "budget, twice the default sizes: cost over the plain run, worst scene",
@@ -169,9 +175,9 @@ def budgets() -> Iterator[Row]:
             without_steps(plain(paper, replace(cut, far_radius=radius))) for radius in (10.0, 20.0)
         )
         for key in ("dissipation", "peak_pressure"):
-            what = f"far field on {label}: {key} at L = 10 a less at 20 a"
+            claim = f"far field on {label}: {key} at L = 10 a less at 20 a"
             yield Row(
-                what,
+                claim,
                 (near[key] or 0.0) - (far[key] or 0.0),
                 None,
                 "hertz-paper, scatter of meshing anew included",
@@ -187,11 +193,11 @@ def real_bodies(scenes: list[Scene]) -> Row:
     missed = []
     for scene in scenes:
         fine = without_steps(plain(scene, MESH))
-        for one in headlines(budgeted(scene)):
-            if (truth := fine.get(one.metric.key)) is not None and one.uncertainty is not None:
-                inside = abs(one.rest - truth) <= one.uncertainty
+        for term in headlines(budgeted(scene)):
+            if (truth := fine.get(term.metric.key)) is not None and term.uncertainty is not None:
+                inside = abs(term.rest - truth) <= term.uncertainty
                 covered = covered + inside
-                missed = missed + ([] if inside else [f"{scene.name} {one.metric.key}"])
+                missed = missed + ([] if inside else [f"{scene.name} {term.metric.key}"])
     how = (
         f"the discrepancy on half the sizes within u: {covered} of {covered + len(missed)}; not:"
         f" {', '.join(missed) or 'none'}"
@@ -232,8 +238,8 @@ def theory(
     it is what was asked.
     """
 
-    def planted(scene: Scene, *given: Any, **named: Any) -> ContactSolution:
-        answer = THEORY(change(scene), *given, **named)
+    def planted(scene: Scene, *arguments: Any, **named: Any) -> ContactSolution:
+        answer = THEORY(change(scene), *arguments, **named)
         turned = (
             {
                 name: sign * getattr(answer, name)
@@ -265,7 +271,9 @@ def other_body() -> must_fail.Planted:
     """The FE model condenses an upper body of another Poisson's ratio."""
     make = must_fail.SOLVE.condensed_pair
     return mock.patch.object(
-        must_fail.SOLVE, "condensed_pair", lambda scene, *given: make(other_nu(scene), *given)
+        must_fail.SOLVE,
+        "condensed_pair",
+        lambda scene, *arguments: make(other_nu(scene), *arguments),
     )
 
 
@@ -322,11 +330,11 @@ class Found(NamedTuple):
         """
         if key == STEP:
             return "step"
-        one = self.budgets[key]
+        budget = self.budgets[key]
         parts = {
-            term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in one.terms
+            term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in budget.terms
         }
-        parts["model"] = abs(one.rest) if one.resolved else 0.0
+        parts["model"] = abs(budget.rest) if budget.resolved else 0.0
         return max(parts, key=parts.__getitem__)
 
 
@@ -339,7 +347,8 @@ def seen(faulty: Found, healthy: Found) -> dict[str, float]:
     }
     return dict(
         sorted(
-            ((key, ratio) for key, ratio in wide.items() if ratio > 1), key=lambda item: -item[1]
+            ((key, ratio) for key, ratio in wide.items() if ratio > 1),
+            key=lambda key_and_ratio: -key_and_ratio[1],
         )
     )
 
@@ -356,7 +365,7 @@ def with_fault(fault: Fault) -> Found:
         if not any(part in key for part in LEFT_OUT):
             known[key] = term
     return Found(
-        {key: one.total for key, one in known.items()}
+        {key: term_of_key.total for key, term_of_key in known.items()}
         | {STEP: comparison.metric(STEP).value or 0.0},
         known,
     )
@@ -403,8 +412,8 @@ def cheap() -> Iterator[Row]:
     ]
     known = {}
     for preset in PRESETS:
-        asked = {"scene": "hertz-paper", "figures": names, "uncertainty": "cheap", "preset": preset}
-        finished = swept(asked, F | {"values": FRICTIONS})[0]
+        study = {"scene": "hertz-paper", "figures": names, "uncertainty": "cheap", "preset": preset}
+        finished = swept(study, F | {"values": FRICTIONS})[0]
         for name in names:
             for f, e, u in zip(
                 *(finished[key].tolist() for key in ("f", name, f"{name}.uncertainty")), strict=True
@@ -476,7 +485,7 @@ def random_model(draw: np.random.Generator, number: int) -> Scene:
         "normal_amplitude": MEAN * swing,
         "mean_tangential_load": most * offset,
     }
-    made = {
+    arguments = {
         "name": f"random-{number}",
         "material": load_scene("hertz-paper").model_dump(mode="json")["material"],
         "profile": random_profile(draw, number // 2),
@@ -489,7 +498,7 @@ def random_model(draw: np.random.Generator, number: int) -> Scene:
         },
     }
     return Scene.model_validate(
-        made | ({"bodies": {"lower": block, "upper": block}} if number % 2 else {})
+        arguments | ({"bodies": {"lower": block, "upper": block}} if number % 2 else {})
     )
 
 
@@ -510,7 +519,7 @@ def models(count: int = 60, seed: int = 2) -> int:
             f" {'half-planes' if scene.bodies.half_planes else 'blocks':11s}"
         )
         try:
-            found = halfplane_fe.solve(scene)
+            answer = halfplane_fe.solve(scene)
             finer = {
                 "mesh": MeshSettings(edge_element_size=1 / 320, growth=0.1),
                 "settings": SolverSettings(step_tolerance=5e-5),
@@ -518,17 +527,17 @@ def models(count: int = 60, seed: int = 2) -> int:
             if scene.bodies.half_planes:
                 true = THEORY(scene, x=[0.0], fields=("dissipation",)).dissipation
             else:
-                true = halfplane_fe.solve(scene, **finer, scales=found.scales).dissipation
+                true = halfplane_fe.solve(scene, **finer, scales=answer.scales).dissipation
         except (InputError, ConvergenceError) as reason:
             outcome["refused or not converged"] += 1
             print(f"{head} {reason}", flush=True)
             continue
         work = true / (
-            2 / found.scales.modulus * (scene.friction.coefficient * found.scales.load) ** 2
+            2 / answer.scales.modulus * (scene.friction.coefficient * answer.scales.load) ** 2
         )
         error, stated = (
             (value / max(true, 1e-300))
-            for value in (found.dissipation - true, found.dissipation_uncertainty)
+            for value in (answer.dissipation - true, answer.dissipation_uncertainty)
         )
         outcome[
             "hardly slips: " * (work < LITTLE)
@@ -609,13 +618,15 @@ def profiles(count: int = 200, seed: int = 1) -> int:
         label = " fitted by ".join(FITS[number % len(FITS)])
         try:
             true, scene = measured_profile(random, number)
-            found = fit_uncertainty(scene).dissipation
+            dissipation = fit_uncertainty(scene).dissipation
         except InputError as fault:
             print(f"case {number}, {label}: {fault}")
             continue
-        assert found is not None
+        assert dissipation is not None
         truth = THEORY(true, x=[0.0], fields=("dissipation",)).dissipation
-        outcomes[label].append((abs(found.value / truth - 1), found.uncertainty / truth + PROMISED))
+        outcomes[label].append(
+            (abs(dissipation.value / truth - 1), dissipation.uncertainty / truth + PROMISED)
+        )
     answered = sum(map(len, outcomes.values()))
     print(f"seed {seed}: {answered} of {count} answered")
     for label, rows in outcomes.items():

@@ -346,17 +346,17 @@ def earlier() -> Found:
 def earlier_page(comparison: Found) -> list[str]:
     front = []
     for name, runs in comparison["runs"].items():
-        for edge, of_versions in sorted(runs.items(), key=lambda one: int(one[0])):
+        for edge, of_versions in sorted(runs.items(), key=lambda run: int(run[0])):
             earlier_run = of_versions["other"]
             this_run = of_versions["this"]
-            times = (f"{one['seconds']:.2f}" for one in (earlier_run, this_run))
+            times = (f"{run['seconds']:.2f}" for run in (earlier_run, this_run))
             truth = comparison["truth"].get(name)
             works = [
-                f"{abs(one['dissipation'] / truth - 1):.1e}" if truth else ""
-                for one in (earlier_run, this_run)
+                f"{abs(run['dissipation'] / truth - 1):.1e}" if truth else ""
+                for run in (earlier_run, this_run)
             ]
             shears = [
-                f"{one['shear']:.1e}" if "shear" in one else "" for one in (earlier_run, this_run)
+                f"{run['shear']:.1e}" if "shear" in run else "" for run in (earlier_run, this_run)
             ]
             front.append(
                 (
@@ -467,8 +467,8 @@ def sweep_of(points: int, exact: bool) -> Cost:
     """A study of a scene: friction by theory; by finite elements blocks of several heights, coarse
     meshes. One process.
     """
-    asked = (jobs.EXACT, jobs.frictions(points)) if exact else (jobs.FE, jobs.heights(points))
-    return points, with_children(lambda: jobs.swept(*asked))[0], 1
+    study = (jobs.EXACT, jobs.frictions(points)) if exact else (jobs.FE, jobs.heights(points))
+    return points, with_children(lambda: jobs.swept(*study))[0], 1
 
 
 def path_cost(edge: int, steps: int = 96) -> Cost:
@@ -477,8 +477,8 @@ def path_cost(edge: int, steps: int = 96) -> Cost:
     """
     began: list[float] = []
 
-    def clock(done: int, _total: int | None, text: str) -> None:
-        if not done and text.startswith("initial loading"):
+    def clock(step: int, _total: int | None, text: str) -> None:
+        if not step and text.startswith("initial loading"):
             began.append(time.process_time())
 
     solver = SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
@@ -494,8 +494,12 @@ def condensation_cost(edge: int, growth: float = 0.2) -> Cost:
     """
     mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
     begun = time.process_time()
-    found = condense(mesh, STEEL, 1.0)
-    return len(found.x), time.process_time() - begun, int(found.diagnostics["degrees_of_freedom"])
+    condensed = condense(mesh, STEEL, 1.0)
+    return (
+        len(condensed.x),
+        time.process_time() - begun,
+        int(condensed.diagnostics["degrees_of_freedom"]),
+    )
 
 
 class Kind(NamedTuple):
@@ -552,11 +556,11 @@ def one_cost(name: str, size: int) -> dict[str, float]:
     """Cost of a point in this process, and its peak of memory [MB] beyond what the imports take."""
     imported = memory()
     with threadpool_limits(limits=1, user_api="blas"):
-        found = KINDS[name].task(size)
-    each = found[1] / found[2] if name == "path" else found[1]  # an increment of the path
+        counts = KINDS[name].task(size)
+    each = counts[1] / counts[2] if name == "path" else counts[1]  # an increment of the path
     return {
-        "size": found[KINDS[name].by],
-        "seconds": found[1],
+        "size": counts[KINDS[name].by],
+        "seconds": counts[1],
         "each": each,
         "memory": memory() - imported,
         "imports": imported,
@@ -565,17 +569,17 @@ def one_cost(name: str, size: int) -> dict[str, float]:
 
 def growth() -> Found:
     """All kinds, each point in a process of its own; wall seconds by stage."""
-    found: dict[str, list[dict[str, float]]] = {}
+    points: dict[str, list[dict[str, float]]] = {}
     for name, kind in KINDS.items():
         commands = [[sys.executable, __file__, "--one", name, str(size)] for size in kind.sizes]
-        found[name] = [
+        points[name] = [
             json.loads(subprocess.run(c, check=True, capture_output=True, text=True).stdout)
             for c in commands
         ]
-        print(f"    {name}: exponent {exponent(found[name]):.2f}", flush=True)
+        print(f"    {name}: exponent {exponent(points[name]):.2f}", flush=True)
     scenes = ("hertz-paper", "blocks", "cattaneo-mindlin", *SLOW)
     return {
-        "growth": found,
+        "growth": points,
         "stages": {
             name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes
         },
@@ -852,7 +856,7 @@ def measured(name: str) -> dict[str, Any]:
     """A section measured, with machine, versions, and how busy the machine is."""
     file = Path("/proc/cpuinfo")
     cpu = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-    made: dict[str, Any] = {
+    stored_values: dict[str, Any] = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "processor": next(
             (line.split(":", 1)[1].strip() for line in cpu if line.startswith("model name")),
@@ -866,22 +870,22 @@ def measured(name: str) -> dict[str, Any]:
     }
     begun = time.perf_counter()
     spent = time.process_time()
-    found = SECTIONS[name].measure()
+    measured_values = SECTIONS[name].measure()
     took = {
         "wall": round(time.perf_counter() - begun),
         "process": round(time.process_time() - spent),
     }
     return {
-        "made": made | {"load after": round(os.getloadavg()[0], 1), "seconds": took},
-        "found": found,
+        "made": stored_values | {"load after": round(os.getloadavg()[0], 1), "seconds": took},
+        "found": measured_values,
     }
 
 
 def _measured_ones() -> dict[str, Section]:
     """All but the one beside an earlier version where no such checkout was ever named."""
     return {
-        name: one
-        for name, one in SECTIONS.items()
+        name: section
+        for name, section in SECTIONS.items()
         if name != "earlier" or (FOLDER / f"{name}.json").exists()
     }
 
@@ -901,19 +905,21 @@ def page_text() -> str:
         ),
     ]
     for name, section in _measured_ones().items():
-        made, found = stored(FOLDER / f"{name}.json").values()
-        versions = ", ".join(f"{package} {number}" for package, number in made["versions"].items())
+        origin, measured_values = stored(FOLDER / f"{name}.json").values()
+        versions = ", ".join(
+            f"{package} {number}" for package, number in origin["versions"].items()
+        )
         words = (
-            f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load"
-            f" {made['load before']} before and {made['load after']} after,"
-            f" {made['seconds']['wall']} s in all; {versions}.*"
+            f"*Measured {origin['date']} on {origin['cores']} cores, {origin['processor']}; load"
+            f" {origin['load before']} before and {origin['load after']} after,"
+            f" {origin['seconds']['wall']} s in all; {versions}.*"
         )
         figure = (
             ["", f"![{section.figure[2]}](performance/{section.figure[0]}.svg)"]
             if section.figure
             else []
         )
-        lines += ["", f"## {section.title}", "", words, *figure, "", *section.page(found)]
+        lines += ["", f"## {section.title}", "", words, *figure, "", *section.page(measured_values)]
     return "\n".join(lines) + "\n"
 
 

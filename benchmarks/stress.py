@@ -168,26 +168,26 @@ def _values(values: Mapping[str, float]) -> str:
 
 def outcome(case: Case) -> dict[str, Any]:
     """Every trial of a case, warnings being errors."""
-    found = Outcome(day=datetime.now(UTC).date().isoformat())
+    outcome_of_case = Outcome(day=datetime.now(UTC).date().isoformat())
     started = time.perf_counter()
     for value in case.values:
-        given = value if isinstance(value, tuple) else (value,)
-        name = case.words.format(*given)
+        arguments = value if isinstance(value, tuple) else (value,)
+        name = case.words.format(*arguments)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                found.count(case, name, case.function(*given))
+                outcome_of_case.count(case, name, case.function(*arguments))
         except (InputError, ConvergenceError) as reason:
             sentence = f"{reason}".splitlines()[0]
-            found.refused += [] if sentence in found.refused else [sentence]
-            found.broken += [] if case.refuses else [f"{name}: refused, {reason}"]
+            outcome_of_case.refused += [] if sentence in outcome_of_case.refused else [sentence]
+            outcome_of_case.broken += [] if case.refuses else [f"{name}: refused, {reason}"]
         except Exception as reason:  # noqa: BLE001 - a traceback is what is looked for: it is counted and shown
-            found.broken.append(f"{name}: {type(reason).__name__}: {reason}")
-    if case.refuses and found.worst:
-        found.broken.append("a trial was answered")
-    found.seconds = time.perf_counter() - started
-    print(f"{_values(found.worst)}  {found.verdict}", flush=True)
-    return asdict(found)
+            outcome_of_case.broken.append(f"{name}: {type(reason).__name__}: {reason}")
+    if case.refuses and outcome_of_case.worst:
+        outcome_of_case.broken.append("a trial was answered")
+    outcome_of_case.seconds = time.perf_counter() - started
+    print(f"{_values(outcome_of_case.worst)}  {outcome_of_case.verdict}", flush=True)
+    return asdict(outcome_of_case)
 
 
 # ------------------------------------------------------------------------------------------- scenes
@@ -250,7 +250,7 @@ UNITS = [(length, stress) for stress in (1e-12, 1e12) for length in (1e-12, 1e12
 
 
 def apart(
-    one: ContactSolution, other: ContactSolution, length: float, stress: float, *names: str
+    answer: ContactSolution, reference: ContactSolution, length: float, stress: float, *names: str
 ) -> float:
     """Worst change of any of these fields of the other in units of length and stress, over its
     largest value.
@@ -262,7 +262,7 @@ def apart(
         "dissipation": length**2 * stress,
     }
     pairs = [
-        (np.asarray(getattr(other, n)) / units.get(n, length), np.asarray(getattr(one, n)))
+        (np.asarray(getattr(reference, n)) / units.get(n, length), np.asarray(getattr(answer, n)))
         for n in names
     ]
     return max(
@@ -297,7 +297,7 @@ def of_mindlin(share: float, friction: float, over_stated: bool = False) -> floa
 
 def theory_in_units(kind: str, length: float, stress: float) -> float:
     x = np.linspace(-2.6, 2.6, 41)
-    one, other = (
+    in_millimetres, in_other_units = (
         semi_analytic.solve(in_units(u, s, PROFILES[kind](u)), x=x * u)
         for u, s in ((1.0, 1.0), (length, stress))
     )
@@ -309,8 +309,8 @@ def theory_in_units(kind: str, length: float, stress: float) -> float:
         "stick_half_width",
     )
     worst = apart(
-        one,
-        other,
+        in_millimetres,
+        in_other_units,
         length,
         stress,
         "pressure",
@@ -319,7 +319,7 @@ def theory_in_units(kind: str, length: float, stress: float) -> float:
         "dissipation",
         *moves,
     )
-    return worst if np.array_equal(one.state, other.state) else float("nan")
+    return worst if np.array_equal(in_millimetres.state, in_other_units.state) else float("nan")
 
 
 def wave(count: int, noise: float = 0.0) -> np.ndarray:
@@ -419,11 +419,11 @@ def pair(ratio: float, upper: float, lower: float) -> Materials:
 
 def exchanged(ratio: float) -> float:
     """W with the bodies exchanged, which is the same scene seen from below."""
-    one = pair(ratio, 0.3, 0.3)
-    both = one, Materials(upper=one.lower, lower=one.upper)
+    materials = pair(ratio, 0.3, 0.3)
+    of_both_orders = materials, Materials(upper=materials.lower, lower=materials.upper)
     works = [
         halfplane_fe.solve(scene_of(ellipse(*LOOP), material=material), COARSE, FEW).dissipation
-        for material in both
+        for material in of_both_orders
     ]
     return abs(works[1] / works[0] - 1)
 
@@ -440,21 +440,24 @@ def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
             scene, mesh, SolverSettings(steps_per_cycle=8 * increments, step_tolerance=np.inf)
         )
 
-    many = solved(count)
-    few = solved(16)
-    if len(many.time) + many.work.skipped.get("instants", (0,))[0] < count * (corners + 1):
+    with_many = solved(count)
+    with_few = solved(16)
+    if len(with_many.time) + with_many.work.skipped.get("instants", (0,))[0] < count * (
+        corners + 1
+    ):
         return Found({"increments missing": float("nan")})
-    here, there = (
-        np.searchsorted(answer.time, np.arange(1.0, corners + 1.5) - 1e-9) for answer in (many, few)
+    rows, rows_of_few = (
+        np.searchsorted(answer.time, np.arange(1.0, corners + 1.5) - 1e-9)
+        for answer in (with_many, with_few)
     )
     off = {
-        "W": abs(many.dissipation / few.dissipation - 1),
-        "laws": max(broken_by(many), broken_by(few)),
+        "W": abs(with_many.dissipation / with_few.dissipation - 1),
+        "laws": max(broken_by(with_many), broken_by(with_few)),
     }
     for symbol, name in (("p", "pressure"), ("q", "shear"), ("slip", "slip")):
-        one = getattr(many, name)[here]
-        other = getattr(few, name)[there]
-        off[symbol] = float(np.max(np.abs(one - other)) / np.max(np.abs(other)))
+        values = getattr(with_many, name)[rows]
+        values_of_few = getattr(with_few, name)[rows_of_few]
+        off[symbol] = float(np.max(np.abs(values - values_of_few)) / np.max(np.abs(values_of_few)))
     return Found(off)
 
 
@@ -470,11 +473,11 @@ def squeezed(body: BodyMesh, share: float, count: int = 30) -> BodyMesh:
         (x0, y0), (x1, y1), (x2, y2) = (at[:, row] for row in triangles)
         return (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
 
-    taken = set(mesh.facets[:, mesh.boundary_facets()].ravel().tolist())
+    boundary_nodes = set(mesh.facets[:, mesh.boundary_facets()].ravel().tolist())
     moved: list[int] = []
     for number in np.random.default_rng(0).permutation(corners.shape[1]):
         node, *side = corners[:, number].tolist()
-        if len(moved) == count or not taken.isdisjoint((node, *side)):
+        if len(moved) == count or not boundary_nodes.isdisjoint((node, *side)):
             continue
         star = corners[:, np.any(corners == node, axis=0)]
         trial = places.copy()
@@ -483,13 +486,13 @@ def squeezed(body: BodyMesh, share: float, count: int = 30) -> BodyMesh:
         if np.all(areas(trial, star) * areas(places, star) > 0):
             places = trial
             moved = [*moved, node]
-            taken.update(star.ravel().tolist())
+            boundary_nodes.update(star.ravel().tolist())
     bent = np.flatnonzero(np.isin(mesh.facets, moved).any(axis=0))
     places[:, mesh.dofs.facet_dofs[0, bent]] = np.mean(places[:, mesh.facets[:, bent]], axis=1)
     if len(moved) < count:
         raise ValueError(f"only {len(moved)} nodes can be moved")
-    made = replace(mesh, doflocs=places)
-    return replace(body, mesh=made, quality=mesh_quality(made, 1.0))
+    squeezed_mesh = replace(mesh, doflocs=places)
+    return replace(body, mesh=squeezed_mesh, quality=mesh_quality(squeezed_mesh, 1.0))
 
 
 def aspect(*bodies: BodyMesh) -> float:
@@ -508,8 +511,8 @@ def with_slivers(share: float) -> Found:
         return bodies[-1]
 
     with mock.patch("halfplane_fe.interface.build", build):
-        found = against_theory(scene_of(ellipse(*LOOP)))
-    return found._replace(shown={**found.shown, "aspect": aspect(*bodies)})
+        errors = against_theory(scene_of(ellipse(*LOOP)))
+    return errors._replace(shown={**errors.shown, "aspect": aspect(*bodies)})
 
 
 def on_block(width: float, height: float) -> Found:
@@ -581,8 +584,8 @@ def half_plane_cases() -> Iterator[Case]:
     )
 
     def hard(row: int) -> float:
-        one = table_of_ellipses(extremes=True)[row]
-        return abs(batch(one) / float(one["dissipation"]) - 1)
+        ellipse_of_row = table_of_ellipses(extremes=True)[row]
+        return abs(batch(ellipse_of_row) / float(ellipse_of_row["dissipation"]) - 1)
 
     tried = (
         "22 stored ones: slip of 1e-9 of f P, 1 - 1e-12 of gross sliding, P1/P0 = 1 - 1e-9, within"
@@ -606,22 +609,24 @@ def half_plane_cases() -> Iterator[Case]:
 
 
 def fe_cases() -> Iterator[Case]:
-    beside = "p, q in L2 and W, against the half-plane engine"
+    claim = "p, q in L2 and W, against the half-plane engine"
 
     def stated(what: str, tried: str, scene: Callable[[Any], Any], *values: Any) -> Case:
         """`scene` gives a scene, or the arguments of against_theory."""
 
         def function(value: Any) -> Found:
-            made = scene(value)
-            return against_theory(*(made if isinstance(made, tuple) else (made,)))
+            scene_of_value = scene(value)
+            return against_theory(
+                *(scene_of_value if isinstance(scene_of_value, tuple) else (scene_of_value,))
+            )
 
-        return Case(FE, what, tried, beside, STATED, function, values, may_state=True)
+        return Case(FE, what, tried, claim, STATED, function, values, may_state=True)
 
     def refused(what: str, tried: str, function: Callable[..., Any], *values: Any) -> Case:
         return Case(FE, what, tried, "refused", 0.0, function, values, refuses=True)
 
-    def loop(**more: Any) -> Scene:
-        return scene_of(ellipse(*LOOP), **more)
+    def loop(**changes: Any) -> Scene:
+        return scene_of(ellipse(*LOOP), **changes)
 
     def on_mesh(change: dict[str, Any]) -> tuple[Scene, MeshSettings]:
         return loop(), replace(COARSE, **change)
@@ -750,7 +755,7 @@ def fe_cases() -> Iterator[Case]:
         FE,
         "slivers",
         tried.format("1e-2 ... 1e-8"),
-        beside,
+        claim,
         STATED,
         with_slivers,
         heights,
@@ -829,13 +834,13 @@ def main(words: list[str]) -> int:
     """Run the cases that are asked for, all where none is; write the page."""
     known = cases()
     stored = measure(STORE, {name: partial(outcome, case) for name, case in known.items()}, words)
-    found = {name: Outcome(**one) for name, one in stored.items()}
-    PAGE.write_text(page(found), encoding="utf-8")
-    broken = sum(bool(one.broken) for one in found.values())
-    missing = [name for name in known if name not in found]
+    outcomes = {name: Outcome(**outcome_of_case) for name, outcome_of_case in stored.items()}
+    PAGE.write_text(page(outcomes), encoding="utf-8")
+    broken = sum(bool(outcome_of_case.broken) for outcome_of_case in outcomes.values())
+    missing = [name for name in known if name not in outcomes]
     print(
-        f"docs/stress.md: {len(found)} cases, {broken} broken,"
-        f" {sum(one.seconds for one in found.values()):.0f} s"
+        f"docs/stress.md: {len(outcomes)} cases, {broken} broken,"
+        f" {sum(outcome_of_case.seconds for outcome_of_case in outcomes.values()):.0f} s"
     )
     if missing:
         print(f"not run yet: {'; '.join(missing)}")
