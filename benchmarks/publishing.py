@@ -98,8 +98,8 @@ def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its
     own points.
     """
-    from reports.comparison import Report
-    from reports.comparison.words import as_json
+    from reports.page.content import as_json
+    from reports.report import Report
 
     name = comparison.scene.name
     of_both = of_content(json.loads(as_json(Report(comparison))), name)

@@ -14,10 +14,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reports.comparison import Comparison, Report, compare
+    from reports.comparison import Comparison, compare
     from reports.comparison.laws import Certificate
     from reports.comparison.metrics import Metric
     from reports.page.writing import figure, write
+    from reports.report import Report
     from reports.scoring.against import score
 
 __all__ = ["Certificate", "Comparison", "Metric", "Report", "compare", "figure", "score", "write"]
@@ -26,7 +27,7 @@ _HOME = {
     "Certificate": "reports.comparison.laws",
     "Comparison": "reports.comparison",
     "Metric": "reports.comparison.metrics",
-    "Report": "reports.comparison",
+    "Report": "reports.report",
     "compare": "reports.comparison",
     "figure": "reports.page.writing",
     "score": "reports.scoring.against",

@@ -17,7 +17,7 @@ import numpy as np
 
 from reports.checking import require_admissible
 from reports.comparison import findings
-from reports.comparison.words import solution_content, strict
+from reports.comparison.json_values import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.profile_fit import fit_in_words
 from reports.scoring.against import own_solution

@@ -66,16 +66,11 @@ def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
     assert one & other == set()
 
 
-def imported(text: str, modules: set[str], types: bool = True) -> set[str]:
-    """Modules that a file imports, wherever in it, for types alone too or not; of a package its
+def imported(text: str, modules: set[str]) -> set[str]:
+    """Modules that a file imports, wherever in it, for types alone too; of a package its
     `__init__`.
     """
-    parts = [
-        part
-        for part in ast.parse(text).body
-        if types or not (isinstance(part, ast.If) and ast.unparse(part.test) == "TYPE_CHECKING")
-    ]
-    nodes = [node for part in parts for node in ast.walk(part) if isinstance(node, ast.ImportFrom)]
+    nodes = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     names = {
         (node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names
     }
@@ -86,11 +81,7 @@ def circle(package: str, texts: dict[str, str]) -> set[str]:
     """What is left when modules that import none of those left are taken away, again and again:
     nothing, without a circle.
     """
-    left = {
-        name: imported(text, set(texts), types=package != "reports")
-        for name, text in texts.items()
-        if name != package
-    }
+    left = {name: imported(text, set(texts)) for name, text in texts.items() if name != package}
     while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
         left = {name: needs for name, needs in left.items() if name not in last}
     return set(left)
@@ -98,7 +89,7 @@ def circle(package: str, texts: dict[str, str]) -> set[str]:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_go_round_in_no_circle(package: str) -> None:
-    """Through all folders of reports, where imports for types alone may."""
+    """Through all folders of reports too, and for imports for types alone."""
     files = {
         ".".join(path.relative_to(ROOT).with_suffix("").parts): path
         for path in (ROOT / package).rglob("*.py")

@@ -18,7 +18,7 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.charts.templating import marked
 from reports.cli.solving import exit_code, verdict_shown
-from reports.comparison import Comparison, Report, compare
+from reports.comparison import Comparison, compare
 from reports.comparison import budget as budgets
 from reports.comparison.budget import (
     Budget,
@@ -33,11 +33,13 @@ from reports.comparison.budget import (
     kind_of,
     mesh_ratio,
     observed_order,
-    with_budget,
 )
-from reports.comparison.words import as_json, how_judged, lead, share, verdict
+from reports.comparison.budget_words import share
+from reports.comparison.words import how_judged, lead, verdict
 from reports.console import show
+from reports.page.content import as_json
 from reports.page.writing import render
+from reports.report import Report, with_budget
 from scenes import InputError, load_scene
 
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
@@ -494,8 +496,8 @@ def test_every_door_says_the_same_of_a_verdict(
     assert f'<p class="verdict {css[state]}">' in page
     table = page[page.index("<tbody>") : page.index("</tbody>")]
     assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
-    assert (lead(found) == "Undecided.") is (state == "undecided")
-    assert ("undecided counts as outside" in verdict(found)) is (state == "undecided")
+    assert (lead(found.comparison) == "Undecided.") is (state == "undecided")
+    assert ("undecided counts as outside" in verdict(found.comparison)) is (state == "undecided")
     show(verdict_shown(found))
     assert exit_code(found.comparison) == (0 if state == "within" else 1)
     shown = capsys.readouterr()
@@ -508,15 +510,20 @@ def test_what_no_uncertainty_is_known_for_is_said(paper):
     """Without a budget, and where a term was not measured; nothing is said to be unknown where all
     is known.
     """
-    comparison = Report(paper[0])
-    assert "No uncertainty was requested" in how_judged(comparison)
-    unknown, known = planted(paper, 0.9, None), planted(paper, 0.9, 0.05)
-    assert how_judged(unknown).startswith("No uncertainty is known for dissipation: ")
-    assert "No uncertainty" not in how_judged(known)
-    for one in (comparison, unknown, known):
-        assert marked(how_judged(one)) in render(one, (), "", {})
-        assert json.loads(as_json(one))["verdict"]["judged"] == how_judged(one)
-    assert json.loads(as_json(comparison))["metrics"]["dissipation"]["uncertainty"] is None
+    plain = Report(paper[0])
+    sentence = how_judged(plain.comparison, has_budget=False)
+    assert "No uncertainty was requested" in sentence
+    unknown = planted(paper, 0.9, None)
+    sentence_on_unknown = how_judged(unknown.comparison, has_budget=True)
+    assert sentence_on_unknown.startswith("No uncertainty is known for dissipation: ")
+    known = planted(paper, 0.9, 0.05)
+    sentence_on_known = how_judged(known.comparison, has_budget=True)
+    assert "No uncertainty" not in sentence_on_known
+    sentences = (sentence, sentence_on_unknown, sentence_on_known)
+    for report, expected in zip((plain, unknown, known), sentences, strict=True):
+        assert marked(expected) in render(report, (), "", {})
+        assert json.loads(as_json(report))["verdict"]["judged"] == expected
+    assert json.loads(as_json(plain))["metrics"]["dissipation"]["uncertainty"] is None
 
 
 def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
@@ -526,11 +533,14 @@ def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
     )
     both = replace(found, comparison=replace(found.comparison, metrics=worse))
     assert both.comparison.verdict == "outside"
-    assert "more than the tolerance in shear traction, L2 (" in verdict(both)
-    assert "reaches across the tolerance in dissipation (" in verdict(both)
+    assert "more than the tolerance in shear traction, L2 (" in verdict(both.comparison)
+    assert "reaches across the tolerance in dissipation (" in verdict(both.comparison)
     law = replace(found.comparison.result_certificates[0], value=9.0)
     violated = replace(found, comparison=replace(found.comparison, result_certificates=(law,)))
-    assert (lead(violated), exit_code(violated.comparison)) == ("Not within tolerance.", 1)
+    assert (lead(violated.comparison), exit_code(violated.comparison)) == (
+        "Not within tolerance.",
+        1,
+    )
     assert capsys.readouterr().err == ""
 
 

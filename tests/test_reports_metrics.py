@@ -18,11 +18,13 @@ import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
-from reports.comparison import Comparison, Report
+from reports.comparison import Comparison
 from reports.comparison.cycles import events, last_cycle, sample
 from reports.comparison.metrics import METRICS, markdown
-from reports.comparison.words import as_json, unit_of
+from reports.comparison.words import unit_of
+from reports.page.content import as_json
 from reports.page.writing import draw
+from reports.report import Report
 from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields

@@ -41,7 +41,7 @@ from reports.comparison.findings import (
     difference,
     patterned_tolerances,
 )
-from reports.comparison.words import as_json
+from reports.page.content import as_json
 from reports.page.writing import published
 from reports.studies.maps.laws import PUBLISHED
 from scenes import InputError, load_scene, scene_names

@@ -27,17 +27,18 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.cli import main
 from reports.cli.results import _score_shown
-from reports.comparison import Report, UnscoredFile
 from reports.comparison.metrics import missing
 from reports.console import Stages
 from reports.field_output.files import write_fields
+from reports.report import Report
 from reports.scoring import loops
 from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
 from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, Signs, load_mapping
-from reports.scoring.study import Level, element_size, results_in, score_folder, study
+from reports.scoring.mesh_folder import score_folder
+from reports.scoring.study import Level, UnscoredFile, element_size, results_in, study
 from reports.scoring.surface import SurfaceResult, surface_result
 from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene

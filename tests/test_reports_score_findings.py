@@ -140,13 +140,13 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
         "not scored, though a tolerance judges it: dissipation: exit code 1"
         in capsys.readouterr().err
     )
-    assert lead(found) == "Within tolerance as far as it was scored."
-    assert "Not scored, though a tolerance judges it: dissipation." in verdict(found)
+    assert lead(found.comparison) == "Within tolerance as far as it was scored."
+    assert "Not scored, though a tolerance judges it: dissipation." in verdict(found.comparison)
     left_out = score_file(
         part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
     )
-    assert (exit_code(left_out.comparison), lead(left_out)) == (0, "Within tolerance.")
-    assert "dissipation" in verdict(left_out)
+    assert (exit_code(left_out.comparison), lead(left_out.comparison)) == (0, "Within tolerance.")
+    assert "dissipation" in verdict(left_out.comparison)
 
 
 def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_path: Path) -> None:

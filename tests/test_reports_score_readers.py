@@ -167,7 +167,7 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     assert [check.name for check in comparison.result_certificates] == ["tension"]
     assert (
         "No law of contact is violated, as far as a pressure without a shear can show."
-        in verdict(report)
+        in verdict(report.comparison)
     )
     wrong = score_file(path, Mapping(times=few.time.tolist(), factors={"stress": 1.1}), few.scene)
     assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")

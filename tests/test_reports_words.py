@@ -226,10 +226,10 @@ def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> N
 
 
 def test_verdict_says_what_failed_and_by_how_much() -> None:
-    good = verdict(Report(compare(TRUTH, TRUTH)))
+    good = verdict(compare(TRUTH, TRUTH))
     assert "within all 8 tolerances" in good
     assert "Both answers obey the laws of contact." in good
-    bad = verdict(Report(compare(TRUTH, with_fields(TRUTH, pressure=0.99 * TRUTH.pressure))))
+    bad = verdict(compare(TRUTH, with_fields(TRUTH, pressure=0.99 * TRUTH.pressure)))
     assert "peak pressure (−1 % of the reference, tolerance 0.02 %)" in bad
     assert "pressure, L2 (1 % of ‖p_ref‖, tolerance 0.25 %)" in bad
     assert "A law of contact is violated: cone (fields) in closed form" in bad
@@ -237,7 +237,7 @@ def test_verdict_says_what_failed_and_by_how_much() -> None:
 
 def bodies(
     work: float, pressure: float = 1.0, uncertainty: float | None = None, **tolerances: float
-) -> Report:
+) -> Comparison:
     """Finite elements of two blocks against theory, W and p other by these factors, as if a budget
     had found `uncertainty`.
     """
@@ -247,11 +247,9 @@ def bodies(
     found = compare(
         theory, with_fields(theory, engine="halfplane_fe", **changed), tolerances=tolerances
     )
-    return Report(
-        replace(
-            found,
-            metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in found.metrics),
-        )
+    return replace(
+        found,
+        metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in found.metrics),
     )
 
 
@@ -327,13 +325,13 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
         "The two solutions agree to 0.04 % in the dissipation and 0 % in the peak pressure; no"
         " uncertainty was measured."
     )
-    assert headline(Report(compare(theory, near))) == agree
+    assert headline(compare(theory, near)) == agree
     known = with_fields(near, dissipation_uncertainty=5e-4 * near.dissipation)
-    assert headline(Report(compare(theory, known))).endswith(
+    assert headline(compare(theory, known)).endswith(
         "errors of the dissipation by their own estimates: finite elements 0.05 %."
     )
     other = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
-    said = headline(Report(compare(theory, other)))
+    said = headline(compare(theory, other))
     assert said.startswith(
         "another code, measured by half-plane theory, overestimates the dissipation by 2 % and"
         " agrees in the peak pressure"
@@ -341,18 +339,18 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
     assert "furthest" not in said  # W itself is
     turned = with_fields(theory, engine="another code", shear=-TRUTH.shear)
     assert "; furthest from its tolerance: shear traction, L2, " in headline(
-        Report(compare(theory, turned))
+        compare(theory, turned)
     )
 
 
 def test_bodies_without_a_tolerance_are_not_judged() -> None:
     """Errors with uncertainties, no verdict, passed; a tolerance that is asked for judges them."""
     free = bodies(0.98, 1.0, 6e-4)
-    assert (free.comparison.verdict, free.passed, lead(free)) == (None, True, "")
+    assert (free.verdict, free.passed, lead(free)) == (None, True, "")
     assert "nothing is judged" in verdict(free)
     for tolerance, wanted in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
         asked = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
-        assert (asked.comparison.verdict, asked.passed) == (wanted, wanted == "within")
+        assert (asked.verdict, asked.passed) == (wanted, wanted == "within")
     with pytest.raises(InputError, match="tolerances: 'disipation' is no metric"):
         bodies(0.98, disipation=0.01)
 
@@ -516,21 +514,18 @@ class TestPage:
         self, found: Comparison
     ) -> None:
         assert not found.accurate
-        assert "a finding" in lead(Report(found))
+        assert "a finding" in lead(found)
         violated = replace(
             found, result_certificates=(replace(found.result_certificates[0], value=1.0),)
         )
-        assert lead(Report(violated)) == "Not within tolerance."
+        assert lead(violated) == "Not within tolerance."
 
     def test_of_somebody_elses_result_it_may_be_a_fault_as_well(self, found: Comparison) -> None:
         theirs = replace(found, result=replace(found.result, engine="their code"))
-        assert (
-            lead(Report(theirs))
-            == "Outside tolerance: by the idealisation, by the result, or by both."
-        )
+        assert lead(theirs) == "Outside tolerance: by the idealisation, by the result, or by both."
         assert "that of their code" in beyond_theory(theirs)
         on_the_same_bodies = replace(theirs, reference=replace(found.result, engine="halfplane_fe"))
-        assert lead(Report(on_the_same_bodies)) == "Not within tolerance."
+        assert lead(on_the_same_bodies) == "Not within tolerance."
         assert not beyond_theory(on_the_same_bodies)
 
 
@@ -547,7 +542,7 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
     off = replace(exact, pressure=1.1 * exact.pressure, engine="halfplane_fe")
     comparison = replace(compare(exact, off, tolerances=OWN_TOLERANCES), result_certificates=())
     assert not comparison.passed
-    assert lead(Report(comparison)) == (
+    assert lead(comparison) == (
         "Outside tolerance: a finding about the idealisation." if found else "Not within tolerance."
     )
     assert ("not a fault of the engines" in beyond_theory(comparison)) is found

@@ -23,9 +23,10 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports.cli.scene_files import tagged
-from reports.comparison import Report, compare, laws
+from reports.comparison import compare, laws
 from reports.comparison.laws import certificates
-from reports.comparison.words import as_json
+from reports.page.content import as_json
+from reports.report import Report
 from scene_cases import CASES, FOLDER, scene_of
 from scenes import (
     ContactSolution,

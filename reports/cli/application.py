@@ -732,7 +732,7 @@ def _told(row: _Command, found: Answer, options: Options) -> int:
     numbers are finite or null.
     """
     if options.json and found.result is not None:
-        from reports.comparison.words import strict
+        from reports.comparison.json_values import strict
 
         content = {
             "format": FORMAT,

@@ -54,7 +54,7 @@ def _criteria(options: Options) -> Criteria | None:
 @at_work
 def fields(job: Job) -> Answer:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
-    from reports.comparison.words import strict
+    from reports.comparison.json_values import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled
 

@@ -24,8 +24,8 @@ from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
 
 if TYPE_CHECKING:
-    from reports.comparison import Report
     from reports.comparison.findings import Difference, Row
+    from reports.report import Report
     from reports.scoring.mapping import Mapping
     from scenes import Scene
 
@@ -132,10 +132,10 @@ def _scored(
     """Tractions and whatever else files hold, against the reference."""
     stages = Stages(options.quiet)
     with stages.stage("loading"):
-        from reports.comparison.words import whole_content
+        from reports.page.content import whole_content
         from reports.page.writing import write
         from reports.scoring.against import diagnosed, score_file
-        from reports.scoring.study import score_folder
+        from reports.scoring.mesh_folder import score_folder
     if path.is_dir():
         report = score_folder(
             path, mapping, scene, stages, against=options.against, tolerances=tolerances

@@ -25,8 +25,9 @@ from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
-    from reports.comparison import Comparison, Report
+    from reports.comparison import Comparison
     from reports.comparison.laws import Finding
+    from reports.report import Report
     from scenes import ContactSolution, Scene
 
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
@@ -337,8 +338,8 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
     `begun` is the processor time before the finite elements were solved, by which the cost of the
     budget is stated; None without a budget.
     """
-    from reports.comparison import Report
-    from reports.comparison.budget import climb, error_budget, with_budget
+    from reports.comparison.budget import climb, error_budget
+    from reports.report import Report, with_budget
 
     if begun is None:
         return Report(comparison)
@@ -407,7 +408,8 @@ _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdic
 def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
     """The verdict; the exit code, whose reason is the last line on stderr."""
     from reports.comparison import laws
-    from reports.comparison.words import lead, whole_content
+    from reports.comparison.words import lead
+    from reports.page.content import whole_content
 
     comparison = report.comparison
     third = report.third
@@ -444,7 +446,7 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
             "headline": of_report["headline"],
             "table": of_report["table"],
             **of_report["verdict"],
-            "lead": lead(report),
+            "lead": lead(comparison),
             "metrics": metrics,
             **{name: of_fe[name] for name in work},
             **{name: of_report[name] for name in last},
@@ -458,15 +460,16 @@ def verdict_shown(report: Report) -> Iterator[Part]:
     """The headline, the table of absolute values, and the verdict in a sentence."""
     from reports.comparison.words import first_cells, headline, how_judged, lead, standing, verdict
 
-    scene = report.comparison.scene
-    heads, rows = first_cells(report)
-    yield headline(report), "bold"
+    comparison = report.comparison
+    scene = comparison.scene
+    heads, rows = first_cells(comparison)
+    yield headline(comparison), "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     yield (
-        f"{lead(report)} {verdict(report)}".strip(),
-        _STYLES.get(standing(report.comparison) or "", ""),
+        f"{lead(comparison)} {verdict(comparison)}".strip(),
+        _STYLES.get(standing(comparison) or "", ""),
     )
-    if words := how_judged(report):
+    if words := how_judged(comparison, has_budget=report.budget is not None):
         yield words
 
 
@@ -474,7 +477,8 @@ def _uncertainty_shown(report: Report) -> Iterator[Part]:
     """What the dissipation is uncertain by, what the finite elements note, and where the errors
     come from if that was measured.
     """
-    from reports.comparison.words import budget_table, cost, uncertain_work
+    from reports.comparison.budget_words import budget_table, cost
+    from reports.comparison.words import uncertain_work
     from reports.measured import check_record, record_in_words
 
     scene = report.comparison.scene
@@ -570,8 +574,9 @@ _OF_ONE_ENGINE = (
 def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer:
     """Files and summary of one engine's answer; `note` is kept with the answer."""
     from reports import profile_fit
+    from reports.comparison.json_values import solution_content
     from reports.comparison.laws import certificates, expected_content, expected_numbers
-    from reports.comparison.words import solution_content, summary_rows
+    from reports.comparison.words import summary_rows
 
     if note:
         record = replace(solution.record, notes=(*solution.record.notes, note))
@@ -622,8 +627,8 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
     from reports.charts.templating import table_text
     from reports.comparison.cycles import OF_BULK
     from reports.comparison.findings import SOLUTION
+    from reports.comparison.json_values import solution_content, strict
     from reports.comparison.laws import certificates
-    from reports.comparison.words import solution_content, strict
     from reports.folder import filled
 
     stem = name or solution.engine

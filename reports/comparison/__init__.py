@@ -1,31 +1,38 @@
 """What was compared: two solutions of one scene side by side, every metric with its uncertainty and
 verdict.
 
-Offered to the rest of reports, `Comparison` `Report` `ThirdAnswer` `UnscoredFile` `compare`
-first:
+Offered to the rest of reports, `Comparison` `compare` first; each file imports those above it only:
 
-    metrics.py      the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
-                    `Event` `events` `OF_BULK`; the metrics, one table of words, needs, functions,
-                    tolerances: `METRICS` `Metric` `missing` `norm` `over` `shares` `scales`
-                    `tolerances_of` `WHOLE_CYCLE`; `Verdict` `verdict_on`; `are_half_planes`
-                    `name_of` `compliance` `energy_scale` `bulk_strain` `bulk_strains` `bulk_work`
-                    `loop_work` `normal_work`
+    cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
+                    `Event` `events` `OF_BULK`
+    dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
+    pairs.py        reference and result on common points: `Pair` `are_half_planes` `name_of`
+    work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
+                    `normal_work` `bulk_strain` `bulk_strains`
+    verdicts.py     `Verdict` `verdict_on`
+    measures.py     one function for each metric: `norm` `over` `shares`
+    metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
+                    `METRICS` `Metric` `missing` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
                     `certificates` `LIMIT` `DERIVED` `derived`; the numbers of a solution:
                     `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
-    budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
-                    idealisation: `ErrorBudget` `Budget` `error_budget` `with_budget` `climb`
-                    `coarser` `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the
-                    mesh-refinement study of one value, its order and value at size zero:
-                    `Refinement` `Extrapolation` `extrapolate`
+    judged.py       all of that with its verdict: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
                     `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
                     `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
-                    `SUPPORT_WORDS` `sentence` `read_in_words` `cost` `stretch`; in cells:
-                    `amount` `value_of` `with_uncertainty` `shown_unit` `first_cells` `first_rows`
-                    `summary_rows` `budget_table`; and as JSON: `as_json` `whole_content`
-                    `solution_content` `strict`
+                    `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `stretch`
+                    `of_stretch` `for_notebook`; in cells: `amount` `value_of`
+                    `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
+                    `summary_rows` `summary`
+    json_values.py  as JSON: `strict` `solution_content` `metric_content`
+    budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
+                    idealisation: `ErrorBudget` `Budget` `error_budget` `climb` `coarser`
+                    `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the mesh-refinement
+                    study of one value, its order and value at size zero: `Refinement`
+                    `Extrapolation` `extrapolate`
+    budget_words.py a budget in sentences, cells and JSON: `budget_table` `cost` `share` `honest`
+                    `honesty` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
                     `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
                     `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
@@ -35,94 +42,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
 
+from reports.comparison import words
 from reports.comparison.cycles import last_cycle, sample, sample_instants
 from reports.comparison.dimensionless import scales
-from reports.comparison.laws import Certificate, certificates
-from reports.comparison.metrics import METRICS, Metric, judge, missing, tolerances_of
+from reports.comparison.judged import JudgedPair
+from reports.comparison.laws import certificates
+from reports.comparison.metrics import METRICS, judge, missing, tolerances_of
 from reports.comparison.pairs import LIGHT, Pair, are_half_planes, name_of
-from reports.comparison.verdicts import Verdict
-from scenes import ContactSolution, InputError, Scene
-
-if TYPE_CHECKING:
-    from reports.comparison.budget import ErrorBudget
-    from reports.scoring.diagnosis import Diagnosis
-    from reports.scoring.study import Study
+from scenes import ContactSolution, InputError
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(Pair):
+class Comparison(JudgedPair):
     """Reference and result side by side, with the verdict.
 
     Attributes
     ----------
     reference, result : the two solutions
     polygon_reference : the reference's answer on the very polygon that the result stepped through,
-    or None plain_reference : the reference as it is, where `reference` follows a rule of the
-    result; else the same scales : what makes it dimensionless
+        or None
+    plain_reference : the reference as it is, where `reference` follows a rule of the result; else
+        the same
+    scales : what makes it dimensionless
     expected, found : last cycle of the reference (on the result's points and instants) and of the
-    result metrics : in the order of the table
+        result
+    metrics : in the order of the table
     reference_certificates, result_certificates : the laws of contact, needing no reference
     notes : everything that a reader must not miss
     """
-
-    metrics: tuple[Metric, ...]
-    reference_certificates: tuple[Certificate, ...]
-    result_certificates: tuple[Certificate, ...]
-    notes: tuple[str, ...]
-
-    @property
-    def scene(self) -> Scene:
-        """The question."""
-        return self.result.scene
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """Outside if one metric is, else undecided if one is, else within; None where no tolerance
-        judges any.
-        """
-        found = {metric.verdict for metric in self.metrics}
-        return next(
-            (one for one in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN) if one in found),
-            None,
-        )
-
-    @property
-    def accurate(self) -> bool:
-        """Whether every metric that is judged is within its tolerance: undecided counts as outside,
-        nothing to judge as within.
-        """
-        return self.verdict in (Verdict.WITHIN, None)
-
-    @property
-    def admissible(self) -> bool:
-        """Whether both solutions obey every law of contact that was checked."""
-        return all(
-            check.holds for check in (*self.reference_certificates, *self.result_certificates)
-        )
-
-    @property
-    def unscored(self) -> tuple[Metric, ...]:
-        """The metrics that have a tolerance and no value, for want of what they need."""
-        return tuple(
-            metric for metric in self.metrics if metric.lacking and metric.tolerance is not None
-        )
-
-    @property
-    def passed(self) -> bool:
-        """Accurate and admissible, with a value for every metric that has a tolerance."""
-        return self.accurate and self.admissible and not self.unscored
-
-    @property
-    def headlines(self) -> tuple[Metric, ...]:
-        """The metrics of the first table, those with absolute values."""
-        return tuple(metric for metric in self.metrics if metric.headline)
-
-    @property
-    def others(self) -> tuple[Metric, ...]:
-        """The metrics of the second table."""
-        return tuple(metric for metric in self.metrics if not metric.headline)
 
     def __repr__(self) -> str:
         """Who was compared, and the table of `summary`."""
@@ -130,143 +78,13 @@ class Comparison(Pair):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return Report(self)._repr_html_()
-
-    def metric(self, key: str) -> Metric:
-        """The metric of that key; KeyError for an unknown one."""
-        return {metric.key: metric for metric in self.metrics}[key]
+        return words.for_notebook(self, has_budget=False)
 
     def summary(self) -> str:
         """The first table of the page as text: theory, finite elements, difference with its
         uncertainty, verdict; in units.
         """
-        return Report(self).summary()
-
-
-@dataclass(frozen=True)
-class UnscoredFile:
-    """A file of a folder of results that could not be scored.
-
-    Attributes
-    ----------
-    name : of the file, as it lies in the folder
-    reason : why, naming the file
-    """
-
-    name: str
-    reason: str
-
-    @property
-    def sentence(self) -> str:
-        """The sentence for a reader."""
-        return f"Not scored: {self.reason}."
-
-
-class ThirdAnswer(Protocol):
-    """What a page and the command line ask of the answer of a third solver, or of its failure.
-
-    Attributes
-    ----------
-    text : the input that it was run on
-    comparison : its answer against half-plane theory; None where it failed
-    failure : the sentence, "" where it did not
-    heads : titles of the columns of its table, of which `rows` gives the lines
-    sentences : what must stand beside the table
-    """
-
-    @property
-    def text(self) -> str: ...
-    @property
-    def comparison(self) -> Comparison | None: ...
-    @property
-    def failure(self) -> str: ...
-    @property
-    def heads(self) -> tuple[str, ...]: ...
-    @property
-    def sentences(self) -> list[str]: ...
-
-    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
-        """The table: values of all three solvers, then errors, then time."""
-        ...
-
-    def page_words(self, comparison: Comparison) -> dict[str, Any]:
-        """What the page's block is filled with."""
-        ...
-
-    def as_json(self, comparison: Comparison) -> str:
-        """The table in numbers, as strict JSON."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class Report:
-    """What a page is written of: a comparison, and what was worked out from it.
-
-    Attributes
-    ----------
-    comparison : what was compared; its metrics have the uncertainties of the budget
-    budget : where the error of every metric comes from, where that was measured
-    guesses : what was taken for granted of somebody else's result, to be read before anything else
-    diagnoses : the likely causes of somebody else's difference, the strongest first
-    study : what the result's own coarser meshes say, where it came as a folder of them
-    third : the answer of another code to the same scene
-    unscored : files of the folder of results that could not be scored
-    """
-
-    comparison: Comparison
-    budget: ErrorBudget | None = None
-    guesses: tuple[str, ...] = ()
-    diagnoses: tuple[Diagnosis, ...] = ()
-    study: Study | None = None
-    third: ThirdAnswer | None = None
-    unscored: tuple[UnscoredFile, ...] = ()
-
-    def __repr__(self) -> str:
-        """Who was compared, and the table of `summary`."""
-        comparison = self.comparison
-        return (
-            f"Report on {comparison.result.engine} against"
-            f" {comparison.reference.engine}\n{self.summary()}"
-        )
-
-    @property
-    def honest(self) -> str:
-        """Whether the stated uncertainties cover the known errors, in words."""
-        return (
-            "not assessed: the run was made without a budget"
-            if self.budget is None
-            else self.budget.honest
-        )
-
-    @property
-    def passed(self) -> bool:
-        """Whether the comparison is accurate and admissible, and nothing with a tolerance is
-        unscored.
-        """
-        return self.comparison.passed
-
-    def metric(self, key: str) -> Metric:
-        """The metric of that key; KeyError for an unknown one."""
-        return self.comparison.metric(key)
-
-    def summary(self) -> str:
-        """The first table of the page as text."""
-        from reports.comparison.words import summary
-
-        return summary(self)
-
-    def _repr_html_(self) -> str:
-        """For a notebook."""
-        from reports.charts.templating import template
-        from reports.comparison import words
-
-        heads, rows = words.first_cells(self)
-        scene, last = (
-            self.comparison.scene,
-            " ".join((words.lead(self), words.verdict(self), words.how_judged(self))),
-        )
-        answer = {"headline": words.headline(self), "heads": heads, "rows": rows, "last": last}
-        return template("notebook.html").render(answer, title=scene.title or scene.name)
+        return words.summary(self)
 
 
 def compare(

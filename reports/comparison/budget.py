@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from reports.comparison import Comparison, Report, compare
+from reports.comparison import Comparison, compare
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import on_straight_steps
@@ -425,15 +425,6 @@ def error_budget(
         refinements,
         plain_seconds,
     )
-
-
-def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
-    """A report of `comparison` with its budget, every metric with the uncertainty that it is judged
-    with.
-    """
-    judged = {one.metric.key: one.judged for one in budget.budgets}
-    metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
-    return Report(replace(comparison, metrics=metrics), budget)
 
 
 def _known(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:

@@ -197,7 +197,7 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
 
 def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
-    from reports.comparison.words import solution_content, strict
+    from reports.comparison.json_values import solution_content, strict
 
     return _read(
         "solution",

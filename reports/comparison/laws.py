@@ -267,6 +267,15 @@ QUANTITIES = {
 OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
 
 
+def of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
+    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing
+    without.
+    """
+    if solution.permanent_stick_edges is None:
+        return {}
+    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC}
+
+
 def _scale(expected: Expected, solution: ContactSolution) -> float:
     """What the tolerance is relative to: the value, or where that is 0 the scale of its kind."""
     if expected.value:

@@ -6,39 +6,27 @@ The sentences are in templates/words.txt; here are the numbers that stand in the
 
 from __future__ import annotations
 
-import json
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from reports.charts.templating import in_template
+from reports.charts.templating import in_template, template
+from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import (
-    OF_UNSYMMETRIC,
-    QUANTITIES,
-    Certificate,
     certificates,
-    derived,
-    expected_content,
-    expected_numbers,
+    of_unsymmetric,
 )
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes, coupled, name_of
 from reports.comparison.verdicts import Verdict
 from reports.comparison.work_of_loads import normal_work
-from reports.measured import load_cycles, record_content
-from reports.profile_fit import content as fit_content
+from reports.measured import load_cycles
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import ContactSolution, Scene, TimeSeriesLoad, Wave, sampled
 from scenes.measured import ReadAs
-
-if TYPE_CHECKING:
-    from reports.comparison import Comparison, Report
-    from reports.comparison.budget import Budget, ErrorBudget, Term
 
 SUPPORT_WORDS = {
     "fixed": "fixed",
@@ -148,7 +136,7 @@ def unlike_materials(scene: Scene) -> str:
     )
 
 
-def beyond_theory(comparison: Comparison) -> str:
+def beyond_theory(comparison: JudgedPair) -> str:
     """What the discrepancy holds beside errors of the engines, in a sentence; empty where the
     reference is exact for the bodies.
     """
@@ -159,7 +147,7 @@ def beyond_theory(comparison: Comparison) -> str:
     return in_template("beyond_theory", name_of(comparison.result.engine))
 
 
-def _both_ours(comparison: Comparison) -> bool:
+def _both_ours(comparison: JudgedPair) -> bool:
     return {comparison.reference.engine, comparison.result.engine} == {
         "semi_analytic",
         "halfplane_fe",
@@ -263,14 +251,13 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
 
 
 # --------------------------------------------------------------------------------------- the answer
-def headline(report: Report) -> str:
+def headline(comparison: JudgedPair) -> str:
     """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two
     solutions agree.
 
     Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are
     finite elements/theory - 1.
     """
-    comparison = report.comparison
     work, ours, exact = (
         comparison.metric("dissipation"),
         _both_ours(comparison),
@@ -315,11 +302,11 @@ def headline(report: Report) -> str:
     )
 
 
-def _names(comparison: Comparison) -> tuple[str, str]:
+def _names(comparison: JudgedPair) -> tuple[str, str]:
     return name_of(comparison.reference.engine), name_of(comparison.result.engine)
 
 
-def _stated(comparison: Comparison) -> list[tuple[str, str]]:
+def _stated(comparison: JudgedPair) -> list[tuple[str, str]]:
     """What each side says itself of the error of its dissipation, where that is no rounding."""
     found = []
     for solution in (comparison.result, comparison.reference):
@@ -382,11 +369,10 @@ def _in_sentence(metric: Metric) -> dict[str, str]:
     }
 
 
-def verdict(report: Report) -> str:
+def verdict(comparison: JudgedPair) -> str:
     """What was judged: what is outside, what is undecided, or that all is within; and whether the
     laws of contact hold.
     """
-    comparison = report.comparison
     pairs = (
         (comparison.reference, comparison.reference_certificates),
         (
@@ -418,7 +404,7 @@ def verdict(report: Report) -> str:
     return f"{verdicts} {not_scored(comparison)}".strip()
 
 
-def not_scored(comparison: Comparison) -> str:
+def not_scored(comparison: JudgedPair) -> str:
     """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the
     rest of the first table.
     """
@@ -431,36 +417,30 @@ def not_scored(comparison: Comparison) -> str:
     return in_template("not_scored", judged, headlines)
 
 
-def how_judged(report: Report) -> str:
+def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
     """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is
     known.
     """
     judged = [
         metric
-        for metric in report.comparison.metrics
+        for metric in comparison.metrics
         if metric.tolerance is not None and metric.value is not None
     ]
     unknown = [_name(metric) for metric in judged if metric.uncertainty is None]
-    return (
-        in_template("how_judged", unknown, report.budget, _both_ours(report.comparison))
-        if judged
-        else ""
-    )
+    return in_template("how_judged", unknown, has_budget, _both_ours(comparison)) if judged else ""
 
 
-def lead(report: Report) -> str:
+def lead(comparison: JudgedPair) -> str:
     """The verdict in a few words; empty where nothing is judged.
 
     A tolerance missed by answers that obey every law is a finding where theory is an idealisation:
     real bodies, or half-planes of unlike materials. Of somebody else's result it may be a fault as
     well.
     """
-    return in_template(
-        "lead", report.comparison, beyond_theory(report.comparison), _both_ours(report.comparison)
-    )
+    return in_template("lead", comparison, beyond_theory(comparison), _both_ours(comparison))
 
 
-def uncertain_work(comparison: Comparison) -> str:
+def uncertain_work(comparison: JudgedPair) -> str:
     """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
@@ -476,7 +456,7 @@ def uncertain_work(comparison: Comparison) -> str:
     )
 
 
-def standing(comparison: Comparison) -> Verdict | None:
+def standing(comparison: JudgedPair) -> Verdict | None:
     """The verdict as a colour; None where nothing is judged.
 
     Outside where a law of contact is violated; undecided where all that has a value is within and
@@ -508,6 +488,24 @@ def read_in_words(name: str, read_as: ReadAs) -> str:
     return " ".join([f"{name}, as it was read:", *sentences])
 
 
+def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
+    """Headline, first table and verdict as HTML."""
+    heads, rows = first_cells(comparison)
+    sentences = (
+        lead(comparison),
+        verdict(comparison),
+        how_judged(comparison, has_budget=has_budget),
+    )
+    answer = {
+        "headline": headline(comparison),
+        "heads": heads,
+        "rows": rows,
+        "last": " ".join(sentences),
+    }
+    scene = comparison.scene
+    return template("notebook.html").render(answer, title=scene.title or scene.name)
+
+
 # ------------------------------------------------------------------------------------------- tables
 def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others
@@ -520,14 +518,13 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     return 1.0, ({"stress": stress, "moment": force} | energy).get(quantity, length)
 
 
-def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
+def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     """The table of absolute values: its heads, and a row for each quantity that either solution
     has.
 
     Keys of a row: key, label, reference, result, difference, verdict, place (of the result's),
     tolerance, note.
     """
-    comparison = report.comparison
     names = [
         {"semi_analytic": "theory"}.get(one.engine, name_of(one.engine))
         for one in (comparison.reference, comparison.result)
@@ -559,9 +556,9 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     return ("", *names, "difference", "verdict"), found
 
 
-def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def first_cells(comparison: JudgedPair) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of absolute values as heads and cells, for the terminal and a notebook."""
-    heads, rows = first_table(report)
+    heads, rows = first_table(comparison)
     return heads, [
         tuple(row[key] for key in ("label", "reference", "result", "difference", "verdict"))
         for row in rows
@@ -589,96 +586,25 @@ def _difference_of(metric: Metric) -> str:
     return f"{words} %{' of a' if metric.unit == 'of a_ref' else ''}"
 
 
-def summary(report: Report) -> str:
+def summary(comparison: JudgedPair) -> str:
     """The first table as plain text, with the headline above it and the verdict below."""
-    heads, found = first_cells(report)
+    heads, found = first_cells(comparison)
     widths = [max(map(len, column)) for column in zip(heads, *found, strict=True)]
     lines = [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in (heads, *found)
     ]
     return "\n".join(
-        [headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)]
+        [
+            headline(comparison),
+            "",
+            lines[0],
+            "-" * len(lines[0]),
+            *lines[1:],
+            "",
+            verdict(comparison),
+        ]
     )
-
-
-def budget_table(
-    budget: ErrorBudget, without: tuple[str, ...] = ()
-) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Heads; a row for each metric of the first table; a row for each other metric.
-
-    Without a column for the terms named, and for one that is none everywhere.
-    """
-    terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
-    rest = "unexplained" if all(one.half_planes for one in budget.budgets) else "idealisation"
-    heads, all_rows = (
-        ("metric", "E", *terms, rest, "± u", "verdict"),
-        [_budget_row(one) for one in budget.budgets],
-    )
-    kept = [
-        k
-        for k in range(len(heads))
-        if heads[k] not in without and any(row[k] != "none" for row in all_rows)
-    ]
-    rows: dict[bool, list[tuple[str, ...]]] = {True: [], False: []}
-    for one, row in zip(budget.budgets, all_rows, strict=True):
-        rows[one.metric.headline].append(tuple(row[k] for k in kept))
-    return tuple(heads[k] for k in kept), rows[True], rows[False]
-
-
-def _budget_row(one: Budget) -> tuple[str, ...]:
-    metric, doubt = (
-        one.metric,
-        ("not measured" if one.uncertainty is None else amount(one.uncertainty, one.metric)),
-    )
-    shares, rest = (share(term, metric) for term in one.terms), amount(one.rest, metric, plus=True)
-    return metric.label, value_of(metric), *shares, rest, doubt, _judgement(one)
-
-
-def share(term: Term, metric: Metric) -> str:
-    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
-    if term.uncertainty is None:
-        return "not measured"
-    if term.value is None:
-        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
-
-
-def _judgement(budget: Budget) -> str:
-    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error
-    stand out?
-    """
-    if budget.resolved is None:
-        return "not known: a term was not measured"
-    return (
-        ("covered", "not covered")[budget.resolved]
-        if budget.half_planes
-        else ("not resolved", "resolved")[budget.resolved]
-    )
-
-
-def cost(budget: ErrorBudget) -> str:
-    """What the runs were and what they took, in a sentence."""
-    refinements = budget.refinements
-    pairs = [run for pair in refinements.penalty for run in pair]
-    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
-    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
-
-
-def _honest(report: Report, metric: Metric) -> bool | None:
-    """Whether the stated uncertainty of a metric covers its known error; None where that was not
-    assessed.
-    """
-    budgets = () if report.budget is None else report.budget.budgets
-    return next((one.honest for one in budgets if one.metric.key == metric.key), None)
-
-
-def honesty(report: Report) -> bool | None:
-    """Whether every stated uncertainty of the first table covers the known error; None where none
-    was assessed.
-    """
-    found = {_honest(report, metric) for metric in report.comparison.headlines}
-    return None if found == {None} else False not in found
 
 
 # ---------------------------------------------------------------------------------- of one solution
@@ -704,7 +630,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
         (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
     ]
-    if beside := _of_bulk(solution):
+    if beside := of_unsymmetric(solution):
         ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
@@ -714,7 +640,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
     rows, beside, checks, work = (
         first_rows(solution),
-        _of_bulk(solution),
+        of_unsymmetric(solution),
         certificates(solution),
         energy_unit(solution.scene),
     )
@@ -757,209 +683,3 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 
 def _or_none(value: float) -> str:
     return "none" if np.isnan(value) else f"{value:.10g}"
-
-
-def _of_bulk(solution: ContactSolution) -> dict[str, float]:
-    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing
-    without.
-    """
-    known = solution.permanent_stick_edges is not None
-    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC} if known else {}
-
-
-# ---------------------------------------------------------------------------------- comparison.json
-_FORMAT = "halfplane comparison 2"
-
-
-def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
-    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
-    return json.dumps(
-        strict(whole_content(report, command, seconds or {})),
-        allow_nan=False,
-        indent=1,
-        ensure_ascii=False,
-    )
-
-
-def strict(value: Any) -> Any:
-    """`value` with numpy types as Python's and every NaN or infinity as None.
-
-    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
-    {'a': 1.0, 'b': [None, 2]}
-    """
-    if isinstance(value, Mapping):
-        return {str(key): strict(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return strict(value.tolist())
-    if isinstance(value, list | tuple):
-        return [strict(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def said(report: Report) -> dict[str, Any]:
-    """What the page and comparison.json say alike, by its name there."""
-    scene = report.comparison.scene
-    return {
-        "headline": headline(report),
-        "table": first_table(report)[1],
-        "claim": in_template("claim"),
-        "question": question(scene),
-        "bodies": bodies_in_words(scene),
-        "unlike_materials": unlike_materials(scene),
-        "idealisation": beyond_theory(report.comparison),
-    }
-
-
-def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
-    """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
-    comparison, budget, scales = report.comparison, report.budget, report.comparison.scales
-    # The solutions that hold every instant of the scene: beside a foreign result both have its few
-    # only.
-    whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
-    verdicts = {
-        name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
-    }
-    unscored = [metric.key for metric in comparison.unscored]
-    return {
-        "format": _FORMAT,
-        **said(report),
-        "profile_fit": fit_content(comparison.scene),
-        "verdict": {
-            **verdicts,
-            "unscored": unscored,
-            "judged": how_judged(report),
-            "honest": report.honest,
-            "sentence": verdict(report),
-        },
-        "scales": {
-            "P_ref": scales.normal_load,
-            "a_ref": scales.half_width,
-            "p_ref": scales.pressure,
-            "f p_ref": scales.shear,
-            "A": scales.compliance,
-            "A f^2 P_ref^2": scales.dissipation,
-        },
-        "metrics": {metric.key: _metric_content(metric, report) for metric in comparison.metrics},
-        "budget": (
-            budget
-            and {
-                "cost": budget.cost,
-                "words": cost(budget),
-                "honest": budget.honest,
-                "metrics": {one.metric.key: _budget_content(one) for one in budget.budgets},
-            }
-        ),
-        "expected": expected_content(expected_numbers(comparison.scene, whole)),
-        "instants": comparison.found.time,
-        "reference": solution_content(comparison.reference, comparison.reference_certificates),
-        "result": solution_content(comparison.result, comparison.result_certificates),
-        "polygon_reference": (
-            solution_content(comparison.polygon_reference, ())
-            if comparison.polygon_reference
-            else None
-        ),
-        "measured": record_content(comparison.scene),
-        "interpolation": comparison.expected.interpolation,
-        "notes": comparison.notes,
-        "guesses": report.guesses,
-        "diagnoses": [asdict(one) for one in report.diagnoses],
-        "study": report.study.content() if report.study else None,
-        "seconds": seconds,
-        "command": command,
-        "scene": comparison.scene.model_dump(mode="json"),
-    }
-
-
-# What the JSON of a metric has of it, by the names there.
-_OF_A_METRIC = (
-    "label",
-    "value",
-    "unit",
-    "tolerance",
-    "accurate",
-    "verdict",
-    "absolute",
-    "amounts",
-    "uncertainty",
-    "elements",
-    "note",
-    "series",
-    "signed",
-    "headline",
-    "why",
-)
-
-
-def _metric_content(metric: Metric, report: Report) -> dict[str, Any]:
-    scene = report.comparison.scene
-    return {
-        **{name: getattr(metric, name) for name in _OF_A_METRIC},
-        "norm": of_stretch(metric.norm, scene),
-        "region": of_stretch(metric.region, scene),
-        "definition": of_stretch(metric.how, scene),
-        "finite": metric.value is None or math.isfinite(metric.value),
-        "honest": _honest(report, metric),
-        "worst_at": metric.time,
-        "worst_at_x_over_a_ref": metric.place,
-    }
-
-
-def _budget_content(budget: Budget) -> dict[str, Any]:
-    return {
-        "E": budget.total,
-        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
-        "unexplained" if budget.half_planes else "idealisation": budget.rest,
-        "u": budget.uncertainty,
-        "resolved": budget.resolved,
-        "honest": budget.honest,
-        "verdict": _judgement(budget),
-    }
-
-
-def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
-    """What is worth keeping of one solution beside its fields."""
-    record, work = solution.record, solution.work
-    names = (
-        "engine",
-        "dissipation",
-        "dissipation_uncertainty",
-        "dissipation_drift",
-        "loop_work",
-        "cycle_dissipation",
-    )
-    bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
-    return {
-        **{
-            name: getattr(solution, name)
-            for name in (
-                *names,
-                "permanent_stick_half_width",
-                "steady_from",
-                "settings",
-                "versions",
-            )
-        },
-        **_of_bulk(solution),
-        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
-        "largest_half_width": np.nanmax(solution.contact_half_width),
-        "largest_pressure": np.max(solution.pressure),
-        **{
-            name: getattr(record, name) for name in ("converged", "termination", "message", "notes")
-        },
-        "certificates": {
-            one.label: {
-                "value": one.value,
-                "limit": one.limit,
-                "holds": one.holds,
-                "worst_at": one.time,
-            }
-            for one in checks
-        },
-        "counts": work.counts,
-        "skipped": {
-            name: {"count": count, "reason": reason}
-            for name, (count, reason) in work.skipped.items()
-        },
-        "seconds": work.seconds,
-        "mesh_quality": {name: dict(body.quality) for name, body in bodies},
-    }

@@ -47,24 +47,19 @@ from reports.charts.plate import (
     worded,
 )
 from reports.charts.templating import STATE_NAMES, Table, script, template
-from reports.comparison import Comparison, Report, ThirdAnswer, words
+from reports.comparison import Comparison, budget_words, words
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
 from reports.comparison.cycles import Cycle, Event, events, last_cycle
 from reports.comparison.metrics import missing
 from reports.comparison.pairs import are_half_planes, name_of
-from reports.comparison.words import (
-    as_json,
-    bodies_in_words,
-    bulk_and_tilt,
-    headline,
-    value_of,
-    verdict,
-)
+from reports.comparison.words import bodies_in_words, bulk_and_tilt, headline, value_of, verdict
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work, normal_work
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
 from reports.measured import section
+from reports.page.content import as_json, common_content
 from reports.profile_fit import findings, fit_of
+from reports.report import Report, ThirdAnswer
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import ContactSolution, Cylinder, HalfPlane, InputError, Scene, Shape, sampled
 from scenes.bodies import face_of
@@ -133,7 +128,7 @@ def write(
         page = render(report, drawings, command, seconds or {}, live, third)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
-            log_text = "\n".join([*log, headline(report), verdict(report)]) + "\n"
+            log_text = "\n".join([*log, headline(comparison), verdict(comparison)]) + "\n"
             (folder / "run.log").write_text(log_text, encoding="utf-8")
     return Path(out) / "report.html"
 
@@ -187,7 +182,7 @@ def render(
     """
     comparison = report.comparison
     scene = comparison.scene
-    sentences = words.said(report)
+    sentences = common_content(comparison)
     profile_findings = findings(scene)[0]
     bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
     program, digest = script()
@@ -198,8 +193,9 @@ def render(
         comparison=comparison,
         report=report,
         in_words=words,
+        budget_words=budget_words,
         units=import_module("reports.units"),
-        budget=words.budget_table(report.budget) if report.budget else None,
+        budget=budget_words.budget_table(report.budget) if report.budget else None,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         stretch=words.stretch(scene),

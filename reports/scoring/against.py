@@ -11,19 +11,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reports.comparison import Report, compare
+from reports.comparison import compare
 from reports.comparison.dimensionless import scales
 from reports.comparison.laws import DERIVED, certificates, derived
 from reports.comparison.metrics import WHOLE_CYCLE
+from reports.report import Report
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
+from reports.scoring.reading import OWN, read
 from reports.scoring.solution import by_same_rule, contact_solution, whole_path
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated
 
 Against = Literal["exact", "fe"]
-OWN = ".nc"
 
 
 def score(

@@ -979,7 +979,7 @@ def _plates(found: LoopScore) -> tuple[Plate, ...]:
 
 def write(found: LoopScore, out: str | Path, command: str) -> Path:
     """The page, loop.json and the CSV of each figure; returns the path of the page."""
-    from reports.comparison.words import strict
+    from reports.comparison.json_values import strict
 
     program, digest = script()
     drawings, (heads, rows) = _plates(found), table(found)

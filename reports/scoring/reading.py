@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 _TABLES = (".csv", ".txt", ".rpt")
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks
 # for it.
+# A solution of this program.
+OWN = ".nc"
 READERS: dict[str, str] = {
     **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",

@@ -11,22 +11,20 @@ import itertools
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reports.comparison import Comparison, Report, UnscoredFile
+from reports.comparison import Comparison
 from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
-from reports.console import Stages
-from reports.scoring.against import OWN, Against, diagnosed, score_file
 from reports.scoring.field_files import collected_files
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import READERS
-from scenes import InputError, Scene
+from reports.scoring.reading import OWN, READERS
+from scenes import InputError
 
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
 _SIZE = re.compile(
@@ -35,6 +33,25 @@ _SIZE = re.compile(
 # Sizes closer than this are one mesh twice.
 _DISTINCT = 1.02
 _ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class UnscoredFile:
+    """A file of a folder of results that could not be scored.
+
+    Attributes
+    ----------
+    name : of the file, as it lies in the folder
+    reason : why, naming the file
+    """
+
+    name: str
+    reason: str
+
+    @property
+    def sentence(self) -> str:
+        """The sentence for a reader."""
+        return f"Not scored: {self.reason}."
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,59 +260,3 @@ def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
             f"Read through the collections that name them: {len(files) - len(alone)} files."
         )
     return tuple(sorted(taken.values())), tuple(notes)
-
-
-def score_folder(
-    folder: Path,
-    mapping: Mapping,
-    scene: Scene,
-    stages: Stages,
-    *,
-    against: Against = "exact",
-    tolerances: dict[str, float] | None = None,
-) -> Report:
-    """The report of the finest mesh, with the study over all of them; files that can't be scored
-    are named in its notes.
-
-    Raises
-    ------
-    InputError
-        Where no file can be scored, with the reason for the first; where two are of one mesh.
-    """
-    (files, left), levels, reports = results_in(folder), [], []
-    faults: dict[str, InputError] = {}
-    for path in files:
-        with stages.stage(path.name):
-            try:
-                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
-                level = Level(
-                    path.name, *element_size(path, mapping, report.comparison), report.comparison
-                )
-            except InputError as fault:
-                faults[path.name] = fault
-                continue
-            reports.append(report)
-            levels.append(level)
-    if not levels:
-        more = (
-            f" ({len(faults) - 1} other files of the folder can't be scored either)"
-            if len(faults) > 1
-            else ""
-        )
-        raise InputError(f"{next(iter(faults.values()))}{more}")
-    unscored = tuple(
-        UnscoredFile(name, str(fault).replace(str(folder / name), name))
-        for name, fault in faults.items()
-    )
-    notes = (*left, *(file.sentence for file in unscored))
-    if faults and len(levels) == 1:  # a result, and no study
-        (report,) = reports
-        noted = replace(report.comparison, notes=(*notes, *report.comparison.notes))
-        with stages.stage("diagnosis"):
-            return diagnosed(replace(report, comparison=noted, unscored=unscored))
-    known = study(levels, notes)
-    with stages.stage("diagnosis"):
-        finest = next(
-            report for report in reports if report.comparison is known.levels[0].comparison
-        )
-        return diagnosed(replace(finest, study=known, unscored=unscored))

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reports.comparison import Report
 from reports.comparison.words import tolerance_of, value_of
+from reports.report import Report
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.mapping import load_mapping
 from scenes import load_scene

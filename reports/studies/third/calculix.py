@@ -25,9 +25,11 @@ import numpy as np
 from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
 from reports.charts.templating import template
-from reports.comparison import Comparison, Report
-from reports.comparison.words import stretch, strict, value_of
+from reports.comparison import Comparison
+from reports.comparison.json_values import strict
+from reports.comparison.words import stretch, value_of
 from reports.console import Stages
+from reports.report import Report
 from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read

@@ -1,0 +1,115 @@
+"""An error budget in sentences, cells and JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.charts.templating import in_template
+from reports.comparison.budget import Budget, ErrorBudget, Term
+from reports.comparison.judged import JudgedPair
+from reports.comparison.metrics import Metric
+from reports.comparison.words import amount, value_of
+
+
+def budget_table(
+    budget: ErrorBudget, without: tuple[str, ...] = ()
+) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Heads; a row for each metric of the first table; a row for each other metric.
+
+    Without a column for the terms named, and for one that is none everywhere.
+    """
+    terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
+    are_half_planes = all(entry.half_planes for entry in budget.budgets)
+    rest = "unexplained" if are_half_planes else "idealisation"
+    heads = ("metric", "E", *terms, rest, "± u", "verdict")
+    rows = [_budget_row(entry) for entry in budget.budgets]
+    columns = [
+        column
+        for column, head in enumerate(heads)
+        if head not in without and any(row[column] != "none" for row in rows)
+    ]
+    first_rows = []
+    other_rows = []
+    for entry, row in zip(budget.budgets, rows, strict=True):
+        cells = tuple(row[column] for column in columns)
+        if entry.metric.headline:
+            first_rows.append(cells)
+        else:
+            other_rows.append(cells)
+    return tuple(heads[column] for column in columns), first_rows, other_rows
+
+
+def _budget_row(budget: Budget) -> tuple[str, ...]:
+    metric = budget.metric
+    uncertainty = "not measured"
+    if budget.uncertainty is not None:
+        uncertainty = amount(budget.uncertainty, metric)
+    terms = [share(term, metric) for term in budget.terms]
+    rest = amount(budget.rest, metric, plus=True)
+    return (metric.label, value_of(metric), *terms, rest, uncertainty, _judgement(budget))
+
+
+def share(term: Term, metric: Metric) -> str:
+    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
+    if term.uncertainty is None:
+        return "not measured"
+    if term.value is None:
+        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
+    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
+
+
+def _judgement(budget: Budget) -> str:
+    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error
+    stand out?
+    """
+    if budget.resolved is None:
+        return "not known: a term was not measured"
+    if budget.half_planes:
+        return "not covered" if budget.resolved else "covered"
+    return "resolved" if budget.resolved else "not resolved"
+
+
+def cost(budget: ErrorBudget) -> str:
+    """What the runs were and what they took, in a sentence."""
+    refinements = budget.refinements
+    pairs = [run for pair in refinements.penalty for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
+
+
+def honest(budget: ErrorBudget | None, metric: Metric) -> bool | None:
+    """Whether the stated uncertainty of a metric covers its known error; None where that was not
+    assessed.
+    """
+    entries = () if budget is None else budget.budgets
+    return next((entry.honest for entry in entries if entry.metric.key == metric.key), None)
+
+
+def honesty(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
+    """Whether every stated uncertainty of the first table covers the known error; None where none
+    was assessed.
+    """
+    answers = {honest(budget, metric) for metric in comparison.headlines}
+    return None if answers == {None} else False not in answers
+
+
+def budget_content(budget: ErrorBudget) -> dict[str, Any]:
+    """What comparison.json holds of a budget."""
+    return {
+        "cost": budget.cost,
+        "words": cost(budget),
+        "honest": budget.honest,
+        "metrics": {entry.metric.key: _entry_content(entry) for entry in budget.budgets},
+    }
+
+
+def _entry_content(budget: Budget) -> dict[str, Any]:
+    return {
+        "E": budget.total,
+        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
+        "unexplained" if budget.half_planes else "idealisation": budget.rest,
+        "u": budget.uncertainty,
+        "resolved": budget.resolved,
+        "honest": budget.honest,
+        "verdict": _judgement(budget),
+    }

@@ -1,0 +1,116 @@
+"""Solutions and metrics as JSON: what comparison.json and the answer of one engine hold of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from reports.comparison.laws import Certificate, of_unsymmetric
+from reports.comparison.metrics import Metric
+from reports.comparison.words import of_stretch
+from reports.measured import load_cycles
+from scenes import ContactSolution, Scene
+
+
+def strict(value: Any) -> Any:
+    """`value` with numpy types as Python's and every NaN or infinity as None.
+
+    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
+    {'a': 1.0, 'b': [None, 2]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): strict(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return strict(value.tolist())
+    if isinstance(value, list | tuple):
+        return [strict(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+# What the JSON of a metric has of it, by the names there.
+_OF_A_METRIC = (
+    "label",
+    "value",
+    "unit",
+    "tolerance",
+    "accurate",
+    "verdict",
+    "absolute",
+    "amounts",
+    "uncertainty",
+    "elements",
+    "note",
+    "series",
+    "signed",
+    "headline",
+    "why",
+)
+
+
+def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[str, Any]:
+    """What the JSON of a metric has of it.
+
+    `honest`: whether its stated uncertainty covers its known error, None where that is not known.
+    """
+    return {
+        **{name: getattr(metric, name) for name in _OF_A_METRIC},
+        "norm": of_stretch(metric.norm, scene),
+        "region": of_stretch(metric.region, scene),
+        "definition": of_stretch(metric.how, scene),
+        "finite": metric.value is None or math.isfinite(metric.value),
+        "honest": honest,
+        "worst_at": metric.time,
+        "worst_at_x_over_a_ref": metric.place,
+    }
+
+
+def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
+    """What is worth keeping of one solution beside its fields."""
+    record, work = solution.record, solution.work
+    names = (
+        "engine",
+        "dissipation",
+        "dissipation_uncertainty",
+        "dissipation_drift",
+        "loop_work",
+        "cycle_dissipation",
+    )
+    bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+    return {
+        **{
+            name: getattr(solution, name)
+            for name in (
+                *names,
+                "permanent_stick_half_width",
+                "steady_from",
+                "settings",
+                "versions",
+            )
+        },
+        **of_unsymmetric(solution),
+        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
+        "largest_half_width": np.nanmax(solution.contact_half_width),
+        "largest_pressure": np.max(solution.pressure),
+        **{
+            name: getattr(record, name) for name in ("converged", "termination", "message", "notes")
+        },
+        "certificates": {
+            one.label: {
+                "value": one.value,
+                "limit": one.limit,
+                "holds": one.holds,
+                "worst_at": one.time,
+            }
+            for one in checks
+        },
+        "counts": work.counts,
+        "skipped": {
+            name: {"count": count, "reason": reason}
+            for name, (count, reason) in work.skipped.items()
+        },
+        "seconds": work.seconds,
+        "mesh_quality": {name: dict(body.quality) for name, body in bodies},
+    }

@@ -1,0 +1,79 @@
+"""A pair with its metrics, laws and notes, and the verdict on all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from reports.comparison.laws import Certificate
+from reports.comparison.metrics import Metric
+from reports.comparison.pairs import Pair
+from reports.comparison.verdicts import Verdict
+from scenes import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedPair(Pair):
+    """Reference and result, every metric of both with its verdict, and the laws that each obeys:
+    see `Comparison` for the names.
+    """
+
+    metrics: tuple[Metric, ...]
+    reference_certificates: tuple[Certificate, ...]
+    result_certificates: tuple[Certificate, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The question."""
+        return self.result.scene
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Outside if one metric is, else undecided if one is, else within; None where no tolerance
+        judges any.
+        """
+        verdicts = {metric.verdict for metric in self.metrics}
+        for worst in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN):
+            if worst in verdicts:
+                return worst
+        return None
+
+    @property
+    def accurate(self) -> bool:
+        """Whether every metric that is judged is within its tolerance: undecided counts as outside,
+        nothing to judge as within.
+        """
+        return self.verdict in (Verdict.WITHIN, None)
+
+    @property
+    def admissible(self) -> bool:
+        """Whether both solutions obey every law of contact that was checked."""
+        return all(
+            check.holds for check in (*self.reference_certificates, *self.result_certificates)
+        )
+
+    @property
+    def unscored(self) -> tuple[Metric, ...]:
+        """The metrics that have a tolerance and no value, for want of what they need."""
+        return tuple(
+            metric for metric in self.metrics if metric.lacking and metric.tolerance is not None
+        )
+
+    @property
+    def passed(self) -> bool:
+        """Accurate and admissible, with a value for every metric that has a tolerance."""
+        return self.accurate and self.admissible and not self.unscored
+
+    @property
+    def headlines(self) -> tuple[Metric, ...]:
+        """The metrics of the first table, those with absolute values."""
+        return tuple(metric for metric in self.metrics if metric.headline)
+
+    @property
+    def others(self) -> tuple[Metric, ...]:
+        """The metrics of the second table."""
+        return tuple(metric for metric in self.metrics if not metric.headline)
+
+    def metric(self, key: str) -> Metric:
+        """The metric of that key; KeyError for an unknown one."""
+        return {metric.key: metric for metric in self.metrics}[key]

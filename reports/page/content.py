@@ -1,0 +1,110 @@
+"""comparison.json: all that a report holds, as strict JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from reports.charts.templating import in_template
+from reports.comparison import Comparison
+from reports.comparison.budget_words import budget_content, honest
+from reports.comparison.json_values import metric_content, solution_content, strict
+from reports.comparison.laws import derived, expected_content, expected_numbers
+from reports.comparison.words import (
+    beyond_theory,
+    bodies_in_words,
+    first_table,
+    headline,
+    how_judged,
+    question,
+    unlike_materials,
+    verdict,
+)
+from reports.measured import record_content
+from reports.profile_fit import content as fit_content
+from reports.report import Report
+
+_FORMAT = "halfplane comparison 2"
+
+
+def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
+    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
+    return json.dumps(
+        strict(whole_content(report, command, seconds or {})),
+        allow_nan=False,
+        indent=1,
+        ensure_ascii=False,
+    )
+
+
+def common_content(comparison: Comparison) -> dict[str, Any]:
+    """What the page and comparison.json say alike, by its name there."""
+    scene = comparison.scene
+    return {
+        "headline": headline(comparison),
+        "table": first_table(comparison)[1],
+        "claim": in_template("claim"),
+        "question": question(scene),
+        "bodies": bodies_in_words(scene),
+        "unlike_materials": unlike_materials(scene),
+        "idealisation": beyond_theory(comparison),
+    }
+
+
+def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
+    """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
+    comparison = report.comparison
+    budget = report.budget
+    scales = comparison.scales
+    # The solutions that hold every instant of the scene: beside a foreign result both have its few
+    # only.
+    whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
+    verdicts = {
+        name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
+    }
+    unscored = [metric.key for metric in comparison.unscored]
+    return {
+        "format": _FORMAT,
+        **common_content(comparison),
+        "profile_fit": fit_content(comparison.scene),
+        "verdict": {
+            **verdicts,
+            "unscored": unscored,
+            "judged": how_judged(comparison, has_budget=budget is not None),
+            "honest": report.honest,
+            "sentence": verdict(comparison),
+        },
+        "scales": {
+            "P_ref": scales.normal_load,
+            "a_ref": scales.half_width,
+            "p_ref": scales.pressure,
+            "f p_ref": scales.shear,
+            "A": scales.compliance,
+            "A f^2 P_ref^2": scales.dissipation,
+        },
+        "metrics": {
+            metric.key: metric_content(metric, comparison.scene, honest(budget, metric))
+            for metric in comparison.metrics
+        },
+        "budget": None if budget is None else budget_content(budget),
+        "expected": expected_content(expected_numbers(comparison.scene, whole)),
+        "instants": comparison.found.time,
+        "reference": solution_content(comparison.reference, comparison.reference_certificates),
+        "result": solution_content(comparison.result, comparison.result_certificates),
+        "polygon_reference": (
+            solution_content(comparison.polygon_reference, ())
+            if comparison.polygon_reference
+            else None
+        ),
+        "measured": record_content(comparison.scene),
+        "interpolation": comparison.expected.interpolation,
+        "notes": comparison.notes,
+        "guesses": report.guesses,
+        "diagnoses": [asdict(one) for one in report.diagnoses],
+        "study": report.study.content() if report.study else None,
+        "seconds": seconds,
+        "command": command,
+        "scene": comparison.scene.model_dump(mode="json"),
+    }

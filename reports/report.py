@@ -1,0 +1,120 @@
+"""What a page is written of: a comparison, and what was worked out from it beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from reports.comparison import Comparison
+from reports.comparison.words import for_notebook
+
+if TYPE_CHECKING:
+    from reports.comparison.budget import ErrorBudget
+    from reports.comparison.metrics import Metric
+    from reports.scoring.diagnosis import Diagnosis
+    from reports.scoring.study import Study, UnscoredFile
+
+
+class ThirdAnswer(Protocol):
+    """What a page and the command line ask of the answer of a third solver, or of its failure.
+
+    Attributes
+    ----------
+    text : the input that it was run on
+    comparison : its answer against half-plane theory; None where it failed
+    failure : the sentence, "" where it did not
+    heads : titles of the columns of its table, of which `rows` gives the lines
+    sentences : what must stand beside the table
+    """
+
+    @property
+    def text(self) -> str: ...
+    @property
+    def comparison(self) -> Comparison | None: ...
+    @property
+    def failure(self) -> str: ...
+    @property
+    def heads(self) -> tuple[str, ...]: ...
+    @property
+    def sentences(self) -> list[str]: ...
+
+    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
+        """The table: values of all three solvers, then errors, then time."""
+        ...
+
+    def page_words(self, comparison: Comparison) -> dict[str, Any]:
+        """What the page's block is filled with."""
+        ...
+
+    def as_json(self, comparison: Comparison) -> str:
+        """The table in numbers, as strict JSON."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What a page is written of: a comparison, and what was worked out from it.
+
+    Attributes
+    ----------
+    comparison : what was compared; its metrics have the uncertainties of the budget
+    budget : where the error of every metric comes from, where that was measured
+    guesses : what was taken for granted of somebody else's result, to be read before anything else
+    diagnoses : the likely causes of somebody else's difference, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them
+    third : the answer of another code to the same scene
+    unscored : files of the folder of results that could not be scored
+    """
+
+    comparison: Comparison
+    budget: ErrorBudget | None = None
+    guesses: tuple[str, ...] = ()
+    diagnoses: tuple[Diagnosis, ...] = ()
+    study: Study | None = None
+    third: ThirdAnswer | None = None
+    unscored: tuple[UnscoredFile, ...] = ()
+
+    def __repr__(self) -> str:
+        """Who was compared, and the table of `summary`."""
+        comparison = self.comparison
+        return (
+            f"Report on {comparison.result.engine} against"
+            f" {comparison.reference.engine}\n{self.summary()}"
+        )
+
+    @property
+    def honest(self) -> str:
+        """Whether the stated uncertainties cover the known errors, in words."""
+        return (
+            "not assessed: the run was made without a budget"
+            if self.budget is None
+            else self.budget.honest
+        )
+
+    @property
+    def passed(self) -> bool:
+        """Whether the comparison is accurate and admissible, and nothing with a tolerance is
+        unscored.
+        """
+        return self.comparison.passed
+
+    def metric(self, key: str) -> Metric:
+        """The metric of that key; KeyError for an unknown one."""
+        return self.comparison.metric(key)
+
+    def summary(self) -> str:
+        """The first table of the page as text."""
+        return self.comparison.summary()
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        return for_notebook(self.comparison, has_budget=self.budget is not None)
+
+
+def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
+    """A report of `comparison` with its budget, every metric with the uncertainty that it is judged
+    with.
+    """
+    judged = {entry.metric.key: entry.judged for entry in budget.budgets}
+    metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
+    return Report(replace(comparison, metrics=metrics), budget)

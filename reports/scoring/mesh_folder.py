@@ -1,0 +1,69 @@
+"""A folder of results, one a mesh: the report of the finest with the study over all of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from reports.console import Stages
+from reports.report import Report
+from reports.scoring.against import Against, diagnosed, score_file
+from reports.scoring.mapping import Mapping
+from reports.scoring.study import Level, UnscoredFile, element_size, results_in, study
+from scenes import InputError, Scene
+
+
+def score_folder(
+    folder: Path,
+    mapping: Mapping,
+    scene: Scene,
+    stages: Stages,
+    *,
+    against: Against = "exact",
+    tolerances: dict[str, float] | None = None,
+) -> Report:
+    """The report of the finest mesh, with the study over all of them; files that can't be scored
+    are named in its notes.
+
+    Raises
+    ------
+    InputError
+        Where no file can be scored, with the reason for the first; where two are of one mesh.
+    """
+    (files, left), levels, reports = results_in(folder), [], []
+    faults: dict[str, InputError] = {}
+    for path in files:
+        with stages.stage(path.name):
+            try:
+                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
+                level = Level(
+                    path.name, *element_size(path, mapping, report.comparison), report.comparison
+                )
+            except InputError as fault:
+                faults[path.name] = fault
+                continue
+            reports.append(report)
+            levels.append(level)
+    if not levels:
+        more = (
+            f" ({len(faults) - 1} other files of the folder can't be scored either)"
+            if len(faults) > 1
+            else ""
+        )
+        raise InputError(f"{next(iter(faults.values()))}{more}")
+    unscored = tuple(
+        UnscoredFile(name, str(fault).replace(str(folder / name), name))
+        for name, fault in faults.items()
+    )
+    notes = (*left, *(file.sentence for file in unscored))
+    if faults and len(levels) == 1:  # a result, and no study
+        (report,) = reports
+        noted = replace(report.comparison, notes=(*notes, *report.comparison.notes))
+        with stages.stage("diagnosis"):
+            return diagnosed(replace(report, comparison=noted, unscored=unscored))
+    known = study(levels, notes)
+    with stages.stage("diagnosis"):
+        finest = next(
+            report for report in reports if report.comparison is known.levels[0].comparison
+        )
+        return diagnosed(replace(finest, study=known, unscored=unscored))
