@@ -1073,7 +1073,7 @@ def test_a_friction_coefficient_in_per_cent_is_remarked():
     assert not remarks(scene.vary(friction=1.5), largest_contact(scene, ""))
 
 
-# ------------------------------------------------------------------- room for the contact, estimated
+# ------------------------------------------------------------------ room for the contact, estimated
 LAYERS = [
     # upper body, base of the layer, h over a of half-planes, width of the faces, unlike materials
     ("half_plane", "fixed", 0.1, 20.0, False),
@@ -1145,7 +1145,7 @@ def test_the_estimate_of_the_room_is_near_what_the_coarse_run_finds(case) -> Non
 
 @pytest.mark.parametrize("bulk", [{}, {"bulk_stress_lower": [*range(400)]}])
 def test_of_a_long_record_the_rows_of_extreme_loads_count(bulk) -> None:
-    """The largest and the smallest P, Q, Q/P and bulk stress; the path starts and ends as before."""
+    """The largest and the smallest P, Q, Q/P and bulk stress; the path starts and ends as ever."""
     time = np.arange(400.0)
     normal = 60 + 30 * np.sin(0.11 * time)
     rows = np.column_stack([time, normal, 0.3 * normal * np.sin(0.23 * time)])
