@@ -8,7 +8,7 @@ import os
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
-from typing import NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
 from rich.console import Console as _RichConsole
@@ -40,7 +40,10 @@ class TimeLeft:
     """
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
-        self._clock, self._begun, self._done, self._total = clock, clock(), 0, 0
+        self._clock = clock
+        self._begun = clock()
+        self._done = 0
+        self._total = 0
 
     def words(self, done: int, total: int | None) -> str:
         """Of the part that `done` of `total` belong to; empty before anything can be said of it.
@@ -53,15 +56,13 @@ class TimeLeft:
         now = self._clock()
         if total is None or done < self._done or total != self._total or not done:
             self._begun = now
-        self._done, self._total = done, total or 0
+        self._done = done
+        self._total = total or 0
+        if not done or not total or now <= self._begun:
+            return ""
         # The first steps of a part are no measure of the rest: for a work of one minute they
         # foretold 23.
-        if (
-            not done
-            or not total
-            or now <= self._begun
-            or (20 * done < total and now - self._begun < _FORETOLD)
-        ):
+        if 20 * done < total and now - self._begun < _FORETOLD:
             return ""
         left = (now - self._begun) / done * (total - done)
         return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
@@ -140,7 +141,8 @@ class Stages:
 
     @contextmanager
     def _lines(self, name: str, things: str) -> Generator[_Report, None, None]:
-        shown, left = time.perf_counter(), TimeLeft()
+        shown = time.perf_counter()
+        left = TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
         def report(done: int, total: int | None, text: str) -> None:
@@ -148,8 +150,9 @@ class Stages:
             words = left.words(done, total)
             if time.perf_counter() - shown >= _LINE_EVERY:
                 shown = time.perf_counter()
-                of = f"{done} of {total} {things}" if total else ""
-                self.console.print(Text(f"  {name}: {', '.join(filter(None, (text, of, words)))}"))
+                count = f"{done} of {total} {things}" if total else ""
+                parts = ", ".join(filter(None, (text, count, words)))
+                self.console.print(Text(f"  {name}: {parts}"))
 
         yield report
 
@@ -182,14 +185,13 @@ def show_table(
     title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
 ) -> None:
     """A table on stdout; columns whose numbers are in `right` are set flush right."""
-    console, lines = Console(highlight=False), [list(row) for row in rows]
+    console = Console(highlight=False)
+    lines = [list(row) for row in rows]
     # Rules between columns, and a blank on both sides of each where no word has to be broken for
     # it.
-    airy, close = (
-        _widths([columns, *lines], console.width - rules)
-        for rules in (3 * len(columns) - 1, len(columns) + 1)
-    )
-    widths, blank = (airy, 1) if airy or not close else (close, 0)
+    with_blanks = _widths([columns, *lines], console.width - 3 * len(columns) + 1)
+    without = _widths([columns, *lines], console.width - len(columns) - 1)
+    blank = 0 if without and not with_blanks else 1
     table = Table(
         title=Text(_printable(title)),
         title_justify="left",
@@ -197,13 +199,12 @@ def show_table(
         pad_edge=False,
         padding=(0, blank),
     )
-    sizes: Sequence[int | None] = widths or [None] * len(columns)
-    for number, (column, cells) in enumerate(zip(columns, sizes, strict=True)):
-        table.add_column(
-            column, justify="right" if number in right else "left", overflow="fold", width=cells
-        )
+    widths: Sequence[int | None] = with_blanks or without or [None] * len(columns)
+    for number, (column, cells) in enumerate(zip(columns, widths, strict=True)):
+        justify: Literal["right", "left"] = "right" if number in right else "left"
+        table.add_column(column, justify=justify, overflow="fold", width=cells)
     for row in lines:
-        table.add_row(*(_coloured(cell) for cell in row))
+        table.add_row(*map(_coloured, row))
     console.print(table)
 
 
@@ -219,20 +220,23 @@ def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
     ([11, 1], [6, 6], [])
     """
     columns = list(zip(*lines, strict=True))
-    whole = [max(cell_len(_printable(cell)) for cell in column) for column in columns]
-    least = [
-        max(cell_len(word) for cell in column for word in _printable(cell).split() or [""])
-        for column in columns
-    ]
-    if sum(whole) <= room:
-        return whole
-    if sum(least) > room:
+    needed = [max(cell_len(_printable(cell)) for cell in column) for column in columns]
+    if sum(needed) <= room:
+        return needed
+    widths = [_longest_word(column) for column in columns]
+    if sum(widths) > room:
         return []
-    while spare := room - sum(least):
-        short = [k for k, cells in enumerate(least) if cells < whole[k]][:spare]
-        for k in short:
-            least[k] += 1
-    return least
+    while spare := room - sum(widths):
+        narrow = [k for k, cells in enumerate(widths) if cells < needed[k]]
+        for k in narrow[:spare]:
+            widths[k] += 1
+    return widths
+
+
+def _longest_word(column: Iterable[str]) -> int:
+    """Cells of the terminal that the longest word of a column takes."""
+    words = " ".join(map(_printable, column)).split()
+    return max(map(cell_len, words), default=0)
 
 
 def _coloured(cell: str) -> Text:

@@ -116,31 +116,39 @@ def _made(folder: Path) -> Generator[None, None, None]:
 def remove_left_behind(folder: Path) -> None:
     """Remove what killed processes left in `folder` under a hidden name of ours."""
     with suppress(OSError), os.scandir(folder) as entries:
-        for entry in [
-            entry for entry in entries if _OURS.fullmatch(entry.name) and not entry.is_symlink()
-        ]:
+        hidden = [
+            Path(entry.path)
+            for entry in entries
+            if _OURS.fullmatch(entry.name) and not entry.is_symlink()
+        ]
+        for path in hidden:
             with suppress(OSError):
-                if _is_dead(Path(entry.path)):
-                    _remove(Path(entry.path))
+                if _is_dead(path):
+                    _remove(path)
 
 
 def _is_dead(path: Path) -> bool:
     """Whether the process that made a hidden file or folder has ended: one of this machine is asked
     for, of others age counts.
     """
-    found = _OURS.fullmatch(path.name)
-    if found and found[1] == _HERE and found[2] and sys.platform != "win32":
-        try:
-            os.kill(int(found[2]), 0)
-        except ProcessLookupError:
-            return True
-        except PermissionError:  # somebody else's
-            pass
+    name = _OURS.fullmatch(path.name)
+    if name and sys.platform != "win32":
+        machine, process = name.groups()
+        if machine == _HERE and process:
+            return _has_ended(int(process))
+    last_change = max(inner.stat().st_mtime for inner in (path, *path.rglob("*")))
+    return time.time() - last_change > _LEFT_BEHIND
+
+
+def _has_ended(process: int) -> bool:
+    """Whether this machine has no process of that number."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except PermissionError:  # somebody else's
         return False
-    return (
-        time.time() - max(there.stat().st_mtime for there in (path, *path.rglob("*")))
-        > _LEFT_BEHIND
-    )
+    return False
 
 
 MANIFEST = "manifest.json"
@@ -248,7 +256,8 @@ def filled(
     FilledBefore
         For a Ctrl-C that came while files were moved: they are whole.
     """
-    folder, moving = claim(out), False
+    folder = claim(out)
+    moving = False
     try:
         staging = _staging(folder)
     except OSError as reason:
@@ -343,13 +352,13 @@ def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None
     """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
     # Where folders can't be locked another run may move its files now: the manifest goes there
     # before them, so it is read after.
-    there = {name for name in names if os.path.lexists(folder / name)}
+    existing = {name for name in names if os.path.lexists(folder / name)}
     for name in sorted(set(names) - set(_owned(folder))):
         if not _lies_in(folder, name):
             raise InputError(
                 f"--out {out}: {name} would be written outside, through a link; name another folder"
             )
-        if name in there:
+        if name in existing:
             raise InputError(
                 f"--out {out}: {name} is there already and halfplane did not write it; name another"
                 " folder or move it"
@@ -390,13 +399,12 @@ def _owned(folder: Path) -> list[str]:
         stored = parsed_json(text_of(folder / MANIFEST, "the manifest"))
     except (OSError, ValueError):
         return []
-    if (
-        not isinstance(stored, dict)
-        or stored.get("written by") != "halfplane"
-        or not isinstance(stored.get("files"), list)
-    ):
+    if not isinstance(stored, dict) or stored.get("written by") != "halfplane":
         return []
-    return [name for name in stored["files"] if isinstance(name, str) and _lies_in(folder, name)]
+    names = stored.get("files")
+    if not isinstance(names, list):
+        return []
+    return [name for name in names if isinstance(name, str) and _lies_in(folder, name)]
 
 
 def _lies_in(folder: Path, name: str) -> bool:
@@ -417,7 +425,8 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
     run killed between two moves leaves nothing that the next one takes for somebody else's; the one
     that goes there last, what is there.
     """
-    results, before = staging / "results", staging / "before"
+    results = staging / "results"
+    before = staging / "before"
     new = _files(results)
     with _made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
         _refuse_foreign(folder, new, out)
@@ -463,7 +472,8 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
 
     One that goes meanwhile is made again, or FileNotFoundError.
     """
-    end, handle = time.monotonic() + _PATIENCE, None
+    end = time.monotonic() + _PATIENCE
+    handle = None
     while fcntl is not None:
         if make:
             folder.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +27,19 @@ _WARNED = 0.01
 _MOST_ROWS = 200_000
 # Differences of the second and of the fourth order of white noise state one sigma; of anything
 # smooth the latter are far less.
-_ALIKE = (0.7, 1.4)
+_LEAST_RATIO = 0.7
+_MOST_RATIO = 1.4
 # Fewer rows tell noise from loads by chance; so many of the first show what there is, predicted
 # from so many rows before each.
-_LEAST_ROWS, _PREDICTED, _LAGS = 50, 20_000, 8
+_LEAST_ROWS = 50
+_PREDICTED = 20_000
+_LAGS = 8
 # Cycles and instants in files, cycles on a page.
-_LISTED, _INSTANTS, _SHOWN = 1000, 400, 10
+_LISTED = 1000
+_INSTANTS = 400
+_SHOWN = 10
+# Columns of rows: time, P, Q.
+_TIME, _NORMAL, _TANGENTIAL = range(3)
 
 
 # ------------------------------------------------------------------------------ reduction and noise
@@ -68,20 +75,37 @@ def check_record(scene: Scene) -> RecordCheck | None:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         return None
-    rows, kept = load.used_rows().values, len(load.kept_rows())
-    sigma = (noise_of(rows[:, 1]), noise_of(rows[:, 2]))
+    rows = load.used_rows().values
+    kept = len(load.kept_rows())
+    noise = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
-        return RecordCheck(len(rows), kept, None, None, None, None, sigma, 1, None)
-    whole, half, average, averaged = {"reduce": None, "threshold": None}, None, 1, None
-    own = _work(scene)
-    unreduced = own if load.reduce is None else _work(scene, **whole)
-    every = unreduced if load.average == 1 else _work(scene, average=1, **whole)
+        return RecordCheck(len(rows), kept, None, None, None, None, noise, 1, None)
+
+    all_kept: dict[str, Any] = {"reduce": None, "threshold": None}
+    dissipation = _work(scene)
+    unreduced = dissipation if load.reduce is None else _work(scene, **all_kept)
+    all_rows = unreduced if load.average == 1 else _work(scene, average=1, **all_kept)
+    half_threshold = None
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
-        half = _work(scene, threshold={"P": load.threshold.P / 2, "Q": load.threshold.Q / 2})
-    if any(sigma):
-        average = _longest_means(rows, sigma)
-        averaged = _work(scene, average=average, **whole) if average > 1 else None
-    return RecordCheck(len(rows), kept, own, unreduced, every, half, sigma, average, averaged)
+        halves = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
+        half_threshold = _work(scene, threshold=halves)
+    average = 1
+    averaged = None
+    if any(noise):
+        average = _longest_means(rows, noise)
+        if average > 1:
+            averaged = _work(scene, average=average, **all_kept)
+    return RecordCheck(
+        len(rows),
+        kept,
+        dissipation,
+        unreduced,
+        all_rows,
+        half_threshold,
+        noise,
+        average,
+        averaged,
+    )
 
 
 def _work(scene: Scene, **changes: Any) -> float | None:
@@ -114,104 +138,136 @@ def noise_of(values: Array) -> float:
     values = values[:_PREDICTED]
     if len(values) < _LEAST_ROWS:
         return 0.0
-    second, fourth = (
-        1.4826 * float(np.median(np.abs(np.diff(values, k)))) / n**0.5 for k, n in ((2, 6), (4, 70))
-    )
-    if not (fourth > 0 and _ALIKE[0] < second / fourth < _ALIKE[1]):
+    second = _sigma_of_differences(values, 2, 6)
+    fourth = _sigma_of_differences(values, 4, 70)
+    if not (fourth > 0 and _LEAST_RATIO < second / fourth < _MOST_RATIO):
         return 0.0
-    before = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
-    weights = np.linalg.lstsq(before[:, :-1], before[:, -1], rcond=None)[0]
-    missed = float(np.std(before[:, -1] - before[:, :-1] @ weights))
-    return fourth if missed > _ALIKE[0] * fourth else 0.0
+    windows = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
+    before = windows[:, :-1]
+    after = windows[:, -1]
+    weights = np.linalg.lstsq(before, after, rcond=None)[0]
+    not_predicted = float(np.std(after - before @ weights))
+    return fourth if not_predicted > _LEAST_RATIO * fourth else 0.0
+
+
+def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
+    """Standard deviation of white noise from the median of differences of an order, whose variance
+    is so many sigma^2.
+    """
+    median = float(np.median(np.abs(np.diff(values, order))))
+    return 1.4826 * median / variance**0.5
 
 
 def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
     """How many rows (n, 3) a mean may stand for: as long as the means still look like noise, they
     blur nothing of the loads.
     """
+    noisy = [column for column, size in zip((_NORMAL, _TANGENTIAL), sigma, strict=True) if size]
     count = 1
     while len(rows) // (count + 1) >= _LEAST_ROWS:
-        blurred = means(rows, count + 1)
-        if not all(
-            noise_of(blurred[:, column]) for column, size in zip((1, 2), sigma, strict=True) if size
-        ):
+        longer = means(rows, count + 1)
+        if not all(noise_of(longer[:, column]) for column in noisy):
             break
         count += 1
     return count
 
 
-def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, bool]]:
-    """Sentences, and whether each is a warning."""
-    load, unit, energy = scene.load, load_unit(scene), energy_unit(scene)
+class Sentence(NamedTuple):
+    """A sentence, and whether it is a warning."""
+
+    text: str
+    warns: bool
+
+
+def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[Sentence]:
+    """What counts of a record, and what reduction, threshold and noise change in W."""
+    load = scene.load
     assert isinstance(load, TimeSeriesLoad)
+    yield from _rows_in_words(scene, load)
+    if load.reduce is not None:
+        yield _reduction_in_words(scene, load, found)
+    if found.half_threshold is not None and found.dissipation:
+        share = _change(found.half_threshold, found.dissipation)
+        text = f"With half the threshold W changes by {_per_cent(share)}."
+        yield Sentence(text, abs(share) > _WARNED)
+    if any(found.noise):
+        yield _noise_in_words(scene, load, found)
 
-    def change(value: float | None, before: float | None) -> tuple[str, bool]:
-        """In per cent, and whether it is worth a warning."""
-        share = value / before - 1 if value is not None and before else 0.0
-        return minus(f"{100 * share:+.2g} %"), abs(share) > _WARNED
 
+def _change(value: float | None, before: float | None) -> float:
+    """Relative change of a value; 0 where either is unknown."""
+    return value / before - 1 if value is not None and before else 0.0
+
+
+def _per_cent(share: float) -> str:
+    return minus(f"{100 * share:+.2g} %")
+
+
+def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
+    """Which rows count, where not all do."""
     first, beyond = load.bounds()
     if beyond - first < len(load.rows):
-        yield (
-            (
-                f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start"
-                " and end."
-            ),
-            False,
+        yield Sentence(
+            f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start and"
+            " end.",
+            warns=False,
         )
     if load.least_normal_load is not None:
-        low = load.rows.values[first:beyond, 1] < load.least_normal_load
-        yield (
-            (
-                f"P is below least_normal_load = {number(load.least_normal_load)} {unit} in"
-                f" {np.count_nonzero(low):,} of the rows: Q counts as 0 there. Of these the first"
-                f" {int(np.argmin(low)):,} are initial loading at Q = 0."
-            ),
-            False,
+        is_below = load.rows.values[first:beyond, _NORMAL] < load.least_normal_load
+        yield Sentence(
+            f"P is below least_normal_load = {number(load.least_normal_load)} {load_unit(scene)} in"
+            f" {np.count_nonzero(is_below):,} of the rows: Q counts as 0 there. Of these the first"
+            f" {int(np.argmin(is_below)):,} are initial loading at Q = 0.",
+            warns=False,
         )
-    if load.reduce is not None:
-        words = f"The path goes through {found.kept:,} of {found.rows:,} rows"
-        all_of = "all of them" if load.average == 1 else f"all means of {load.average}"
-        if found.dissipation is None and found.unreduced is None:
-            yield f"{words}; what that changes in W was not computed.", False
-        elif found.unreduced is None:
-            yield f"{words}; {all_of} have no solution, so the change of W is not known.", True
-        else:
-            by, much = change(found.dissipation, found.unreduced)
-            yield (
-                (
-                    f"{words}: by half-plane theory W = {number(found.dissipation or 0.0)}"
-                    f" {energy}, and {number(found.unreduced)} with {all_of} ({by})."
-                ),
-                much,
-            )
-    if found.half_threshold is not None and found.dissipation:
-        by, much = change(found.half_threshold, found.dissipation)
-        yield f"With half the threshold W changes by {by}.", much
-    if any(found.noise):
-        seen = (
-            f"The rows look noisy: standard deviation {found.noise[0]:.2g} of P and"
-            f" {found.noise[1]:.2g} {unit} of Q"
-        )
-        if load.average > 1:
-            by, much = change(found.unreduced, found.all_rows)
-            doubt = (
+
+
+def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, found: RecordCheck) -> Sentence:
+    """How many rows the path goes through, and what leaving out the others changes in W."""
+    path = f"The path goes through {found.kept:,} of {found.rows:,} rows"
+    all_of = "all of them" if load.average == 1 else f"all means of {load.average}"
+    if found.dissipation is None and found.unreduced is None:
+        return Sentence(f"{path}; what that changes in W was not computed.", warns=False)
+    if found.unreduced is None:
+        text = f"{path}; {all_of} have no solution, so the change of W is not known."
+        return Sentence(text, warns=True)
+    share = _change(found.dissipation, found.unreduced)
+    text = (
+        f"{path}: by half-plane theory W = {number(found.dissipation or 0.0)}"
+        f" {energy_unit(scene)}, and {number(found.unreduced)} with {all_of}"
+        f" ({_per_cent(share)})."
+    )
+    return Sentence(text, abs(share) > _WARNED)
+
+
+def _noise_in_words(scene: Scene, load: TimeSeriesLoad, found: RecordCheck) -> Sentence:
+    """How noisy the rows are, and what that makes of W."""
+    sigma_normal, sigma_tangential = found.noise
+    noise = (
+        f"The rows look noisy: standard deviation {sigma_normal:.2g} of P and"
+        f" {sigma_tangential:.2g} {load_unit(scene)} of Q"
+    )
+    if load.average > 1:
+        share = _change(found.unreduced, found.all_rows)
+        cause = ""
+        if abs(share) > _WARNED:
+            cause = (
                 ": by noise, or because means of so many rows blur the loads; compare with a"
-                " smaller load.average" * much
+                " smaller load.average"
             )
-            yield f"{seen}. The means of {load.average} rows change W by {by}{doubt}.", False
-        elif found.by_noise is None:
-            yield (
-                (
-                    f"{seen}. How much of W is noise can't be told: there are too few rows a cycle,"
-                    " or the record repeats."
-                ),
-                False,
-            )
-        else:
-            by, much = change(found.averaged, found.all_rows)
-            cure = f"; load.average = {found.average} takes it out" if much else ""
-            yield f"{seen}. Means of {found.average} rows change W by {by}{cure}.", much
+        text = f"{noise}. The means of {load.average} rows change W by {_per_cent(share)}{cause}."
+        return Sentence(text, warns=False)
+    if found.by_noise is None:
+        text = (
+            f"{noise}. How much of W is noise can't be told: there are too few rows a cycle, or the"
+            " record repeats."
+        )
+        return Sentence(text, warns=False)
+    share = _change(found.averaged, found.all_rows)
+    warns = abs(share) > _WARNED
+    cure = f"; load.average = {found.average} takes it out" if warns else ""
+    text = f"{noise}. Means of {found.average} rows change W by {_per_cent(share)}{cure}."
+    return Sentence(text, warns)
 
 
 # ---------------------------------------------------------------------------- cycles and their work
@@ -255,14 +311,17 @@ class LoadCycles:
     def content(self) -> dict[str, Any]:
         """For JSON: of many cycles those of most dissipation, of many instants some, evenly."""
         most = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)[:_LISTED]
-        some = np.unique(np.linspace(0, len(self.time) - 1, _INSTANTS).astype(int))
+        instants = np.unique(np.linspace(0, len(self.time) - 1, _INSTANTS).astype(int))
         return {
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
             "dissipation_per_cycle": self.per_cycle,
             "not_listed": len(self.cycles) - len(most),
             "cycles": [asdict(cycle) for cycle in most],
-            "cumulative": {"time": self.time[some], "dissipation": self.cumulative[some]},
+            "cumulative": {
+                "time": self.time[instants],
+                "dissipation": self.cumulative[instants],
+            },
         }
 
 
@@ -279,25 +338,31 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     ):
         return None
     rows = scene.load.series()
-    late = 0.0
+    last_start = 0.0  # of the last cycle, after that of the first
     if scene.load.repeats:
         rows = rows[1:]
-        late = (rows[-1, 0] - rows[0, 0]) * (len(solution.cycle_dissipation) - 1)
-    time, work = solution.time - late, solution.record.energy.get("dissipation", np.empty(0))
+        period = rows[-1, _TIME] - rows[0, _TIME]
+        last_start = period * (len(solution.cycle_dissipation) - 1)
     if solution.engine == "semi_analytic":
-        time, work = _work_at_rows(scene, rows, late)
-    slack = 1e-9 * (rows[-1, 0] - rows[0, 0])
-    if len(work) != len(time) or np.count_nonzero(inside := time >= rows[0, 0] - slack) < 2:
+        time, work = _work_at_rows(scene, rows, last_start)
+    else:
+        time = solution.time - last_start
+        work = solution.record.energy.get("dissipation", np.empty(0))
+    if len(work) != len(time):
         return None
-    time, so_far = time[inside], np.cumsum(work[inside])
+    slack = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
+    in_record = time >= rows[0, _TIME] - slack
+    if np.count_nonzero(in_record) < 2:
+        return None
+    time = time[in_record]
+    so_far = np.cumsum(work[in_record])
     so_far -= so_far[0]
-    solved = rows[rows[:, 0] <= time[-1] + slack]
-    cycles = tuple(with_work(counted(solved[:, 0], solved[:, 2]), time, so_far))
-    return LoadCycles(
-        tuple(replace(one, start=one.start + late, end=one.end + late) for one in cycles),
-        time + late,
-        so_far,
-    )
+    solved = rows[rows[:, _TIME] <= time[-1] + slack]
+    cycles = [
+        replace(cycle, start=cycle.start + last_start, end=cycle.end + last_start)
+        for cycle in with_work(counted(solved[:, _TIME], solved[:, _TANGENTIAL]), time, so_far)
+    ]
+    return LoadCycles(tuple(cycles), time + last_start, so_far)
 
 
 def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]:
@@ -309,16 +374,20 @@ def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]
     """
     import semi_analytic
 
-    ends = np.unique([cycle.end for cycle in counted(rows[:, 0], rows[:, 2])])
-    after = np.clip(np.searchsorted(rows[:, 0], ends), 1, len(rows) - 1)
-    apart = np.minimum(np.abs(rows[after, 0] - ends), np.abs(ends - rows[after - 1, 0]))
-    time = np.sort(
-        np.concatenate([rows[:, 0], ends[apart > 1e-9 * (rows[after, 0] - rows[after - 1, 0])]])
-    )
-    path = np.column_stack([time, *(np.interp(time, rows[:, 0], rows[:, k]) for k in (1, 2))])
+    row_times = rows[:, _TIME]
+    ends = np.unique([cycle.end for cycle in counted(row_times, rows[:, _TANGENTIAL])])
+    after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
+    to_after = np.abs(row_times[after] - ends)
+    from_before = np.abs(ends - row_times[after - 1])
+    spacing = row_times[after] - row_times[after - 1]
+    between_rows = ends[np.minimum(to_after, from_before) > 1e-9 * spacing]
+    time = np.sort(np.concatenate([row_times, between_rows]))
+    normal = np.interp(time, row_times, rows[:, _NORMAL])
+    tangential = np.interp(time, row_times, rows[:, _TANGENTIAL])
+    path = np.column_stack([time, normal, tangential])
     closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=scene.load.repeats))  # type: ignore[union-attr]
-    found = semi_analytic.solve(closer, x=[0.0], time=time + late, fields=("dissipation",))
-    return time, found.record.energy["dissipation"]
+    solution = semi_analytic.solve(closer, x=[0.0], time=time + late, fields=("dissipation",))
+    return time, solution.record.energy["dissipation"]
 
 
 def counted(time: Array, force: Array) -> list[LoadCycle]:
@@ -330,11 +399,11 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
     """
     from rainflow import extract_cycles
 
-    found = []
+    cycles = []
     for size, mean, count, first, last in extract_cycles(force.tolist()):
         end = _back(time, force, first, last) if count == 1 else float(time[last])
-        found.append(LoadCycle(count, size, mean, float(time[first]), end, 0.0))
-    return sorted(found, key=lambda cycle: (cycle.end, -cycle.start))
+        cycles.append(LoadCycle(count, size, mean, float(time[first]), end, 0.0))
+    return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
 def with_work(cycles: Sequence[LoadCycle], time: Array, so_far: Array) -> Iterator[LoadCycle]:
@@ -343,24 +412,30 @@ def with_work(cycles: Sequence[LoadCycle], time: Array, so_far: Array) -> Iterat
     """
     ended: list[tuple[float, float]] = []  # start and work of cycles that none has taken in yet
     for cycle in cycles:
-        whole = float(np.interp(cycle.end, time, so_far) - np.interp(cycle.start, time, so_far))
-        own = whole
+        at_start, at_end = np.interp([cycle.start, cycle.end], time, so_far).tolist()
+        work = at_end - at_start
+        work_alone = work
         while ended and ended[-1][0] >= cycle.start:
-            own -= ended.pop()[1]
-        ended.append((cycle.start, whole))
-        yield replace(cycle, dissipation=own)
+            _, work_within = ended.pop()
+            work_alone -= work_within
+        ended.append((cycle.start, work))
+        yield replace(cycle, dissipation=work_alone)
 
 
 def _back(time: Array, force: Array, first: int, last: int) -> float:
     """When the force, after the row `last`, is again what it was at the row `first`."""
-    level, way, begin, many = force[first], np.sign(force[first] - force[last]), last + 1, 64
+    level = force[first]
+    direction = np.sign(level - force[last])
+    begin = last + 1
+    count = 64  # rows that are looked at together
     while begin < len(force):
-        there = np.flatnonzero(way * (force[begin : begin + many] - level) >= 0)
-        if len(there):
-            row = begin + int(there[0])
+        beyond = np.flatnonzero(direction * (force[begin : begin + count] - level) >= 0)
+        if len(beyond):
+            row = begin + int(beyond[0])
             share = (level - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + share * (time[row] - time[row - 1]))
-        begin, many = begin + many, 2 * many
+        begin += count
+        count *= 2
     return float(time[-1])
 
 
@@ -368,12 +443,16 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     """For JSON: how files were read, what reduction and noise make of W; None where nothing was
     measured.
     """
-    read, found = read_in_pairs(scene), check_record(scene)
-    if not read and found is None:
+    read = read_in_pairs(scene)
+    record = check_record(scene)
+    if not read and record is None:
         return None
-    said = list(record_in_words(scene, found)) if found else []
-    numbers = asdict(found) | {"by_noise": found.by_noise} if found else None
-    return {"read_as": read, "loads": numbers, "sentences": [words for words, _ in said]}
+    numbers = None
+    sentences: list[str] = []
+    if record is not None:
+        numbers = asdict(record) | {"by_noise": record.by_noise}
+        sentences = [sentence.text for sentence in record_in_words(scene, record)]
+    return {"read_as": read, "loads": numbers, "sentences": sentences}
 
 
 def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
@@ -381,25 +460,31 @@ def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
     what was assumed.
     """
     profile = getattr(scene.profile, "fitted", None) or scene.profile
-    tables = (("load.file", scene.load), ("profile.file", profile))
-    found = {name: getattr(table, "read_as", None) for name, table in tables}
-    return {name: pairs for name, pairs in found.items() if pairs}
+    read_as = {
+        "load.file": getattr(scene.load, "read_as", None),
+        "profile.file": getattr(profile, "read_as", None),
+    }
+    return {name: pairs for name, pairs in read_as.items() if pairs}
 
 
 def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
     """What the page shows of measured data: how files were read, sentences on the record, its
     cycles; None where there is none.
     """
-    read, record = read_in_pairs(scene), check_record(scene)
+    read = read_in_pairs(scene)
+    record = check_record(scene)
     if not read and record is None:
         return None
-    cycles = [
-        (name_of(one.engine).capitalize(), found)
-        for one in solutions
-        if (found := load_cycles(one)) is not None
-    ]
-    first = cycles[0][1].cycles if cycles else ()
-    most = sorted(range(len(first)), key=lambda k: -first[k].dissipation)[:_SHOWN]
+    cycles = []
+    for solution in solutions:
+        of_solution = load_cycles(solution)
+        if of_solution is not None:
+            cycles.append((name_of(solution.engine).capitalize(), of_solution))
+    most: list[int] = []
+    if cycles:
+        _, of_first = cycles[0]
+        dissipations = [cycle.dissipation for cycle in of_first.cycles]
+        most = sorted(range(len(dissipations)), key=lambda k: -dissipations[k])[:_SHOWN]
     return {
         "read": read,
         "said": list(record_in_words(scene, record)) if record else [],

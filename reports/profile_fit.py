@@ -4,8 +4,8 @@ leaves open in W, a and p0.
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import asdict, dataclass
+from enum import Enum
 from functools import lru_cache
 from typing import Any
 
@@ -32,7 +32,8 @@ from scenes.profiles import Fitted
 _RESAMPLES = 100
 # Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer
 # record.
-_MARCHES, _MOST_ROWS = 30, 2_000
+_MARCHES = 30
+_MOST_ROWS = 2_000
 # Of residuals over the noise: chance alone gives so much in one case of 1,000, as a share of the
 # expected spread.
 _CHANCE = 3.3
@@ -87,59 +88,87 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     InputError
         For a scene whose profile is not fitted.
     """
-    if (fitted := fit_of(scene)) is None:
+    fitted = fit_of(scene)
+    if fitted is None:
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
-    marched = not isinstance(scene.load, EllipseLoad) or scene.load.has_bulk_or_tilt
-    skipped = (
-        marched and isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS
-    )
-    count = min(resamples, _MARCHES) if marched and not skipped else resamples
-
-    def others(keys: dict[str, Any] | None) -> NDArray[np.float64] | None:
-        with contextlib.suppress(InputError):  # a contact wider than the rows
-            return (
-                None
-                if keys is None
-                else _values(scene.vary(profile={**keys, "fitted": None}), marched, skipped)
-            )
-        return None
-
-    first, random = _values(scene, marched, skipped), np.random.default_rng(seed)
-    closer = others(fitted_again(scene.profile, smoothing=0.1)) if fitted.weight else None
+    way = _way_to_work(scene)
+    count = min(resamples, _MARCHES) if way is _Work.MARCHED else resamples
+    random = np.random.default_rng(seed)
     pattern = _pattern(scene)
-    noises = (_noise(random, fitted, pattern) for _ in range(count))
-    rows = [
-        found
-        for noise in noises
-        if (found := others(fitted_again(scene.profile, noise))) is not None
-    ]
-    if len(rows) < max(2, count // 2):
+    of_fit = _values(scene, way)
+    resampled = []
+    for _ in range(count):
+        noise = _noise(random, fitted, pattern)
+        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way)
+        if values is not None:
+            resampled.append(values)
+    if len(resampled) < max(2, count // 2):
         raise InputError(
-            f"{scene.name}: of {count} other measurements with this noise only {len(rows)} can"
+            f"{scene.name}: of {count} other measurements with this noise only {len(resampled)} can"
             " carry the load: measure a wider stretch, or more closely"
         )
-    changes = np.array(rows) - first
+
+    changes = np.array(resampled) - of_fit
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
     # smoothed, has some.
-    own = np.abs(np.mean(changes, axis=0))
-    spread = 2 * np.std(changes, axis=0) + (
-        own if closer is None else np.maximum(own, np.abs(closer - first))
-    )
+    bias = np.abs(np.mean(changes, axis=0))
+    if fitted.weight:
+        less_smoothed = fitted_again(scene.profile, smoothing=0.1)
+        closer = _values_of_another_fit(scene, less_smoothed, way)
+        if closer is not None:
+            bias = np.maximum(bias, np.abs(closer - of_fit))
+    uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fitted.kind != "smoothing_spline":
-        spline = others(fitted_by_spline(scene.profile))
+        spline = _values_of_another_fit(scene, fitted_by_spline(scene.profile), way)
         if spline is None:
             raise InputError(
                 f"{scene.name}: the residuals have a pattern, and no smoothing spline through these"
                 " rows carries the load: state another kind of fit, or fewer rows by its key"
                 " extent"
             )
-        spread += _SPLINE * np.abs(spline - first)
-    work, half, peak = (
-        Spread(value, float(size)) for value, size in zip(first.tolist(), spread, strict=True)
+        uncertainty += _SPLINE * np.abs(spline - of_fit)
+    work, half_width, peak_pressure = map(Spread, of_fit.tolist(), uncertainty.tolist())
+    return FitUncertainty(
+        None if way is _Work.LEFT_OUT else work,
+        half_width,
+        peak_pressure,
+        count,
+        count - len(resampled),
+        seed,
     )
-    return FitUncertainty(None if skipped else work, half, peak, count, count - len(rows), seed)
+
+
+class _Work(Enum):
+    """How the dissipation of a resampled profile is computed."""
+
+    IN_BATCH = "an ellipse without bulk stress or tilt"
+    MARCHED = "along its path"
+    LEFT_OUT = "the record is too long"
+
+
+def _way_to_work(scene: Scene) -> _Work:
+    load = scene.load
+    if isinstance(load, EllipseLoad) and not load.has_bulk_or_tilt:
+        return _Work.IN_BATCH
+    if isinstance(load, TimeSeriesLoad) and len(load.rows) > _MOST_ROWS:
+        return _Work.LEFT_OUT
+    return _Work.MARCHED
+
+
+def _values_of_another_fit(
+    scene: Scene, profile_keys: dict[str, Any] | None, way: _Work
+) -> NDArray[np.float64] | None:
+    """W, a, p0 with another fit; None where there is none, or its contact is wider than the
+    rows.
+    """
+    if profile_keys is None:
+        return None
+    try:
+        return _values(scene.vary(profile={**profile_keys, "fitted": None}), way)
+    except InputError:
+        return None
 
 
 def _pattern(scene: Scene) -> NDArray[np.float64] | None:
@@ -179,34 +208,37 @@ def _noise(
     return np.asarray(noise + random.choice([-1.0, 1.0]) * moved / fitted.noise)
 
 
-def _values(scene: Scene, marched: bool, skipped: bool) -> NDArray[np.float64]:
-    """W, a, p0."""
+def _values(scene: Scene, way: _Work) -> NDArray[np.float64]:
+    """W, a, p0; 0 in place of W where that is left out."""
     contact = largest_contact(scene, scene.name)
     work = 0.0
-    if marched and not skipped:
+    if way is _Work.MARCHED:
         work = semi_analytic.solve(scene, x=0.0, fields="dissipation").dissipation
-    elif not marched:
-        load = scene.load
-        names = (
-            "mean_normal_load",
-            "normal_amplitude",
-            "mean_tangential_load",
-            "tangential_amplitude",
-            "phase",
-        )
-        batch = semi_analytic.dissipation(
-            profile=scene.profile,
-            material=scene.material,
-            friction_coefficient=scene.friction.coefficient,
-            **{name: getattr(load, name) for name in names},
-        )
-        if batch.reason:
-            raise InputError(
-                f"{scene.name}: the dissipation has no value:"
-                f" {semi_analytic.Reason(int(batch.reason)).name.lower()}"
-            )
-        work = float(batch.value)
+    elif way is _Work.IN_BATCH:
+        work = _work_of_ellipse(scene)
     return np.array([work, contact.half_width, contact.peak_pressure])
+
+
+def _work_of_ellipse(scene: Scene) -> float:
+    """W of an ellipse, by the call for arrays of ellipses."""
+    load = scene.load
+    names = (
+        "mean_normal_load",
+        "normal_amplitude",
+        "mean_tangential_load",
+        "tangential_amplitude",
+        "phase",
+    )
+    batch = semi_analytic.dissipation(
+        profile=scene.profile,
+        material=scene.material,
+        friction_coefficient=scene.friction.coefficient,
+        **{name: getattr(load, name) for name in names},
+    )
+    if batch.reason:
+        reason = semi_analytic.Reason(int(batch.reason)).name.lower()
+        raise InputError(f"{scene.name}: the dissipation has no value: {reason}")
+    return float(batch.value)
 
 
 def fit_in_words(scene: Scene, half_width: float) -> list[str]:
@@ -216,40 +248,44 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     ----------
     half_width : of the largest contact
     """
-    fitted, profile = fit_of(scene), scene.profile
+    fitted = fit_of(scene)
     if fitted is None:
         return []
     _, length, _ = units(scene)
-    match profile:
-        case Hertz(radius=radius):
-            shape = f"a parabola of radius {number(radius)} {length}"
-        case FlatRounded(radius=radius, flat_half_length=half):
-            shape = (
-                f"a flat of half-length {number(half)} {length} with edges of radius"
-                f" {number(radius)} {length}"
-            )
-        case EvenPolynomial(rises=rises):
-            shape = f"an even polynomial of {np.count_nonzero(rises)} terms"
-        case _:
-            shape = "a smoothing spline"
-    centre = (
-        f"Its middle, {'fitted' if fitted.centre_fitted else 'given'}, is x ="
-        f" {number(fitted.centre)} {length}"
-    )
-    more = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
+    how_centred = "fitted" if fitted.centre_fitted else "given"
+    centre = f"Its middle, {how_centred}, is x = {number(fitted.centre)} {length}"
     if fitted.tilt_fitted:
         centre += f", and its tilt, fitted and taken out, is {number(fitted.tilt)} rad"
     elif fitted.tilt:
         centre += f", and a tilt of {number(fitted.tilt)} rad was taken out, as stated"
-    stated = "stated" if fitted.noise_stated else "taken from these residuals"
+    left_out = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
+    noise_source = "stated" if fitted.noise_stated else "taken from these residuals"
+    rows = len(fitted.rows) - fitted.left_out
     return [
         (
-            f"The profile is {shape}, fitted to {len(fitted.rows) - fitted.left_out} rows of"
-            f" {fitted.source}{more}. {centre}. Residuals are {fitted.residual:.3g} {length} (root"
-            f" mean square), the noise is {fitted.noise:.3g} {length} ({stated})."
+            f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
+            f" {fitted.source}{left_out}. {centre}. Residuals are {fitted.residual:.3g} {length}"
+            f" (root mean square), the noise is {fitted.noise:.3g} {length} ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
     ]
+
+
+def _shape_in_words(scene: Scene) -> str:
+    """What kind of curve the profile is, with its sizes."""
+    _, length, _ = units(scene)
+    match scene.profile:
+        case Hertz(radius=radius):
+            return f"a parabola of radius {number(radius)} {length}"
+        case FlatRounded(radius=radius, flat_half_length=half_length):
+            return (
+                f"a flat of half-length {number(half_length)} {length} with edges of radius"
+                f" {number(radius)} {length}"
+            )
+        case EvenPolynomial(rises=rises):
+            return f"an even polynomial of {np.count_nonzero(rises)} terms"
+        case _:
+            return "a smoothing spline"
 
 
 def fit_warnings(scene: Scene, half_width: float) -> list[str]:
@@ -263,7 +299,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     fitted = fit_of(scene)
     if fitted is None:
         return []
-    length = units(scene)[1]
+    _, length, _ = units(scene)
     warnings = []
     pattern = _pattern(scene)
     if pattern is not None:
@@ -273,19 +309,18 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
-    excess = (
-        (fitted.residual / fitted.noise) ** 2
-        * (len(fitted.rows) - fitted.left_out)
-        / fitted.freedom
-    )
+    rows = len(fitted.rows) - fitted.left_out
+    # of the residuals' variance over that of the noise
+    excess = (fitted.residual / fitted.noise) ** 2 * rows / fitted.freedom
     if fitted.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fitted.freedom):
-        more = "this kind of profile does not describe the rows, or the noise is larger"
-        if pattern is None:
-            more += ". The uncertainty does not cover that"
-        less = "the noise is smaller than stated, or the rows were smoothed before"
+        cause = "the noise is smaller than stated, or the rows were smoothed before"
+        if excess > 1:
+            cause = "this kind of profile does not describe the rows, or the noise is larger"
+            if pattern is None:
+                cause += ". The uncertainty does not cover that"
         warnings.append(
             f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains:"
-            f" {more if excess > 1 else less}."
+            f" {cause}."
         )
     if half_width > fitted.extent:
         warnings.append(
@@ -300,8 +335,10 @@ def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
     """The three values, with what makes them uncertain."""
     _, length, stress = units(scene)
 
-    def share(one: Spread) -> str:
-        return f"{one.value:.6g} ± {100 * one.uncertainty / one.value:.2g} %" if one.value else "0"
+    def share(spread: Spread) -> str:
+        if not spread.value:
+            return "0"
+        return f"{spread.value:.6g} ± {100 * spread.uncertainty / spread.value:.2g} %"
 
     work = f"W = {share(found.dissipation)}, " if found.dissipation else ""
     failed = f", {found.failed} of them unfit" if found.failed else ""
@@ -325,13 +362,12 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     half_width = 0.0
     try:
         half_width = largest_contact(scene, scene.name).half_width
-        found = fit_uncertainty(scene)
+        uncertainty = fit_uncertainty(scene)
     except InputError as fault:
-        return (
-            *fit_in_words(scene, half_width),
-            f"The uncertainty from the noise has no value: {fault}.",
-        ), None
-    return (*fit_in_words(scene, half_width), _uncertainty_in_words(scene, found)), found
+        reason = f"The uncertainty from the noise has no value: {fault}."
+        return (*fit_in_words(scene, half_width), reason), None
+    in_words = _uncertainty_in_words(scene, uncertainty)
+    return (*fit_in_words(scene, half_width), in_words), uncertainty
 
 
 def content(scene: Scene) -> dict[str, Any] | None:
@@ -339,8 +375,11 @@ def content(scene: Scene) -> dict[str, Any] | None:
     fitted = fit_of(scene)
     if fitted is None:
         return None
-    said, found = findings(scene)
-    fit = fitted.model_dump(mode="json", exclude={"rows"}) | {
-        "count": len(fitted.rows) - fitted.left_out
+    sentences, uncertainty = findings(scene)
+    fit = fitted.model_dump(mode="json", exclude={"rows"})
+    fit["count"] = len(fitted.rows) - fitted.left_out
+    return {
+        "sentences": sentences,
+        "fit": fit,
+        "uncertainty_95": asdict(uncertainty) if uncertainty else None,
     }
-    return {"sentences": said, "fit": fit, "uncertainty_95": asdict(found) if found else None}

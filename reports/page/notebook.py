@@ -22,28 +22,27 @@ if TYPE_CHECKING:
 
 def scene_html(scene: Scene) -> str:
     """Name, bodies, material, profile, friction and loads of a scene."""
-    upper, lower = scene.material.upper, scene.material.lower
+    upper = scene.material.upper
+    lower = scene.material.lower
     path = scene.load.path()
-    loads = [path.at(np.linspace(leg.start, leg.end, 65)) for leg in path.legs(1)]
-    normal, tangential = (
-        np.concatenate([np.atleast_1d(pair[k]) for pair in loads]) for k in (0, 1)
-    )
+    instants = np.concatenate([np.linspace(leg.start, leg.end, 65) for leg in path.legs(1)])
+    normal, tangential = path.at(instants)
+    bodies = f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}"
     rows = [
         ("name", scene.name or "–"),
-        (
-            "bodies",
-            f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}".replace("_", "-"),
-        ),
+        ("bodies", bodies.replace("_", "-")),
         ("E, ν upper", f"{upper.young_modulus:.6g}, {upper.poisson_ratio:.4g}"),
         ("E, ν lower", f"{lower.young_modulus:.6g}, {lower.poisson_ratio:.4g}"),
         ("profile", scene.profile.kind.replace("_", " ")),
         ("friction coefficient", f"{scene.friction.coefficient:.4g}"),
         ("load", scene.load.kind.replace("_", " ")),
-        ("P", f"{normal.min():.6g} to {normal.max():.6g}"),
-        ("Q", f"{tangential.min():.6g} to {tangential.max():.6g}"),
-        *([("beside P and Q", beside)] if (beside := bulk_and_tilt(scene)) else []),
-        ("units", scene.units),
+        ("P", f"{np.min(normal):.6g} to {np.max(normal):.6g}"),
+        ("Q", f"{np.min(tangential):.6g} to {np.max(tangential):.6g}"),
     ]
+    beside_forces = bulk_and_tilt(scene)
+    if beside_forces:
+        rows.append(("beside P and Q", beside_forces))
+    rows.append(("units", scene.units))
     return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows)
 
 
@@ -68,64 +67,82 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     InputError
         For a time outside the solution, and a solution without pressure.
     """
-    steps, now = solution.last_cycle, solution.time
+    cycle = solution.last_cycle
+    step = _step_shown(solution, time)
+    figure, (tractions, states) = _axes(2, (7.0, 6.5))
+    _draw_tractions(tractions, solution, step)
+    if len(solution.x) > 1 and len(cycle) > 1:
+        _draw_states(states, solution)
+        states.axhline(solution.time[step], color="black", linewidth=0.8)
+    _, length, _ = solution.scene.unit_words
+    states.set_ylabel("time")
+    states.set_xlabel(f"x [{length}]")
+    return figure
+
+
+def _step_shown(solution: ContactSolution, time: float | None) -> int:
+    """The stored instant next to `time`, or that of the largest |Q| of the last cycle; refused as
+    `solution_figure` states.
+    """
+    times = solution.time
     if not np.isfinite(solution.pressure).any():
         raise InputError(
             "plot: the solution holds no pressure; solve it with fields='pressure' and 'shear' at"
             " least"
         )
-    if time is not None and not now.min() <= time <= now.max():
+    if time is None:
+        cycle = solution.last_cycle
+        return int(cycle[np.argmax(np.abs(solution.tangential_load[cycle]))])
+    if not times.min() <= time <= times.max():
         raise InputError(
-            f"plot: time = {time:g} lies outside the solution, which goes from {now.min():.6g} to"
-            f" {now.max():.6g}"
+            f"plot: time = {time:g} lies outside the solution, which goes from {times.min():.6g} to"
+            f" {times.max():.6g}"
         )
-    if time is not None:
-        step = int(np.argmin(np.abs(now - time)))
-    else:
-        step = int(steps[np.argmax(np.abs(solution.tangential_load[steps]))])
-    figure, (tractions, states) = _axes(2, (7.0, 6.5))
-    _, length, stress = solution.scene.unit_words
-    x, friction = solution.x, solution.scene.friction.coefficient
-    mark = "o" if len(x) == 1 else ""
-    tractions.plot(x, solution.pressure[step], color="black", marker=mark, label="pressure p")
-    tractions.plot(x, solution.shear[step], color=_STATES[2], marker=mark, label="shear traction q")
-    for sign in (1, -1) if friction else ():
-        label = "Coulomb limit ±f p" if sign > 0 else None
-        tractions.plot(
-            x, sign * friction * solution.pressure[step], color="0.6", linestyle=":", label=label
-        )
-    tractions.set_ylabel(f"p, q [{stress}]")
-    tractions.set_title(
-        f"{solution.scene.title or solution.scene.name}, time {now[step]:.4g}", loc="left"
-    )
-    tractions.legend(frameon=False)
-    if len(x) > 1 and len(steps) > 1:
-        from matplotlib.colors import ListedColormap
-        from matplotlib.patches import Patch
+    return int(np.argmin(np.abs(times - time)))
 
-        colours = ListedColormap(list(_STATES))
-        states.pcolormesh(
-            x,
-            now[steps],
-            solution.state[steps],
-            cmap=colours,
-            vmin=-0.5,
-            vmax=3.5,
-            shading="nearest",
-            rasterized=True,
-        )
-        words = [state.name.lower().replace("_", " ") for state in SurfaceState]
-        entries = [
-            Patch(facecolor=colour, edgecolor="0.5", label=word)
-            for colour, word in zip(_STATES, words, strict=True)
-        ]
-        states.legend(
-            handles=entries, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
-        )
-        states.axhline(now[step], color="black", linewidth=0.8)
-    states.set_ylabel("time")
-    states.set_xlabel(f"x [{length}]")
-    return figure
+
+def _draw_tractions(axes: Axes, solution: ContactSolution, step: int) -> None:
+    """p, q and the Coulomb limit over x."""
+    scene = solution.scene
+    x = solution.x
+    pressure = solution.pressure[step]
+    marker = "o" if len(x) == 1 else ""
+    axes.plot(x, pressure, color="black", marker=marker, label="pressure p")
+    axes.plot(x, solution.shear[step], color=_STATES[2], marker=marker, label="shear traction q")
+    if scene.friction.coefficient:
+        limit = scene.friction.coefficient * pressure
+        axes.plot(x, limit, color="0.6", linestyle=":", label="Coulomb limit ±f p")
+        axes.plot(x, -limit, color="0.6", linestyle=":")
+    _, _, stress = scene.unit_words
+    axes.set_ylabel(f"p, q [{stress}]")
+    axes.set_title(f"{scene.title or scene.name}, time {solution.time[step]:.4g}", loc="left")
+    axes.legend(frameon=False)
+
+
+def _draw_states(axes: Axes, solution: ContactSolution) -> None:
+    """Open, stick and slip of all points through the last cycle, with a legend above."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    cycle = solution.last_cycle
+    axes.pcolormesh(
+        solution.x,
+        solution.time[cycle],
+        solution.state[cycle],
+        cmap=ListedColormap(list(_STATES)),
+        vmin=-0.5,
+        vmax=3.5,
+        shading="nearest",
+        rasterized=True,
+    )
+    names = [state.name.lower().replace("_", " ") for state in SurfaceState]
+    entries = [
+        Patch(facecolor=colour, edgecolor="0.5", label=name)
+        for colour, name in zip(_STATES, names, strict=True)
+    ]
+    axes.legend(
+        handles=entries, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
+    )
 
 
 def loop_figure(solution: ContactSolution) -> Figure:
@@ -136,29 +153,26 @@ def loop_figure(solution: ContactSolution) -> Figure:
     InputError
         For a solution without displacement.
     """
-    steps = solution.last_cycle
-    if not np.isfinite(solution.tangential_displacement[steps]).any():
+    cycle = solution.last_cycle
+    shift = solution.tangential_displacement[cycle]
+    if not np.isfinite(shift).any():
         raise InputError(
             "plot_loop: the solution holds no relative tangential displacement; solve it with that"
             " field"
         )
+    scene = solution.scene
     figure, (axes,) = _axes(1, (5.5, 4.5))
-    force, length, _ = solution.scene.unit_words
-    axes.plot(
-        solution.tangential_displacement[steps], solution.tangential_load[steps], color="black"
-    )
+    force, length, _ = scene.unit_words
+    axes.plot(shift, solution.tangential_load[cycle], color="black")
     axes.set_xlabel(f"relative tangential displacement U [{length}]")
     axes.set_ylabel(f"Q [{force}/{length}]")
-    repeats = solution.scene.load.path().period is not None
-    of = "per cycle" if repeats else f"of the {stretch(solution.scene)}"
-    work = (
-        f"W = {solution.dissipation:.4g} {force}·{length}/{length} {of}"
-        if np.isfinite(solution.dissipation)
-        else ""
-    )
-    axes.set_title(
-        "\n".join(filter(None, (solution.scene.title or solution.scene.name, work))), loc="left"
-    )
+    title = scene.title or scene.name
+    if np.isfinite(solution.dissipation):
+        repeats = scene.load.path().period is not None
+        stretch_in_words = "per cycle" if repeats else f"of the {stretch(scene)}"
+        work = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {stretch_in_words}"
+        title = "\n".join(filter(None, (title, work)))
+    axes.set_title(title, loc="left")
     return figure
 
 
