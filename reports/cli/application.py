@@ -53,7 +53,7 @@ _MESH = Group(
 _SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
 
 
-def _whole(_: type, tokens: Sequence[Token]) -> int:
+def _whole_number(_: type, tokens: Sequence[Token]) -> int:
     try:
         return int(tokens[0].value)
     except ValueError:
@@ -62,11 +62,12 @@ def _whole(_: type, tokens: Sequence[Token]) -> int:
 
 
 # A number of things: nothing is rounded.
-_Count = Annotated[int, Words(converter=_whole)]
+_Count = Annotated[int, Words(converter=_whole_number)]
 
 
-def _says(words: str, *names: str, **more: Any) -> Words:
-    return Words(*names, help=words, **more)
+def _option(words: str, *names: str) -> Words:
+    """An option with its words; with names other than that of its field."""
+    return Words(*names, help=words)
 
 
 def _flag(words: str) -> Words:
@@ -93,9 +94,9 @@ class Options:
     being the engine's own.
     """
 
-    out: Annotated[Path | None, _says("Folder for the results; out/<scene name> if left out.")] = (
-        None
-    )
+    out: Annotated[
+        Path | None, _option("Folder for the results; out/<scene name> if left out.")
+    ] = None
     json: Annotated[bool, _flag("As JSON on stdout, and nothing else there.")] = False
     quiet: Annotated[bool, _flag("No progress on stderr.")] = False
     # finite elements
@@ -136,7 +137,7 @@ class Options:
     ] = ()
     budget: Annotated[
         bool | None,
-        _says("Measure where the difference comes from: coarser meshes, other far fields."),
+        _option("Measure where the difference comes from: coarser meshes, other far fields."),
     ] = None
     vtu: Annotated[
         tuple[str, ...], _several('Write both bodies for ParaView at these times, or at "events".')
@@ -146,40 +147,40 @@ class Options:
         _several('Show von Mises stress on the page at these times, or at "events".'),
     ] = ()
     third: Annotated[
-        Literal["calculix"] | None, _says("A third solver: runs `ccx` on the exported deck.")
+        Literal["calculix"] | None, _option("A third solver: runs `ccx` on the exported deck.")
     ] = None
     loop: Annotated[
         Path | None,
-        _says("A rig's loop to score against this scene: how each of its columns is read."),
+        _option("A rig's loop to score against this scene: how each of its columns is read."),
     ] = None
     scene: Annotated[
-        str | None, _says("The scene that it answers: a library name, or a .toml or .json file.")
+        str | None, _option("The scene that it answers: a library name, or a .toml or .json file.")
     ] = None
     as_: Annotated[
         Literal["tractions", "loop"],
-        _says(
+        _option(
             "What the file holds: tractions, or a rig's loop of tangential load over displacement.",
             "--as",
         ),
     ] = "tractions"
     rig_compliance: Annotated[
         float | None,
-        _says(
+        _option(
             "Of a loop: displacement of the rig per tangential load, 1/stress; fitted if left out."
         ),
     ] = None
     mapping: Annotated[
-        Path | None, _says("TOML file: names of columns, units, signs. Usual ones need none.")
+        Path | None, _option("TOML file: names of columns, units, signs. Usual ones need none.")
     ] = None
     against: Annotated[
-        Literal["exact", "fe"], _says("Half-plane theory, or the project's own finite elements.")
+        Literal["exact", "fe"], _option("Half-plane theory, or the project's own finite elements.")
     ] = "exact"
     mapping_example: Annotated[bool, _flag("Print a commented mapping file and stop.")] = False
     accept: Annotated[
         bool, _flag("Make B a baseline of A; the tolerances given are kept in it.")
     ] = False
     limit: Annotated[
-        str, _says("Error of dissipation up to which half-plane theory may be used: 5% or 0.05.")
+        str, _option("Error of dissipation up to which half-plane theory may be used: 5% or 0.05.")
     ] = "5%"
     # fields, export
     at: Annotated[
@@ -187,13 +188,13 @@ class Options:
         _several('Times of the path, or "events" of the last cycle, the default without a series.'),
     ] = ()
     every: Annotated[
-        _Count | None, _says("A series over the last cycle: every Nth stored step.")
+        _Count | None, _option("A series over the last cycle: every Nth stored step.")
     ] = None
     frames: Annotated[
-        _Count | None, _says("A series over the last cycle: N instants evenly in time.")
+        _Count | None, _option("A series over the last cycle: N instants evenly in time.")
     ] = None
     pictures: Annotated[
-        bool, _says("Draw the meshes and the von Mises stress at the instants of --at as SVG.")
+        bool, _option("Draw the meshes and the von Mises stress at the instants of --at as SVG.")
     ] = True
     fatigue: Annotated[
         bool,
@@ -203,27 +204,28 @@ class Options:
         ),
     ] = False
     fatemi_socie: Annotated[
-        tuple[float, float] | None, _says("k and yield stress: Fatemi and Socie's measure too.")
+        tuple[float, float] | None, _option("k and yield stress: Fatemi and Socie's measure too.")
     ] = None
-    findley: Annotated[float | None, _says("k: Findley too.")] = None
+    findley: Annotated[float | None, _option("k: Findley too.")] = None
     critical_distance: Annotated[
-        float | None, _says("Depth over which the stress is averaged for --fatigue.")
+        float | None, _option("Depth over which the stress is averaged for --fatigue.")
     ] = None
-    cycles: Annotated[_Count | None, _says("Revolutions at most.")] = None
+    cycles: Annotated[_Count | None, _option("Revolutions at most.")] = None
     # sweep, map
     executor: Annotated[
-        Literal["processes", "dask"], _says("Processes of this machine, or a dask cluster.")
+        Literal["processes", "dask"], _option("Processes of this machine, or a dask cluster.")
     ] = "processes"
     scheduler: Annotated[
-        str, _says("Address of your dask scheduler; without one a cluster starts on this machine.")
+        str,
+        _option("Address of your dask scheduler; without one a cluster starts on this machine."),
     ] = ""
     workers: Annotated[
-        _Count | None, _says("Processes, or tasks at once; all cores if left out.")
+        _Count | None, _option("Processes, or tasks at once; all cores if left out.")
     ] = None
     resume: Annotated[
         bool, _flag("What every run does: the results that the folder holds are used.")
     ] = False
-    stores: Annotated[Path, _says("Folder of the sweeps' stores.")] = Path("out/maps")
+    stores: Annotated[Path, _option("Folder of the sweeps' stores.")] = Path("out/maps")
     remake: Annotated[bool, _flag("Start afresh: drop the sweeps' results first.")] = False
     pages: Annotated[
         bool, _flag("Laws, figures and pages alone, from the tables that are there.")
@@ -231,7 +233,7 @@ class Options:
     # init, scenes, schema
     start: Annotated[
         str,
-        _says(
+        _option(
             "Copy this library scene, with the files it reads, instead of the commented example.",
             "--from",
         ),
@@ -241,16 +243,17 @@ class Options:
     ] = False
     profile: Annotated[
         Literal["hertz", "flat_rounded"],
-        _says("Profile of the example: a parabola, or flat with rounded edges."),
+        _option("Profile of the example: a parabola, or flat with rounded edges."),
     ] = "hertz"
     tag: Annotated[
         tuple[str, ...],
-        _says("Only scenes that have this tag; again for scenes that have all of them."),
+        _option("Only scenes that have this tag; again for scenes that have all of them."),
     ] = ()
 
     def given(self, names: Iterable[str]) -> dict[str, Any]:
         """Name -> value, of those that are not None."""
-        return {name: value for name in names if (value := getattr(self, name)) is not None}
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
 
     def command(self, name: str, operand: str, out: Path) -> str:
         """The command line that repeats this: every option that differs from its default but --json
@@ -260,17 +263,16 @@ class Options:
         'halfplane run hertz-paper --order 1 --out out/first'
         """
         words = ["halfplane", name, *([operand] if operand else [])]
-        for one in fields(self):
-            value, option = getattr(self, one.name), one.name.strip("_").replace("_", "-")
-            if value == one.default or one.name in ("out", "json", "quiet"):
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if value == option.default or option.name in ("out", "json", "quiet"):
                 continue
+            name = option.name.strip("_").replace("_", "-")
             if isinstance(value, bool):
-                words.append(f"--{option}" if value else f"--no-{option}")
+                words.append(f"--{name}" if value else f"--no-{name}")
             else:
-                words += [
-                    f"--{option}",
-                    *(map(str, value) if isinstance(value, tuple) else [str(value)]),
-                ]
+                values = value if isinstance(value, tuple) else (value,)
+                words += [f"--{name}", *map(str, values)]
         return shlex.join([*words, "--out", str(out)])
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
@@ -290,7 +292,7 @@ class Options:
         return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)
 
 
-_NAMES = [one.name for one in fields(Options)]
+_NAMES = [option.name for option in fields(Options)]
 _OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
 _FINITE_ELEMENTS = dict.fromkeys(
@@ -540,13 +542,13 @@ _COMMANDS = (
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command found."""
+    """What a command answers."""
 
     code: int  # exit code
-    shown: Iterable[Part] = ()  # lines and tables for the terminal, made when they are printed
+    parts: Iterable[Part] = ()  # lines and tables for the terminal, made when they are printed
     # what --json prints as "result", not finite numbers among it, made when it is printed; None:
     # there is no JSON of it
-    result: Callable[[], Mapping[str, Any]] | None = None
+    content: Callable[[], Mapping[str, Any]] | None = None
     scene: str | None = None  # name of the scene; None where a command is about none
     command: str = ""  # whose answer it is, where not that of the command given
 
@@ -585,7 +587,7 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
     from scenes import InputError
     from scenes.frozen import did_you_mean
 
-    found: dict[str, float] = {}
+    tolerances: dict[str, float] = {}
     for word in words:
         key, equals, text = word.rpartition("=")
         if equals and key not in METRICS:
@@ -607,22 +609,20 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
                 f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %;"
                 f" write {ways}"
             )
-        found |= dict.fromkeys([key] if equals else _COMMON, value)
-    return found
+        tolerances |= dict.fromkeys([key] if equals else _COMMON, value)
+    return tolerances
 
 
 # --------------------------------------------------------------------- streams, signals, exit codes
 # 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 +
 # SIGINT, 141 128 + SIGPIPE.
-WITHIN, OUTSIDE, _BAD_INPUT, NOT_CONVERGED, _INTERNAL, INTERRUPTED, _UNREAD = (
-    0,
-    1,
-    2,
-    3,
-    70,
-    130,
-    141,
-)
+WITHIN = 0
+OUTSIDE = 1
+_BAD_INPUT = 2
+NOT_CONVERGED = 3
+_INTERNAL = 70
+INTERRUPTED = 130
+_UNREAD = 141
 
 
 @contextmanager
@@ -664,10 +664,8 @@ def _version() -> str:
         return "not installed: run from a checkout"
 
 
-_GROUPS = {
-    name: Group(name, sort_key=k)
-    for k, name in enumerate(dict.fromkeys(row.group for row in _COMMANDS))
-}
+_GROUP_NAMES = dict.fromkeys(row.group for row in _COMMANDS)
+_GROUPS = {name: Group(name, sort_key=place) for place, name in enumerate(_GROUP_NAMES)}
 app = App(
     name="halfplane",
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
@@ -684,11 +682,12 @@ app = App(
 )
 
 
-def _taken(row: _Command) -> Callable[..., int]:
+def _function_of(row: _Command) -> Callable[..., int]:
     """The function that the application calls for a command: with its operands, and its options one
     by one.
     """
-    table, parameters = {one.name: one for one in fields(Options)}, []
+    table = {option.name: option for option in fields(Options)}
+    parameters = []
     for operand in row.operands:
         kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
         default = Parameter.empty if operand.default is ... else operand.default
@@ -699,52 +698,49 @@ def _taken(row: _Command) -> Callable[..., int]:
             )
         )
     for marked in row.options:
-        one = table[marked.rstrip("!")]
-        other = (
-            Words(help=row.words[one.name], group="Parameters") if one.name in row.words else None
-        )
-        default = Parameter.empty if marked.endswith("!") else one.default
+        option = table[marked.rstrip("!")]
+        default = Parameter.empty if marked.endswith("!") else option.default
+        annotation: Any = option.type
+        if option.name in row.words:
+            words = Words(help=row.words[option.name], group="Parameters")
+            annotation = Annotated[option.type, words]
         parameters.append(
-            Parameter(
-                one.name,
-                Parameter.KEYWORD_ONLY,
-                default=default,
-                annotation=Annotated[one.type, other] if other else one.type,
-            )
+            Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         )
     signature = Signature(parameters)
 
     def command(*operands: Any, **options: Any) -> int:
         bound = signature.bind(*operands, **options)
         bound.apply_defaults()
-        given = dict(bound.arguments)
-        about = [given.pop(operand.name) for operand in row.operands]
+        values = dict(bound.arguments)
+        subjects = [values.pop(operand.name) for operand in row.operands]
+        chosen = Options(**values)
         module, _, name = row.does.partition(":")
-        asked = Options(**given)
-        return _told(row, getattr(import_module(f"reports.{module}"), name)(*about, asked), asked)
+        work = getattr(import_module(f"reports.{module}"), name)
+        return _print_answer(row, work(*subjects, chosen), chosen)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
 
 
-def _told(row: _Command, found: Answer, options: Options) -> int:
+def _print_answer(row: _Command, answer: Answer, options: Options) -> int:
     """The one place where commands print: lines and tables, or with --json one document whose
     numbers are finite or null.
     """
-    if options.json and found.result is not None:
+    if options.json and answer.content is not None:
         from reports.comparison.json_values import strict
 
         content = {
             "format": FORMAT,
-            "command": found.command or row.name,
-            "exit_code": found.code,
-            "scene": found.scene,
-            "result": found.result(),
+            "command": answer.command or row.name,
+            "exit_code": answer.code,
+            "scene": answer.scene,
+            "result": answer.content(),
         }
         say(json.dumps(strict(content), allow_nan=False, indent=1))
     elif not (options.quiet and row.silent):
-        show(found.shown)
-    return found.code
+        show(answer.parts)
+    return answer.code
 
 
 for _order, _row in enumerate(_COMMANDS):
@@ -756,14 +752,14 @@ for _order, _row in enumerate(_COMMANDS):
         "help_epilogue": "",
     }
     if _above:
-        app[_above].command(_taken(_row), name=_name, help=_row.help, help_epilogue="")
-    elif any(one.name.startswith(f"{_name} ") for one in _COMMANDS):  # with commands of its own
-        app.command(
-            _own := App(name=_name, group_commands=Group(f"Of a {_name} that is there"), **_place)
-        )
-        _own.default(_taken(_row))
+        app[_above].command(_function_of(_row), name=_name, help=_row.help, help_epilogue="")
+    elif any(row.name.startswith(f"{_name} ") for row in _COMMANDS):  # with commands of its own
+        _group = Group(f"Of a {_name} that is there")
+        _commands = App(name=_name, group_commands=_group, **_place)
+        app.command(_commands)
+        _commands.default(_function_of(_row))
     else:
-        app.command(_taken(_row), name=_name, **_place)
+        app.command(_function_of(_row), name=_name, **_place)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -819,8 +815,9 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
         return _interrupted(str(stop))
     except BrokenPipeError:
         raise
-    except Exception as fault:  # noqa: BLE001 (the outermost door: nothing may leave it but an exit code)
-        return _said(fault, tokens, received)
+    # The outermost door: nothing may leave it but an exit code.
+    except Exception as fault:  # noqa: BLE001
+        return _report_fault(fault, tokens, received)
 
 
 @contextmanager
@@ -828,12 +825,12 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
     """Each warning of a library once, as one line on stderr, without the path and the line of its
     source.
     """
-    shown: set[str] = set()
+    printed: set[str] = set()
 
-    def show(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
+    def show(message: Warning | str, category: type[Warning], *_place: Any, **_names: Any) -> None:
         sentence = f"halfplane: warning: {_one_line(str(message))} ({category.__name__})"
-        if sentence not in shown:
-            shown.add(sentence)
+        if sentence not in printed:
+            printed.add(sentence)
             complain(sentence)
 
     with warnings.catch_warnings():
@@ -841,7 +838,7 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
         yield
 
 
-def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
+def _report_fault(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
     """The exit code of what went wrong, and its sentence on stderr."""
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):
@@ -872,8 +869,8 @@ def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
     return _interrupted("") if received else _internal(fault, tokens)
 
 
-def _interrupted(what: str) -> int:
-    _refused(f"interrupted; {what or 'nothing was written'}")
+def _interrupted(sentence: str) -> int:
+    _refused(f"interrupted; {sentence or 'nothing was written'}")
     return INTERRUPTED
 
 
@@ -883,19 +880,13 @@ def _internal(fault: Exception, tokens: Sequence[str]) -> int:
         time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]),
         *traceback.format_exception(fault),
     ]
-    place = _kept("\n".join(line.rstrip("\n") for line in lines) + "\n")
-    what = ": ".join(
-        filter(
-            None,
-            (
-                type(fault).__name__,
-                textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip("."),
-            ),
-        )
-    )
+    place = _keep_traceback("\n".join(line.rstrip("\n") for line in lines) + "\n")
+    message = textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip(".")
+    kind = type(fault).__name__
+    error = f"{kind}: {message}" if message else kind
     _refused(
-        f"internal error, a fault of halfplane: {what}{_notes_of(fault)}; the traceback is {place}:"
-        " please report it"
+        f"internal error, a fault of halfplane: {error}{_notes_of(fault)}; the traceback is"
+        f" {place}: please report it"
     )
     return _INTERNAL
 
@@ -907,7 +898,7 @@ def _notes_of(fault: Exception) -> str:
     return "".join(f"; {_one_line(note)}" for note in getattr(fault, "__notes__", ()))
 
 
-def _kept(text: str) -> str:
+def _keep_traceback(text: str) -> str:
     """Keep a traceback in run.log of the output folder, else in the temporary folder, else on
     stderr; where that is, in words.
     """
@@ -953,7 +944,8 @@ def _misspelt(fault: CycloptsError) -> str:
             " --help` lists them"
         )
     chain = list(fault.command_chain or ())
-    command, shown = " ".join(chain) or "halfplane", f"`{' '.join(['halfplane', *chain])} --help`"
+    command = " ".join(chain) or "halfplane"
+    help_of_command = f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
         word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
         options = {
@@ -962,7 +954,9 @@ def _misspelt(fault: CycloptsError) -> str:
             for name in argument.names
             if name.startswith("--")
         }
-        return f"{command} has no option {word}; {nearest(word, options)}{shown} lists them"
+        return (
+            f"{command} has no option {word}; {nearest(word, options)}{help_of_command} lists them"
+        )
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first = (fault.root_input_tokens or [])[len(chain) :][:1]
@@ -979,7 +973,9 @@ def _misspelt(fault: CycloptsError) -> str:
             and not first[0].endswith((".toml", ".json"))
         ):
             hint = f"write `halfplane {command} {left}`; "
-        return f"{command}: unexpected argument {left!r}; {hint}{shown} shows what it takes"
+        return (
+            f"{command}: unexpected argument {left!r}; {hint}{help_of_command} shows what it takes"
+        )
     if (
         isinstance(fault, MissingArgumentError)
         and fault.argument is not None
@@ -987,6 +983,6 @@ def _misspelt(fault: CycloptsError) -> str:
     ):
         # A word of its own in capitals, as in the help; an option as it is written.
         in_place = fault.argument.field_info.kind is not fault.argument.field_info.KEYWORD_ONLY
-        wanted = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
-        return f"{command}: {wanted} is missing; {shown} shows what it takes"
-    return f"{' '.join(str(fault).split()).rstrip('.')}; {shown} shows what it takes"
+        name = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
+        return f"{command}: {name} is missing; {help_of_command} shows what it takes"
+    return f"{' '.join(str(fault).split()).rstrip('.')}; {help_of_command} shows what it takes"

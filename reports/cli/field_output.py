@@ -46,9 +46,9 @@ def _criteria(options: Options) -> Criteria | None:
     """What --fatigue needs; None where nothing of it is asked for."""
     from reports.field_output.fatigue import Criteria
 
-    given = Criteria(options.fatemi_socie, options.findley, options.critical_distance)
-    given.require_valid()
-    return given if options.fatigue or given != Criteria() else None
+    criteria = Criteria(options.fatemi_socie, options.findley, options.critical_distance)
+    criteria.require_valid()
+    return criteria if options.fatigue or criteria != Criteria() else None
 
 
 @at_work
@@ -58,21 +58,23 @@ def fields(job: Job) -> Answer:
     from reports.field_output import fatigue, files
     from reports.folder import filled
 
-    scene, stages, options = job.scene, job.stages, job.options
+    scene = job.scene
+    stages = job.stages
+    options = replace(job.options, at=named(job.options))
     files.require_series(options.every, options.frames)
-    criteria, options = _criteria(options), replace(options, at=named(options))
+    criteria = _criteria(options)
     require_times(options.at, "--at", scene)
     if options.pictures and options.at:
         require_drawing(stages)
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
     chosen = files.instants_of(options.at, solution, "--at")
-    series, notes = (
-        files.series_of(solution, options.every, options.frames) if _series(options) else ((), [])
-    )
-    instants = sorted(
-        {one.time: one for one in (*series, *chosen)}.values(), key=lambda one: one.time
-    )
+    series: Sequence[Instant] = ()
+    notes: list[str] = []
+    if _series(options):
+        series, notes = files.series_of(solution, options.every, options.frames)
+    by_time = {instant.time: instant for instant in (*series, *chosen)}
+    instants = [by_time[time] for time in sorted(by_time)]
     rows: list[dict[str, Any]] = []
     stills: list[tuple[Instant, Snapshot]] = []
 
@@ -80,10 +82,10 @@ def fields(job: Job) -> Answer:
         """Snapshots on their way to disk: what is stated of each is noted, those of named instants
         are kept for stills.
         """
-        wanted = {one.time for one in chosen}
+        times_of_stills = {instant.time for instant in chosen}
         for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
             rows.append(files.stated(instant, snapshot))
-            if instant.time in wanted:
+            if instant.time in times_of_stills:
                 stills.append((instant, snapshot))
             yield snapshot
 
@@ -93,47 +95,43 @@ def fields(job: Job) -> Answer:
                 solution, passing(), staging / "fields", report, len(instants)
             )
         written = [f"fields/{name}" for name in names]
-        drawn = (
-            _draw(solution, stills, staging / "pictures", stages)
-            if options.pictures and stills
-            else []
-        )
-        measured = {}
+        pictures: list[str] = []
+        if options.pictures and stills:
+            pictures = _draw(solution, stills, staging / "pictures", stages)
+        measures: dict[str, Any] = {}
         if criteria is not None:
             with stages.stage("measures of fatigue"):
                 places = fatigue.survey(solution, criteria)
             places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
             written.append("fields/fatigue.csv")
-            measured = {"fatigue": fatigue.largest(places)}
+            measures = {"fatigue": fatigue.largest(places)}
         content = files.record(
             solution,
             command=options.command("fields", job.source, job.folder),
             instants=rows,
             notes=notes,
             files=written,
-            pictures=drawn,
+            pictures=pictures,
             seconds=dict(stages.seconds),
-            **measured,
+            **measures,
         )
         text = json.dumps(strict(content), allow_nan=False, indent=1)
         (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
-    whole, file = (
-        ["fields/fields.json", *written, *drawn],
-        str(job.folder / "fields" / "fields.pvd"),
-    )
-    more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
-    result = {
-        key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)
-    } | more
-    return Answer(
-        WITHIN,
-        _shown(scene, rows, whole, notes, measured.get("fatigue", ()), file),
-        lambda: result,
-        scene.name,
-    )
+    names_of_files = ["fields/fields.json", *written, *pictures]
+    pvd = str(job.folder / "fields" / "fields.pvd")
+    copied = ("instants", "largest nodal stresses", "notes", *measures)
+    answer = {
+        **{key: content[key] for key in copied},
+        "passed": True,
+        "files": names_of_files,
+        "file": pvd,
+        "seconds": stages.seconds,
+    }
+    parts = _parts(scene, rows, names_of_files, notes, measures.get("fatigue", ()), pvd)
+    return Answer(WITHIN, parts, lambda: answer, scene.name)
 
 
-def _shown(
+def _parts(
     scene: Scene,
     instants: Sequence[dict[str, Any]],
     files: Sequence[str],
@@ -146,30 +144,26 @@ def _shown(
     """
     from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
-    from reports.units import load_unit, minus, number, units
+    from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
-    load, many, rows = load_unit(scene), len(instants) > _ROWS, []
-    for one in (
-        [max(instants, key=lambda one: one["largest_nodal_von_mises"]["value"])]
-        if many
-        else instants
-    ):
-        peak, edge = one["largest_nodal_von_mises"], one["tension_at_edge"]
-        nodal, at_edge = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}", "–"
+    load = load_unit(scene)
+    listed = instants
+    if len(instants) > _ROWS:
+        listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
+    rows = []
+    for instant in listed:
+        peak = instant["largest_nodal_von_mises"]
+        edge = instant["tension_at_edge"]
+        nodal = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
+        at_edge = "–"
         if edge is not None:
             at_edge = (
                 f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])},"
                 f" {edge['body']}"
             )
-        rows.append(
-            (
-                one["label"],
-                *(number(one[key]) for key in ("time", "normal_load", "tangential_load")),
-                nodal,
-                at_edge,
-            )
-        )
+        loads = [number(instant[key]) for key in ("time", "normal_load", "tangential_load")]
+        rows.append((instant["label"], *loads, nodal, at_edge))
     heads = (
         "instant",
         "time",
@@ -184,46 +178,54 @@ def _shown(
         " face at an edge of contact"
     )
     yield NO_PEAK
-    if many:
+    if len(listed) < len(instants):
         yield (
             f"shown: of {len(instants)} instants the one with the largest stress; all are in"
             " fields/fields.json"
         )
     yield from notes
-    counts = {kind: sum(name.endswith(kind) for name in files) for kind in (".vtu", ".svg")}
+    vtu_files = sum(name.endswith(".vtu") for name in files)
+    pictures = sum(name.endswith(".svg") for name in files)
     yield (
-        f"written: {counts['.vtu']} VTU files, {counts['.svg']} pictures, and what they are in"
+        f"written: {vtu_files} VTU files, {pictures} pictures, and what they are in"
         " fields/fields.json"
     )
     if measures:
-        # The largest value of each measure by both engines, in the body in which finite elements
-        # have it.
-        found = []
-        for words in dict.fromkeys(row["measure"] for row in measures):
-            most = max(
-                (row for row in measures if row["measure"] == words),
-                key=lambda row: row["finite_elements"]["value"],
-            )
-            theory, elements = most["theory"]["value"], most["finite_elements"]["value"]
-            unit = "–" if words == "Fatemi-Socie" else stress
-            apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
-            place = f"{_place(most['finite_elements'])}, {most['body']}"
-            found.append(
-                (f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place)
-            )
-        of = (
+        heads_of_measures = (
             "largest through the last cycle",
             "theory",
             "finite elements",
             "difference",
             f"at (x, y) [{length}]",
         )
-        yield Sheet("Measures of fatigue", of, found, (1, 2, 3))
+        rows_of_measures = _largest_measures(measures, stress)
+        yield Sheet("Measures of fatigue", heads_of_measures, rows_of_measures, (1, 2, 3))
         yield (
             "linear elastic stress of contact and bulk stress, planes that contain z; places beside"
             " the contact: fatigue.csv"
         )
     yield file
+
+
+def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[tuple[str, ...]]:
+    """The largest value of each measure by both engines, in the body in which finite elements have
+    it.
+    """
+    from reports.units import minus
+
+    rows: list[tuple[str, ...]] = []
+    for name in dict.fromkeys(row["measure"] for row in measures):
+        of_measure = [row for row in measures if row["measure"] == name]
+        largest = max(of_measure, key=lambda row: row["finite_elements"]["value"])
+        theory = largest["theory"]["value"]
+        elements = largest["finite_elements"]["value"]
+        unit = "–" if name == "Fatemi-Socie" else stress
+        difference = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
+        place = f"{_place(largest['finite_elements'])}, {largest['body']}"
+        rows.append(
+            (f"{name} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(difference), place)
+        )
+    return rows
 
 
 def _place(of: dict[str, Any]) -> str:

@@ -56,8 +56,10 @@ def score(result: str | None, options: Options) -> Answer:
     from reports.folder import claim
     from reports.scoring.mapping import load_mapping
 
-    path, loop = Path(result), options.as_ == "loop"
-    scene, mapping = read(options.scene), load_mapping(options.mapping)
+    path = Path(result)
+    loop = options.as_ == "loop"
+    scene = read(options.scene)
+    mapping = load_mapping(options.mapping)
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
     if loop and not path.is_file():
@@ -168,12 +170,12 @@ def _scored_loop(
     with stages.stage("reading"):
         rows = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
-        found = loops.score_loop(
+        score = loops.score_loop(
             rows, scene, rig_compliance=options.rig_compliance, against=options.against
         )
     with stages.stage("report"):
-        page = str(loops.write(found, folder, command))
-    heads, cells = loops.table(found)
+        page = str(loops.write(score, folder, command))
+    heads, cells = loops.table(score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
         heads,
@@ -181,15 +183,15 @@ def _scored_loop(
         range(1, len(heads)),
     )
     return Answer(
-        WITHIN if found.agrees else OUTSIDE,
+        WITHIN if score.agrees else OUTSIDE,
         [
-            read_in_words(path.name, found.read_as),
-            *(f"Taken for granted: {sentence}." for sentence in found.said),
+            read_in_words(path.name, score.read_as),
+            *(f"Taken for granted: {sentence}." for sentence in score.said),
             sheet,
-            found.sentence,
+            score.sentence,
             page,
         ],
-        lambda: loops.content(found) | {"page": page, "seconds": stages.seconds},
+        lambda: loops.content(score) | {"page": page, "seconds": stages.seconds},
         scene.name,
     )
 
@@ -210,8 +212,8 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         yield from (file.sentence for file in report.unscored)
     if report.diagnoses:
         yield "Likely causes:"
-    for number, one in enumerate(report.diagnoses, 1):
-        yield "\n   - ".join((f"{number}. {one.sentence}", *one.evidence))
+    for number, diagnosis in enumerate(report.diagnoses, 1):
+        yield "\n   - ".join((f"{number}. {diagnosis.sentence}", *diagnosis.evidence))
     if report.study is not None:
         heads = report.study.heads
         yield Sheet("Mesh study", heads, report.study.rows, range(1, len(heads)))
@@ -231,17 +233,16 @@ def diff(a: str, b: str, options: Options) -> Answer:
     )
     from scenes import InputError
 
-    given, path, first = patterned_tolerances(options.tolerance), Path(b), read_findings(a)
+    tolerances = patterned_tolerances(options.tolerance)
+    path = Path(b)
+    first = read_findings(a)
     if not options.accept:
         if not path.exists():
             raise InputError(
                 f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it"
                 " as a baseline"
             )
-        found = difference(first, read_findings(b), given)
-        return Answer(
-            WITHIN if found.same else OUTSIDE, _difference_shown(found), found.content, found.scene
-        )
+        return _difference_answer(difference(first, read_findings(b), tolerances))
     if path.exists() and not is_baseline(path):
         raise InputError(
             f"{b}: this is not a baseline, and --accept writes over nothing else; name another file"
@@ -249,48 +250,50 @@ def diff(a: str, b: str, options: Options) -> Answer:
     before = read_findings(b) if path.exists() else None
     # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
     # found.
-    found = difference(first, before or first, given)
-    write_baseline(first, path, {**(before.tolerances if before else {}), **given})
+    change = difference(first, before or first, tolerances)
+    write_baseline(first, path, {**(before.tolerances if before else {}), **tolerances})
     last = f"{b}: {len(first.figures)} values of {first.scene.name or first.source} accepted"
-    return Answer(
-        WITHIN, [*(_difference_shown(found) if before else ()), last], found.content, found.scene
-    )
+    parts = [*(_difference_parts(change) if before else ()), last]
+    return Answer(WITHIN, parts, change.content, change.scene)
 
 
-def _difference_shown(found: Difference) -> Iterator[Part]:
+def _difference_answer(change: Difference) -> Answer:
+    code = WITHIN if change.same else OUTSIDE
+    return Answer(code, _difference_parts(change), change.content, change.scene)
+
+
+def _difference_parts(change: Difference) -> Iterator[Part]:
     from reports.comparison.findings import SAME
 
-    shown = [
+    listed = [
         _cells(row)
-        for row in found.rows
+        for row in change.rows
         if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))
     ]
-    title = f"{found.scene}: A = {found.a}, B = {found.b}"
+    title = f"{change.scene}: A = {change.a}, B = {change.b}"
     yield (
-        Sheet(title, ("value", "A", "B", "B − A", "tolerance", "verdict"), shown, (1, 2, 3, 4))
-        if shown
+        Sheet(title, ("value", "A", "B", "B − A", "tolerance", "verdict"), listed, (1, 2, 3, 4))
+        if listed
         else title
     )
-    if identical := len(found.rows) - len(shown):
+    if identical := len(change.rows) - len(listed):
         yield f"{identical} values are the same to the last digit and not listed (--json has them)"
-    yield from found.notes
-    apart = [row.key for row in found.rows if row.verdict != SAME]
-    all_of = f"all {len(found.rows)} values are the same within tolerance"
-    yield f"{len(found.rows)} values, {len(apart)} differ: {', '.join(apart)}" if apart else all_of
+    yield from change.notes
+    different = [row.key for row in change.rows if row.verdict != SAME]
+    all_of = f"all {len(change.rows)} values are the same within tolerance"
+    if different:
+        yield f"{len(change.rows)} values, {len(different)} differ: {', '.join(different)}"
+    else:
+        yield all_of
 
 
 def _cells(row: Row) -> tuple[str, ...]:
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
-    apart = (
-        "–"
-        if row.difference is None
-        else minus(f"{row.difference:+.1e} {'' if row.kind == 'absolute' else 'rel.'}".rstrip())
-    )
-    return (
-        row.key,
-        value_a,
-        value_b,
-        "0" if row.difference == 0 else apart,
-        f"{row.tolerance:g}",
-        row.verdict,
-    )
+    if row.difference is None:
+        step = "–"
+    elif row.difference == 0:
+        step = "0"
+    else:
+        unit = "" if row.kind == "absolute" else " rel."
+        step = minus(f"{row.difference:+.1e}{unit}")
+    return (row.key, value_a, value_b, step, f"{row.tolerance:g}", row.verdict)

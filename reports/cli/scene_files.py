@@ -45,17 +45,17 @@ def init(file: Path, options: Options) -> Answer:
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
     _refuse_taken(file)
     text = scene_text(start) if start else example(options.bodies, options.profile)
-    beside = {
-        file.parent / name: content
-        for name, content in (scene_companions(start) if start else {}).items()
-    }
-    if taken := next((path for path in beside if path.exists()), None):
-        raise InputError(
-            f"{taken}: the file is there already and stays as it is; choose another folder for"
-            f" {file.name}"
-        )
+    companions: dict[Path, str] = {}
+    if start:
+        companions = {file.parent / name: text for name, text in scene_companions(start).items()}
+    for path in companions:
+        if path.exists():
+            raise InputError(
+                f"{path}: the file is there already and stays as it is; choose another folder for"
+                f" {file.name}"
+            )
     with ExitStack() as undo:
-        for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
+        for path, content in {file: text.replace("FILE.toml", str(file)), **companions}.items():
             try:
                 with path.open("x", encoding="utf-8") as stream:
                     undo.callback(path.unlink, missing_ok=True)
@@ -66,15 +66,19 @@ def init(file: Path, options: Options) -> Answer:
                     f"{path}: the file can't be written: {reason.strerror}; name another place"
                 ) from reason
         undo.pop_all()
-    with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
-    said = [f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`"]
+    names = ", ".join(path.name for path in companions)
+    companions_in_words = f" (with {names})" if names else ""
+    sentences = []
     if start:
-        said.insert(
-            0,
+        sentences.append(
             f"{file}: its expected numbers are those of {start}: change them, or take them out,"
-            " when you change the question",
+            " when you change the question"
         )
-    return Answer(WITHIN, said)
+    sentences.append(
+        f"{file}{companions_in_words}: edit it, then `halfplane check {file}` and"
+        f" `halfplane run {file}`"
+    )
+    return Answer(WITHIN, sentences)
 
 
 def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
@@ -90,11 +94,15 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     """
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
     if bodies:
-        start, end = text.index("# [bodies.lower]"), text.index("# What you admit")
+        start = text.index("# [bodies.lower]")
+        end = text.index("# What you admit")
         text = text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:]
     if profile == "flat_rounded":
-        for line in ('kind = "hertz"', 'kind = "flat_rounded"', "flat_half_length = 0.5"):
-            old, new = (line, f"# {line}") if "hertz" in line else (f"# {line}", line)
+        for old, new in (
+            ('kind = "hertz"', '# kind = "hertz"'),
+            ('# kind = "flat_rounded"', 'kind = "flat_rounded"'),
+            ("# flat_half_length = 0.5", "flat_half_length = 0.5"),
+        ):
             text = re.sub(rf"(?m)^{old} *", f"{new:<{_COMMENTS}}", text, count=1)
     return text
 
@@ -126,66 +134,67 @@ def check(scene: str, options: Options) -> Answer:
     from reports.units import number
     from scenes import InputError, TimeSeriesLoad
 
-    source, found = scene, read(scene)
-    loop_read = _loop_read(found, options)
-    count = len(found.load.kept_rows()) if isinstance(found.load, TimeSeriesLoad) else 0
+    problem = read(scene)
+    loop_read = _loop_read(problem, options)
+    rows = 0
+    if isinstance(problem.load, TimeSeriesLoad):
+        rows = len(problem.load.kept_rows())
     load_engines(Stages(quiet=True))
-    engines, path, bulk = (
-        engines_for(found, source, finite_elements=count <= _MOST_ROWS),
-        nearest_to_sliding(found),
-        bulk_and_tilt(found),
-    )
-    largest, doubts = None, []
+    engines = engines_for(problem, scene, finite_elements=rows <= _MOST_ROWS)
+    nearest = nearest_to_sliding(problem)
+    bulk = bulk_and_tilt(problem)
+    largest = None
+    doubts: list[str] = []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
-        largest = largest_contact(found, source)
-        doubts += remarks(found, largest)
-    if alone := engines.in_words(source):
-        doubts.append(f"{alone}.")
-    elif count > _MOST_ROWS:
+        largest = largest_contact(problem, scene)
+        doubts += remarks(problem, largest)
+    if no_comparison := engines.in_words(scene):
+        doubts.append(f"{no_comparison}.")
+    elif rows > _MOST_ROWS:
         doubts.append(
-            f"The record has {count} rows, and finite elements take at least two increments a row."
+            f"The record has {rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    words = [
-        question(found),
-        *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found))),
-    ]
-    tables_read = read_in_pairs(found) | loop_read
-    words += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    if record := check_record(found):
-        for said, warning in record_in_words(found, record):
-            (doubts if warning else words).append(said)
-    doubts += fit_warnings(found, largest.half_width if largest else 0.0)
-    words += [sentence for sentence in findings(found)[0] if sentence not in doubts]
+    of_bodies = (bodies_in_words(problem), unlike_materials(problem), idealisation(problem))
+    notes = [question(problem), *filter(None, of_bodies)]
+    tables_read = read_in_pairs(problem) | loop_read
+    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
+    if record := check_record(problem):
+        for sentence, is_warning in record_in_words(problem, record):
+            if is_warning:
+                doubts.append(sentence)
+            else:
+                notes.append(sentence)
+    doubts += fit_warnings(problem, largest.half_width if largest else 0.0)
+    notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
     last = (
-        f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
-        f" {path.ratio:.4g}, in the {path.part} at time {number(path.time)} (P ="
-        f" {number(path.normal_load)}, Q = {number(path.tangential_load)}). Gross sliding starts"
-        " at 1."
+        f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
+        f" {nearest.ratio:.4g}, in the {nearest.part} at time {number(nearest.time)} (P ="
+        f" {number(nearest.normal_load)}, Q = {number(nearest.tangential_load)}). Gross sliding"
+        " starts at 1."
     )
-    size = [
-        in_words(found, largest) if largest else "",
-        engines.room,
-        bulk_in_words(bulk) if bulk else "",
-    ]
+    size = []
+    if largest:
+        size.append(in_words(problem, largest))
+    size.append(engines.room)
+    if bulk:
+        size.append(bulk_in_words(bulk))
     content = {
         "passed": True,
         "sentence": last,
-        "notes": words,
+        "notes": notes,
         "remarks": doubts,
         "read_as": tables_read,
         "engines": vars(engines),
-    }
-    content |= {
         "largest_contact": vars(largest) if largest else None,
-        "nearest_to_sliding": vars(path),
+        "nearest_to_sliding": vars(nearest),
+        "profile_fit": fit_content(problem),
     }
-    content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
+    if bulk:
+        content["bulk_and_tilt"] = vars(bulk)
+    marked = [f"Remark: {doubt}" for doubt in doubts]
     return Answer(
-        WITHIN,
-        [*words, *filter(None, size), *(f"Remark: {doubt}" for doubt in doubts), last],
-        lambda: content,
-        found.name,
+        WITHIN, [*notes, *filter(None, size), *marked, last], lambda: content, problem.name
     )
 
 
@@ -221,38 +230,38 @@ def show(name: str, options: Options) -> Answer:
             "--tag: it goes with the whole library, not with the name of one scene; leave one of"
             " the two out"
         )
-    found = [read(name)] if name else tagged(options.tag)
-    shown = _details(found[0]) if name else _listing(found)
+    if name:
+        scene = read(name)
+        return Answer(WITHIN, _details(scene), lambda: {"scenes": [_record(scene)]}, scene.name)
+    scenes = tagged(options.tag)
     return Answer(
-        WITHIN,
-        shown,
-        lambda: {"scenes": [_record(scene) for scene in found]},
-        found[0].name if name else None,
+        WITHIN, _listing(scenes), lambda: {"scenes": [_record(scene) for scene in scenes]}
     )
 
 
-def tagged(wanted: Sequence[str]) -> list[Scene]:
+def tagged(chosen: Sequence[str]) -> list[Scene]:
     """The scenes of the library that have all these tags; InputError for a word that is no tag."""
     from scenes import InputError, load_scene, scene_names, tags
 
-    for tag in wanted:
+    for tag in chosen:
         if tag not in tags():
             raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
-    return [scene for name in scene_names() if set(wanted) <= set((scene := load_scene(name)).tags)]
+    scenes = [load_scene(name) for name in scene_names()]
+    return [scene for scene in scenes if set(chosen) <= set(scene.tags)]
 
 
-def _listing(found: Sequence[Scene]) -> Iterator[str]:
-    if not found:
+def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
+    if not scenes:
         yield "no scene has all of these tags"
         return
-    for scene in found:
+    for scene in scenes:
         yield scene.name
         for text in (scene.title, scene.purpose, " ".join(f"#{tag}" for tag in scene.tags)):
             yield from textwrap.wrap(
                 text, max(width(), 40), initial_indent="    ", subsequent_indent="    "
             )
     yield (
-        f"{len(found)} scenes. `halfplane scenes NAME` shows all about one, `halfplane init"
+        f"{len(scenes)} scenes. `halfplane scenes NAME` shows all about one, `halfplane init"
         " FILE.toml --from NAME` copies it."
     )
 
@@ -264,28 +273,21 @@ def _details(scene: Scene) -> Iterator[str]:
 
     admitted = tolerances_of(scene, are_half_planes(scene)).items()
     expected = [
-        f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}:"
-        f" {one.source}"
-        for one in scene.expected
+        f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"
+        f" {number.engine}: {number.source}"
+        for number in scene.expected
     ]
     sections = [(name, getattr(scene, name)) for name in ("name", "title", "purpose", "source")]
     sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
-    sections.append(
-        (
-            "bodies",
-            " ".join(
-                filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)))
-            ),
-        )
-    )
+    sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
+    sections.append(("bodies", " ".join(filter(None, sentences))))
     limits = (
         ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted)
         or "none: nothing is judged"
     )
-    sections += [
-        ("tolerances", limits),
-        *(("files", ", ".join(files)) for files in [_companions(scene)] if files),
-    ]
+    sections.append(("tolerances", limits))
+    if companions := _companions(scene):
+        sections.append(("files", ", ".join(companions)))
     sections += [("expected", text) for text in expected or ["no number"]]
     for head, text in sections:
         yield from textwrap.wrap(
@@ -305,8 +307,13 @@ def _record(scene: Scene) -> dict[str, Any]:
 
     content = scene.model_dump(mode="json")
     first = ("name", "title", "purpose", "source", "tags", "expected", "tolerances")
-    more = {"question": question(scene), "files": _companions(scene)}
-    return {**{key: content.pop(key) for key in first}, **more, "scene": content}
+    record = {key: content.pop(key) for key in first}
+    return {
+        **record,
+        "question": question(scene),
+        "files": _companions(scene),
+        "scene": content,
+    }
 
 
 def schema(_: Options) -> Answer:

@@ -36,22 +36,27 @@ def make_map(name: str, options: Options) -> Answer:
             "the published maps are those of a checkout, and this is an installed copy: name a"
             " folder by --out"
         )
-    folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
-    wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
+    folder = options.out or PUBLISHED
+    code = WITHIN
+    states: dict[str, Any] = {}
+    maps = list(MAPS.values()) if name == "all" else [map_named(name)]
     require_free(folder)
-    for study in [study for one in wanted for study in one.studies] if not options.pages else ():
+    studies: list[str] = []
+    if not options.pages:
+        for error_map in maps:
+            studies += error_map.studies
+    for study in studies:
         store = options.stores / study
         if options.remake and store.exists():
             shutil.rmtree(store)
-        how = Options(out=store, workers=options.workers, resume=True, quiet=options.quiet)
-        found = swept(str(STUDIES / f"{study}.toml"), how)
-        if found.result is None:
-            return found
-        code = max(code, found.code)
+        of_sweep = Options(out=store, workers=options.workers, resume=True, quiet=options.quiet)
+        answer = swept(str(STUDIES / f"{study}.toml"), of_sweep)
+        if answer.content is None:
+            return answer
+        code = max(code, answer.code)
         replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
-        states[study] = {
-            key: value for key, value in found.result().items() if key not in ("title", "file")
-        }
+        state = answer.content()
+        states[study] = {key: state[key] for key in state if key not in ("title", "file")}
     write(folder)
     page = str(folder / "README.md")
     return Answer(code, [page], lambda: {"passed": code == WITHIN, "studies": states, "page": page})
@@ -70,10 +75,10 @@ def advise(scene: str, options: Options) -> Answer:
             f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05"
             " for 5 %"
         )
-    found = read(scene)
-    advice = Advice(found, *parts_of(found), limit)
+    problem = read(scene)
+    advice = Advice(problem, *parts_of(problem), limit)
     code = WITHIN if advice.may_be_used else OUTSIDE
-    return Answer(code, _advice_shown(advice, scene), lambda: _advice_content(advice), found.name)
+    return Answer(code, _advice_parts(advice, scene), lambda: _advice_content(advice), problem.name)
 
 
 def _advice_content(advice: Advice) -> dict[str, Any]:
@@ -117,7 +122,7 @@ def _advice_content(advice: Advice) -> dict[str, Any]:
     }
 
 
-def _advice_shown(advice: Advice, source: str) -> Iterator[Part]:
+def _advice_parts(advice: Advice, source: str) -> Iterator[Part]:
     from reports.studies.maps.advice import FIGURES, cell, cells, sentence, total
     from reports.studies.maps.laws import WORDS
     from reports.units import units

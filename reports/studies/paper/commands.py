@@ -16,20 +16,19 @@ def paper(options: Options) -> Answer:
         from reports.studies.paper import page
         from reports.studies.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
-    code, verdicts = WITHIN if report.proven else OUTSIDE, page.tally(report.statements)
-    tables = {
-        name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")
-    }
+    code = WITHIN if report.proven else OUTSIDE
+    verdicts = page.tally(report.statements)
     content = {
         "passed": code == WITHIN,
         "verdicts": verdicts,
-        **tables,
+        "statements": [vars(statement) for statement in report.statements],
+        "misprints": [vars(misprint) for misprint in report.misprints],
         "page": str(report.page),
         "seconds": stages.seconds,
     }
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     proven = sum(row.proven is True for row in report.misprints)
-    shown: list[Part] = [
+    parts: list[Part] = [
         Sheet(
             "What the paper states in words",
             ("statement", "where", "the paper", "computed", "verdict"),
@@ -52,4 +51,4 @@ def paper(options: Options) -> Answer:
         ),
         str(report.page),
     ]
-    return Answer(code, shown, lambda: content)
+    return Answer(code, parts, lambda: content)

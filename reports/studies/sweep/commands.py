@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from reports.studies.sweep.store import Store
 
 # Points and failures, and notes, that the terminal lists; all are in index.csv.
-_SHOWN, _NOTES = 20, 3
+_SHOWN = 20
+_NOTES = 3
 
 
 def sweep(study: str, options: Options) -> Answer:
@@ -66,7 +67,9 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
 
 
 def _announced(prepared: Prepared) -> Iterator[str]:
-    study, points, waiting = prepared.study, len(prepared.points), len(prepared.waiting)
+    study = prepared.study
+    points = len(prepared.points)
+    waiting = len(prepared.waiting)
     yield (
         f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"
@@ -86,20 +89,18 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     from reports.studies.sweep.study import described
     from reports.units import number
 
-    done, failed, axes = (
-        table[table["status"] == "done"],
-        table[table["status"] != "done"],
-        prepared.study.axes,
-    )
-    columns = [
-        "number",
-        *(column for axis in axes for column in axis.columns),
-        *plain_figures(table, axes),
-    ]
-    rows = [
-        [str(v) if isinstance(v, str | int) else number(v) for v in row]
-        for row in done[columns][:_SHOWN].to_numpy().tolist()
-    ]
+    axes = prepared.study.axes
+    solved = table[table["status"] == "done"]
+    failed = table[table["status"] != "done"]
+    columns = ["number"]
+    for axis in axes:
+        columns += axis.columns
+    columns += plain_figures(table, axes)
+
+    def cells(values: list[Any]) -> list[str]:
+        return [str(v) if isinstance(v, str | int) else number(v) for v in values]
+
+    rows = [cells(values) for values in solved[columns][:_SHOWN].to_numpy().tolist()]
     if rows:
         yield Sheet(
             prepared.study.title or prepared.study.scene.name,
@@ -107,8 +108,8 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
             rows,
             range(len(columns)),
         )
-    if len(done) > _SHOWN:
-        yield f"... and {len(done) - _SHOWN} other points; see index.csv"
+    if len(solved) > _SHOWN:
+        yield f"... and {len(solved) - _SHOWN} other points; see index.csv"
     if len(failed):
         at = [described(prepared.points[k].coordinates) for k in failed["number"][:_SHOWN]]
         reasons = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
@@ -117,13 +118,13 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
         )
     folder = prepared.store.folder
     yield (
-        f"{len(done)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws"
+        f"{len(solved)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws"
         " them"
     )
-    for one in state["notes"][:_NOTES]:
-        yield f"note on {one['points']} of {len(table)} points: {one['note']}"
-    if (more := len(state["notes"]) - _NOTES) > 0:
-        yield f"... and {more} other notes; see index.csv"
+    for note in state["notes"][:_NOTES]:
+        yield f"note on {note['points']} of {len(table)} points: {note['note']}"
+    if (left_out := len(state["notes"]) - _NOTES) > 0:
+        yield f"... and {left_out} other notes; see index.csv"
     yield state["file"]
 
 
@@ -142,28 +143,25 @@ def status(folder: Path, _: Options) -> Answer:
 
     state = _content(Store(folder))
 
-    def shown() -> Iterator[Part]:
-        yield Sheet(
-            state["title"] or str(folder),
-            ("points", "number"),
-            [(k, str(n)) for k, n in state["points"].items()],
-            (1,),
-        )
+    def parts() -> Iterator[Part]:
+        counts = [(status, str(count)) for status, count in state["points"].items()]
+        yield Sheet(state["title"] or str(folder), ("points", "number"), counts, (1,))
         yield from (
             f"damaged and set aside: results/{name}; the next sweep makes it again"
             for name in state["damaged"]
         )
         yield from (
-            f"point {one['point']} failed: {one['reason']}" for one in state["failures"][:_SHOWN]
+            f"point {failure['point']} failed: {failure['reason']}"
+            for failure in state["failures"][:_SHOWN]
         )
-        if (more := len(state["failures"]) - _SHOWN) > 0:
-            yield f"... and {more} more failed; see index.csv"
+        if (left_out := len(state["failures"]) - _SHOWN) > 0:
+            yield f"... and {left_out} more failed; see index.csv"
         if state["seconds_left"] is not None:
             yield (
                 f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"
             )
 
-    return Answer(WITHIN, shown(), lambda: state)
+    return Answer(WITHIN, parts(), lambda: state)
 
 
 def report(folder: Path, _: Options) -> Answer:

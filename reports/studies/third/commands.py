@@ -33,7 +33,9 @@ def export(job: Job) -> Answer:
     """The bodies and the load history as an input deck."""
     from reports.folder import filled
 
-    scene, options, stages = job.scene, job.options, job.stages
+    scene = job.scene
+    options = job.options
+    stages = job.stages
     with stages.stage("loading"):
         from halfplane_fe.solve import versions
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
@@ -45,7 +47,7 @@ def export(job: Job) -> Answer:
     file = deck_file(scene)
     with filled(job.folder, fresh=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
-    found = {
+    size = {
         "nodes": deck.reference,
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
@@ -56,19 +58,19 @@ def export(job: Job) -> Answer:
     _, length, stress = units(scene)
     layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
     rows = [
-        ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
+        ("nodes, elements", f"{size['nodes']}, {size['elements']}"),
         (
             f"surface elements at the edges [{length}]",
             f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
         ),
-        ("instants", f"{found['instants']}"),
+        ("instants", f"{size['instants']}"),
         (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
     path = str(job.folder / file)
-    whole = {"passed": True, **found, "file": path, "seconds": stages.seconds}
+    content = {"passed": True, **size, "file": path, "seconds": stages.seconds}
     return Answer(
         WITHIN,
         [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
-        lambda: whole,
+        lambda: content,
         scene.name,
     )
