@@ -44,13 +44,18 @@ _NOISE = 0.05
 _BLOCK = 100_000
 # Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long
 # before p0 = E*/10, and at a slope of 0.3 the parabola is 2 % off the circle that it stands for.
-_STRAIN, _SLOPE = 0.1, 0.3
+_STRAIN = 0.1
+_SLOPE = 0.3
 # Pa. What is softer than the first and no rubber (by Poisson's ratio) may be in GPa; nothing is
 # stiffer than diamond.
-_SOFT, _STEEL, _DIAMOND, _RUBBER = 1e9, 210e9, 1.3e12, 0.45
+_SOFT = 1e9
+_RUBBER = 0.45
+_STEEL = 210e9
+_DIAMOND = 1.3e12
 # Half-width of a contact by theory over that of the narrower face beyond which there is no room for
 # it: theory is some per cent off for blocks, and thin layers have contacts several times narrower.
-_ROOM, _ROOM_OF_LAYERS = 1.1, 10.0
+_ROOM = 1.1
+_ROOM_OF_LAYERS = 10.0
 # No pair of solids in air has more friction than clean indium or gold, about 2 to 3.
 _FRICTION = 3.0
 _RADII = {"radius": "R", "tip_radius": "R", "inner_radius": "R1", "outer_radius": "R2"}
@@ -82,15 +87,15 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """
     legs = _deciding_legs(scene)
 
-    def of(leg: LoadSegment) -> tuple[float, float]:
+    def worst_of(leg: LoadSegment) -> tuple[float, float]:
         return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
 
-    worst = [of(leg) for leg, _ in legs]
+    worst = [worst_of(leg) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
-    return _NearestToSliding(
-        ratio, legs[place][1], time, *(float(load) for load in legs[place][0].loads(time))
-    )
+    leg, part = legs[place]
+    normal, tangential = leg.loads(time)
+    return _NearestToSliding(ratio, part, time, float(normal), float(tangential))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
@@ -104,10 +109,10 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
         first = "initial loading" if path.cycle else "path"
-        return [(leg, first) for leg in path.initial_loading] + [
-            (leg, "cycle") for leg in path.cycle
-        ]
-    first, later = ("initial loading", "cycle") if load.repeats else ("path", "path")
+        parts = [(leg, first) for leg in path.initial_loading]
+        return parts + [(leg, "cycle") for leg in path.cycle]
+    first = "initial loading" if load.repeats else "path"
+    later = "cycle" if load.repeats else "path"
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
@@ -116,9 +121,14 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
             np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2)
         )
         ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
-        for k in np.unique([np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
-            (start, *before), (end, *after) = block[k : k + 2].tolist()
-            leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
+        highest_ratio = np.argmax(ratio)
+        highest_load = np.argmax(np.max(normal, axis=1))
+        for k in np.unique([highest_ratio, highest_load]).tolist():
+            start, *loads_before = block[k].tolist()
+            end, *loads_after = block[k + 1].tolist()
+            leg = StraightSegment(
+                start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
+            )
             legs.append((leg, later if begin + k > 0 else first))
     return legs
 
@@ -215,19 +225,20 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
-def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
+def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
     """(largest value, its time) on one leg: the best sample, then twice the best of samples close
     around it.
     """
     time = sampled(leg, _SAMPLES)
     for _ in range(3):
-        value = of(time)
+        value = value_at(time)
         place = int(np.argmax(value))
-        found = float(value[place]), float(time[place])
-        if not np.isfinite(found[0]) or place in (0, len(time) - 1):
+        highest = float(value[place])
+        time_of_highest = float(time[place])
+        if not np.isfinite(highest) or place in (0, len(time) - 1):
             break
         time = np.linspace(time[place - 1], time[place + 1], _SAMPLES)
-    return found
+    return highest, time_of_highest
 
 
 @dataclass(frozen=True)
@@ -270,8 +281,8 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
     from semi_analytic.profiles import contact_of
     from semi_analytic.solution import require_followable
 
-    theory = ""
-    elements = ""
+    reason_of_theory = ""
+    reason_of_elements = ""
     room = ""
     try:
         if scene.unsymmetric:
@@ -279,30 +290,30 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
         else:
             contact_of(scene.profile, scene.material).half_width(largest_normal_load(scene))
     except InputError as fault:
-        theory = str(fault)
+        reason_of_theory = str(fault)
         if isinstance(fault, ProfileDataError):
             raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    if not theory and not scene.bodies.half_planes:
+    if not reason_of_theory and not scene.bodies.half_planes:
         _require_room(scene, source)
-    if finite_elements or theory:
+    if finite_elements or reason_of_theory:
         import halfplane_fe
 
         try:
             estimate = halfplane_fe.require_solvable(scene)
             room = "" if estimate is None else estimate.in_words
         except InputError as fault:
-            elements = str(fault)
-            if theory:
+            reason_of_elements = str(fault)
+            if reason_of_theory:
                 raise InputError(
-                    f"{source}: {fault}; half-plane theory refuses the scene too: {theory}"
+                    f"{source}: {fault}; half-plane theory refuses the scene too:"
+                    f" {reason_of_theory}"
                 ) from fault
             if not scene.bodies.half_planes:
-                alone = (
-                    f"`halfplane exact {source}` gives half-plane theory's answer, which knows no"
-                    " bodies"
-                )
-                raise InputError(f"{source}: {fault}; {alone}") from fault
-    return _Engines(theory, elements, room)
+                raise InputError(
+                    f"{source}: {fault}; `halfplane exact {source}` gives half-plane theory's"
+                    " answer, which knows no bodies"
+                ) from fault
+    return _Engines(reason_of_theory, reason_of_elements, room)
 
 
 def _require_room(scene: Scene, source: str) -> None:
@@ -360,20 +371,11 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     from semi_analytic.elasticity import composite_modulus
 
     load, time = _when_largest(scene)
-    turned: dict[str, float] = {}
-    if scene.load.has_bulk_or_tilt:
-        path = scene.load.path()
-        for leg in (*path.initial_loading, *path.cycle):
-            if leg.turning is not None and leg.start <= time <= leg.end:
-                turned = {
-                    "moment" if path.moment_given else "tilt": float(
-                        leg.turning.loads(time)[int(path.moment_given)]
-                    )
-                }
-    still = scene.model_copy(update={"load": PolygonLoad(initial_loading=((load, 0.0),), **turned)})
+    pressed = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
+    pressed_scene = scene.model_copy(update={"load": pressed})
 
     def solved(x: Array, *fields: str) -> ContactSolution:
-        return semi_analytic.solve(still, x=x, time=[1.0], fields=fields)
+        return semi_analytic.solve(pressed_scene, x=x, time=[1.0], fields=fields)
 
     try:
         left, right = solved(np.zeros(1)).contact_edges[0].tolist()
@@ -383,20 +385,34 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     # around the best.
     half = (right - left) / 2
     x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
-    x = np.union1d(
-        x, [kink for one in scene.profile.kinks for kink in (-one, one) if left < kink < right]
-    )
+    kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
+    x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
     pressure = solved(x, "pressure").pressure[0]
     best = int(np.argmax(pressure))
-    near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[best]), float(np.max(solved(near, "pressure").pressure)))
+    x_around_best = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
+    peak = max(float(pressure[best]), float(np.max(solved(x_around_best, "pressure").pressure)))
     ends = np.array([left, right])
-    slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[
-        :, 0
-    ] / (2e-6 * np.abs(ends))
-    slope, mean = float(np.max(slopes)), load / (2 * half)
-    strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)
-    return _LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
+    heights = scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
+    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(ends))
+    typical_pressure = peak if np.isfinite(peak) else load / (2 * half)
+    strain = typical_pressure / composite_modulus(scene.material)
+    return _LargestContact(load, half, peak, strain, float(np.max(slopes)), _ratios(scene, half))
+
+
+def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
+    """Tilt or moment of the path at an instant, by the name that a load has for it; empty where the
+    path has neither.
+    """
+    if not scene.load.has_bulk_or_tilt:
+        return {}
+    path = scene.load.path()
+    name = "moment" if path.moment_given else "tilt"
+    value: dict[str, float] = {}
+    for leg in (*path.initial_loading, *path.cycle):
+        if leg.turning is not None and leg.start <= time <= leg.end:
+            tilt, moment = leg.turning.loads(time)
+            value = {name: float(moment if path.moment_given else tilt)}
+    return value
 
 
 @dataclass(frozen=True)
@@ -424,91 +440,91 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
 
     if not scene.load.has_bulk_or_tilt:
         return None
-    path, shares, rows = scene.load.path(), bulk_strains(scene.material), []
+    path = scene.load.path()
+    strain_per_stress = bulk_strains(scene.material)
+    samples = []
     for leg in (*path.initial_loading, *path.cycle):
         time = sampled(leg, 129)
-        bulk, turning = (
-            part.loads(time) if part is not None else np.zeros((2, len(time)))
-            for part in (leg.bulk, leg.turning)
-        )
-        rows.append(
-            np.array(
-                [
-                    leg.loads(time)[0],
-                    shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]),
-                    *turning,
-                ]
-            )
-        )
-    load, strain, tilt, moment = np.concatenate(rows, axis=1)
-    found, centre = semi_analytic.eccentricity(scene), None
+        zeros = np.zeros((2, len(time)))
+        bulk = leg.bulk.loads(time) if leg.bulk is not None else zeros
+        turning = leg.turning.loads(time) if leg.turning is not None else zeros
+        lower = strain_per_stress[0] * np.asarray(bulk[0])
+        upper = strain_per_stress[1] * np.asarray(bulk[1])
+        samples.append(np.array([leg.loads(time)[0], lower + upper, *turning]))
+    load, strain, tilt, moment = np.concatenate(samples, axis=1)
+    centre = None
     if isinstance(scene.profile, Hertz):
-        radius, pressed = scene.profile.radius, load > 0
-        places = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
-        places = places / np.sqrt(
-            4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material))
-        )
-        centre = float(places[np.argmax(np.abs(places))])
-    amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
-    return _BulkAndTilt(
-        float(np.max(np.abs(strain))),
-        found.value if found is not None and np.isfinite(found.value) else None,
-        (amplitude / limit if limit else np.inf) if amplitude else None,
-        centre,
-    )
+        pressed = load > 0
+        radius = scene.profile.radius
+        modulus = composite_modulus(scene.material)
+        half_width = np.sqrt(4 * radius * load[pressed] / (np.pi * modulus))
+        middle = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
+        shift = middle / half_width
+        centre = float(shift[np.argmax(np.abs(shift))])
+    largest_strain = float(np.max(np.abs(strain)))
+    eccentricity = semi_analytic.eccentricity(scene)
+    if eccentricity is None:
+        return _BulkAndTilt(largest_strain, None, None, centre)
+    share_of_moderate = None
+    if eccentricity.strain:
+        share_of_moderate = np.inf
+        if eccentricity.limit:
+            share_of_moderate = eccentricity.strain / eccentricity.limit
+    value = eccentricity.value if np.isfinite(eccentricity.value) else None
+    return _BulkAndTilt(largest_strain, value, share_of_moderate, centre)
 
 
-def bulk_in_words(found: _BulkAndTilt) -> str:
-    """The same as a sentence or two."""
-    return in_template("bulk", found)
+def bulk_in_words(effect: _BulkAndTilt) -> str:
+    """What bulk stress and tilt do, in a sentence or two."""
+    return in_template("bulk", effect)
 
 
 def _ratios(scene: Scene, half: float) -> dict[str, float]:
     """By name, such as "a/R" and "lower width/a"."""
     sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
-    found = {f"a/{name}": half / sizes[key] for key, name in _RADII.items() if key in sizes}
+    ratios = {f"a/{name}": half / sizes[key] for key, name in _RADII.items() if key in sizes}
     for key in _HALF_LENGTHS:
         if key in sizes:
-            found["b/a"] = sizes[key] / half
+            ratios["b/a"] = sizes[key] / half
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if isinstance(body, Block | Pad):
-            found |= {f"{name} width/a": body.width / half, f"{name} height/a": body.height / half}
+            ratios[f"{name} width/a"] = body.width / half
+            ratios[f"{name} height/a"] = body.height / half
         elif isinstance(body, Cylinder):
-            found[f"{name} radius/a"] = body.radius / half
-    return found
+            ratios[f"{name} radius/a"] = body.radius / half
+    return ratios
 
 
-def in_words(scene: Scene, found: _LargestContact) -> str:
-    """The same in sentences."""
-    return in_template("largest_contact", found, load_unit(scene), *units(scene)[1:])
+def in_words(scene: Scene, contact: _LargestContact) -> str:
+    """The contact at the largest load, in sentences."""
+    return in_template("largest_contact", contact, load_unit(scene), *units(scene)[1:])
 
 
-def remarks(scene: Scene, found: _LargestContact) -> list[str]:
+def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
     """Sentences about numbers that are no fault but look like one; none where all is as usual."""
-    said, (force, length, stress) = [], units(scene)
+    sentences = []
+    force, length, stress = units(scene)
     pascal = UNITS["stress"].get(stress, 0.0)
     pair = {"material": scene.material.upper}
     if not scene.material.alike:
         pair = {"material.upper": scene.material.upper, "material.lower": scene.material.lower}
     for key, material in pair.items() if pascal else ():
-        modulus, soft = material.young_modulus * pascal, material.poisson_ratio < _RUBBER
-        if modulus > _DIAMOND or (modulus < _SOFT and soft):
-            said.append(
-                in_template(
-                    "odd_modulus",
-                    key,
-                    material.young_modulus,
-                    stress,
-                    modulus > _DIAMOND,
-                    _STEEL / pascal,
-                )
+        modulus = material.young_modulus * pascal
+        too_stiff = modulus > _DIAMOND
+        too_soft = modulus < _SOFT and material.poisson_ratio < _RUBBER
+        if too_stiff or too_soft:
+            steel = _STEEL / pascal
+            sentences.append(
+                in_template("odd_modulus", key, material.young_modulus, stress, too_stiff, steel)
             )
     if scene.friction.coefficient > _FRICTION:
-        said.append(
+        sentences.append(
             f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"
             f" has. Is it in per cent? {scene.friction.coefficient:g} % is"
             f" {scene.friction.coefficient / 100:g}."
         )
-    if found.strain > _STRAIN or found.edge_slope > _SLOPE:
-        said.append(in_template("beyond_elasticity", found, _STRAIN, _SLOPE, force, length, stress))
-    return said
+    if contact.strain > _STRAIN or contact.edge_slope > _SLOPE:
+        sentences.append(
+            in_template("beyond_elasticity", contact, _STRAIN, _SLOPE, force, length, stress)
+        )
+    return sentences
