@@ -292,15 +292,16 @@ class Question:
         """Of its result: sha256 of what numbers depend on and of the code; questions that differ in
         words alone have one.
         """
-        asked = self.as_json() | {
+        content = self.as_json() | {
             "engines": sorted(self.engines),
             "figures": sorted(self.figures),
             "versions": code_versions(),
         }
-        asked["scene"] = {key: value for key, value in asked["scene"].items() if key not in WORDS}
+        scene = content["scene"]
+        content["scene"] = {key: scene[key] for key in scene if key not in WORDS}
         if "fe" not in self.engines:
-            asked = {name: asked[name] for name in ("scene", "engines", "figures", "versions")}
-        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
+            content = {name: content[name] for name in ("scene", "engines", "figures", "versions")}
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def solve_task(text: str) -> str:
@@ -318,26 +319,22 @@ def solve_task(text: str) -> str:
     from meshes import MeshSettings
 
     task = json.loads(text)
-    here, there = task["versions"], code_versions()
-    names = [
-        name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)
+    of_sender = task["versions"]
+    of_worker = code_versions()
+    differences = [
+        f"{name} is {of_sender.get(name, 'missing')} here and {of_worker.get(name, 'missing')} there"
+        for name in sorted(of_sender.keys() | of_worker.keys())
+        if of_sender.get(name) != of_worker.get(name)
     ]
-    if names:
-        words = [
-            f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there"
-            for name in names
-        ]
-        return json.dumps(
-            {
-                "mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}",
-                "answers": [],
-            }
-        )
+    if differences:
+        worker = f"worker {platform.node()} (process {os.getpid()})"
+        return json.dumps({"mismatch": f"{worker}: {', '.join(differences)}", "answers": []})
     points = []
-    for asked in task["points"]:
-        scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
-        mesh, solver = MeshSettings(**asked.pop("mesh")), SolverSettings(**asked.pop("solver"))
-        points.append(Question(scene, mesh, solver, **asked))
+    for content in task["points"]:
+        scene = Scene.model_validate_json(json.dumps(content.pop("scene")))
+        mesh = MeshSettings(**content.pop("mesh"))
+        solver = SolverSettings(**content.pop("solver"))
+        points.append(Question(scene, mesh, solver, **content))
     with threadpool_limits(limits=1):
         answers = [_answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
@@ -347,19 +344,19 @@ def _answer(point: Question) -> dict[str, Any]:
     """One point: its figures, or the reason why it has none."""
     begun = time.perf_counter()
     try:
-        found = _solve(point)
+        answer = _solve(point)
     except ConvergenceError as failure:
-        found = {
+        answer = {
             "status": "failed",
             "reason": f"not converged: {failure}",
             "record": _record(failure.partial),
         }
     except InputError as failure:
-        found = {"status": "failed", "reason": str(failure)}
+        answer = {"status": "failed", "reason": str(failure)}
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and
         # nothing is taken for an answer.
-        found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
+        answer = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
     blank: dict[str, Any] = {
         "status": "done",
         "reason": "",
@@ -367,26 +364,29 @@ def _answer(point: Question) -> dict[str, Any]:
         "notes": {},
         "record": {},
     }
-    return blank | found | {"seconds": time.perf_counter() - begun, "host": platform.node()}
+    return blank | answer | {"seconds": time.perf_counter() - begun, "host": platform.node()}
 
 
 def _solve(point: Question) -> dict[str, Any]:
     """Figures, notes and record of a point; what is not finite is no value, and its note states
     so.
     """
-    fe, notes = _finite_elements(point) if "fe" in point.engines else (None, {})
-    found = evaluate(point, fe)
-    values, record = dict(found.values), _record(found.exact if fe is None else fe)
-    notes |= found.notes
+    fe = None
+    notes: dict[str, str] = {}
+    if "fe" in point.engines:
+        fe, notes = _finite_elements(point)
+    evaluated = evaluate(point, fe)
+    values = dict(evaluated.values)
+    record = _record(evaluated.exact if fe is None else fe)
+    notes |= evaluated.notes
     if fe is not None:
-        record["notes"] += [
-            f"half-plane theory: {note}"
-            for note in (found.exact.record.notes if found.exact else ())
-        ]
+        if evaluated.exact is not None:
+            notes_of_theory = evaluated.exact.record.notes
+            record["notes"] += [f"half-plane theory: {note}" for note in notes_of_theory]
         if point.uncertainty == "cheap":
-            values |= _cheap_uncertainty(point, fe, found, notes)
+            values |= _cheap_uncertainty(point, fe, evaluated, notes)
         if point.uncertainty == "budget":
-            values |= _budget(point, found, notes)
+            values |= _budget(point, evaluated, notes)
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -425,22 +425,19 @@ def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, 
     """
     import halfplane_fe
 
-    why, load = {}, point.scene.load
+    load = point.scene.load
+    notes: dict[str, str] = {}
     if point.share_condensations and (load.tilt is not None or load.moment_given):
-        why = {"": "the contact moves with the tilt; solved on bodies of its own"}
+        notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
     elif point.share_condensations:
         try:
-            return (
-                halfplane_fe.solve(
-                    point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)
-                ),
-                {},
-            )
+            scales = _shared_scales(point.scene)
+            return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=scales), {}
         except ConvergenceError as failure:
             if "reached the end of the meshed side" not in str(failure):
                 raise
-        why = {"": "the contact left the side that its group shares; solved on bodies of its own"}
-    return halfplane_fe.solve(point.scene, point.mesh, point.solver), why
+        notes = {"": "the contact left the side that its group shares; solved on bodies of its own"}
+    return halfplane_fe.solve(point.scene, point.mesh, point.solver), notes
 
 
 def _shared_scales(scene: Scene) -> Scales:
@@ -494,23 +491,20 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
     """
     import semi_analytic
 
-    found, metrics = Evaluated(), set(point.figures) & METRICS.keys()
+    evaluated = Evaluated()
+    metrics = set(point.figures) & METRICS.keys()
     if "exact" in point.engines:
-        quantities = [
-            QUANTITIES[name.partition(".")[2]] for name in point.figures if name not in METRICS
-        ]
-        fields = (
-            semi_analytic.FIELDS
-            if metrics
-            else sorted({field for one in quantities for field in one.fields})
-        )
+        fields: Sequence[str] = semi_analytic.FIELDS
+        if not metrics:
+            quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures]
+            fields = sorted({field for quantity in quantities for field in quantity.fields})
         if fe is None:
-            found.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
+            evaluated.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
         else:
-            found.exact = semi_analytic.solve(
+            evaluated.exact = semi_analytic.solve(
                 point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
             )
-    if metrics and found.exact is not None and fe is not None:
+    if metrics and evaluated.exact is not None and fe is not None:
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
@@ -519,40 +513,43 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
             point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics
         ):
             straight = theory_on_steps(fe)
-        found.comparison = compare(found.exact, fe, polygon_reference=straight)
+        evaluated.comparison = compare(evaluated.exact, fe, polygon_reference=straight)
+    comparison = evaluated.comparison
+    metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in point.figures:
-        found.stated[name] = 0.0
-        if found.comparison is None or name not in METRICS:
-            found.values[name], why = _take(name, fe, found.exact)
+        evaluated.stated[name] = 0.0
+        value: float | None = None
+        reason = "this scene has no such metric"
+        if comparison is None or name not in METRICS:
+            value, reason = _take(name, fe, evaluated.exact)
             if fe is not None:
-                found.stated[name] = _stated_by_edges(name, fe, found.exact)
-        elif (
-            metric := next((one for one in found.comparison.metrics if one.key == name), None)
-        ) is None:
-            found.values[name], why = None, "this scene has no such metric"
-        else:
-            found.values[name], why = metric.value, metric.note or "there is nothing to compare"
-            found.stated[name] = _stated(metric, found.comparison)
-        if found.values[name] is None:
-            found.notes[name] = why
-    return found
+                evaluated.stated[name] = _stated_by_edges(name, fe, evaluated.exact)
+        elif name in metrics_by_key:
+            metric = metrics_by_key[name]
+            value = metric.value
+            reason = metric.note or "there is nothing to compare"
+            evaluated.stated[name] = _stated(metric, comparison)
+        evaluated.values[name] = value
+        if value is None:
+            evaluated.notes[name] = reason
+    return evaluated
 
 
-def _stated(metric: Metric, compared: Comparison) -> float:
+def _stated(metric: Metric, comparison: Comparison) -> float:
     """What the result states for a metric's uncertainty: the metric's own, or that of the edges at
     its instant over a_ref; or 0.
     """
-    found, fe = [0.0, metric.uncertainty or 0.0], compared.result
-    edges = getattr(fe, f"{metric.key}_uncertainty", None)
-    if edges is not None and metric.time is not None:
-        found.append(
-            float(max(edges[int(abs(fe.time - metric.time).argmin())])) / compared.scales.half_width
-        )
-    return max(value for value in found if math.isfinite(value))
+    fe = comparison.result
+    stated = [0.0, metric.uncertainty or 0.0]
+    of_edges = getattr(fe, f"{metric.key}_uncertainty", None)
+    if of_edges is not None and metric.time is not None:
+        instant = int(abs(fe.time - metric.time).argmin())
+        stated.append(float(max(of_edges[instant])) / comparison.scales.half_width)
+    return max(value for value in stated if math.isfinite(value))
 
 
 def _cheap_uncertainty(
-    point: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]
+    point: Question, fe: FiniteElementSolution, evaluated: Evaluated, notes: dict[str, str]
 ) -> Values:
     """What a coarser mesh, theory on the polygon of the steps and a farther far field change each
     figure by, added up.
@@ -570,13 +567,15 @@ def _cheap_uncertainty(
     def solved(cut: MeshSettings, law: SolverSettings = solver) -> Values:
         return evaluate(point, halfplane_fe.solve(scene, cut, law, scales=fe.scales)).values
 
-    shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
+    coarse_bulk = replace(mesh, growth=min(1.0, 2 * mesh.growth))
+    # factor of a change, and the two runs that it is between
+    shares = [(_MESH, evaluated.values, solved(coarse_bulk))]
     if scene.unsymmetric:
         # Theory has no answer on the polygon of the steps for every one of these: halved increments
         # instead, second order.
         shares.append((4 / 3, solved(mesh), solved(mesh, finer_steps(solver))))
     elif "exact" in point.engines:
-        shares.append((1.0, found.values, evaluate(point, fe, polygon=True).values))
+        shares.append((1.0, evaluated.values, evaluate(point, fe, polygon=True).values))
     if (
         "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
         and point.mesh.far_radius <= 500
@@ -587,41 +586,43 @@ def _cheap_uncertainty(
     for name in point.figures:
         if name.startswith("exact."):
             continue
-        changes = [(factor, one[name], other[name]) for factor, one, other in shares]
-        known = [
-            factor * abs(one - other)
-            for factor, one, other in changes
-            if one is not None and other is not None
-        ]
-        if len(known) == len(shares):
-            total[f"{name}.uncertainty"] = max(known[0], found.stated[name]) + sum(known[1:])
+        changes = []
+        for factor, values, changed_values in shares:
+            value = values[name]
+            changed = changed_values[name]
+            if value is not None and changed is not None:
+                changes.append(factor * abs(value - changed))
+        if len(changes) == len(shares):
+            of_mesh = max(changes[0], evaluated.stated[name])
+            total[f"{name}.uncertainty"] = of_mesh + sum(changes[1:])
         else:
             total[f"{name}.uncertainty"] = None
             notes[f"{name}.uncertainty"] = "one of the runs that it is taken from has no such value"
     return total
 
 
-def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
+def _silent(_name: str) -> Any:
+    """A stage whose progress nobody sees."""
+    return nullcontext(lambda *_: None)
+
+
+def _budget(point: Question, evaluated: Evaluated, notes: dict[str, str]) -> Values:
     """The rest of each metric that no numerical error accounts for, and how uncertain it is."""
     from reports.comparison.budget import climb, error_budget
 
-    assert found.comparison is not None
-    refined = climb(
-        found.comparison, point.mesh, point.solver, lambda _name: nullcontext(lambda *_: None)
-    )
+    comparison = evaluated.comparison
+    assert comparison is not None
+    refinements = climb(comparison, point.mesh, point.solver, _silent)
     budgets = {
-        budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets
+        budget.metric.key: budget for budget in error_budget(comparison, refinements, 1.0).budgets
     }
-    more: Values = {}
-    for name in found.values:
+    values: Values = {}
+    for name in evaluated.values:
         budget = budgets.get(name)
-        more[f"{name}.idealisation"] = None if budget is None else budget.rest
-        more[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
+        values[f"{name}.idealisation"] = None if budget is None else budget.rest
+        values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
-            why = "; ".join(
-                f"{term.name}: {term.how}"
-                for term in (budget.terms if budget else ())
-                if not term.measured
-            )
-            notes[f"{name}.uncertainty"] = why or "the budget has no such metric"
-    return more
+            terms = budget.terms if budget else ()
+            reasons = [f"{term.name}: {term.how}" for term in terms if not term.measured]
+            notes[f"{name}.uncertainty"] = "; ".join(reasons) or "the budget has no such metric"
+    return values
