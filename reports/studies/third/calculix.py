@@ -38,8 +38,10 @@ from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
 
-# How often the status file is read [s], and how many last lines of the log a failure shows.
-_EVERY, _TAIL = 0.25, 6
+# Seconds between two looks at the status file.
+_EVERY = 0.25
+# Last lines of the log that a failure shows.
+_TAIL = 6
 # CalculiX prints times to six digits.
 _PRINTED = 1e-5
 
@@ -122,13 +124,13 @@ class ThirdSolver:
     @property
     def sentences(self) -> list[str]:
         """What must stand beside the numbers: failure or how the run went, then the limits."""
-        size, done = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants", self.done
-        if done is None:
+        size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
+        if self.done is None:
             first = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
             first = (
-                f"{self.code} on the exported deck: {size}, {done.increments} increments,"
-                f" {done.iterations} iterations."
+                f"{self.code} on the exported deck: {size}, {self.done.increments} increments,"
+                f" {self.done.iterations} iterations."
             )
         return [first, *_limits(self.deck)]
 
@@ -138,25 +140,31 @@ class ThirdSolver:
 
     def page_words(self, comparison: Comparison) -> dict[str, Any]:
         """What the page's block is filled with."""
-        first, *others = self.sentences
+        first, *limits = self.sentences
         table = {"heads": self.heads, "rows": self.rows(comparison)}
         return {
             **table,
             "told": first,
             "failed": bool(self.failure),
-            "limits": others,
+            "limits": limits,
             "notes": self._notes,
         }
 
     def as_json(self, comparison: Comparison) -> str:
         """third.json: the table in numbers; strict JSON."""
-        theirs, deck = self.comparison, self.deck
-        known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
-        solutions = {
-            "theory": comparison.reference,
-            "ours": comparison.result,
-            "third": theirs.result if theirs else None,
-        }
+        deck = self.deck
+        third_comparison = self.comparison
+        third_metrics: dict[str, float | None] = {}
+        if third_comparison is not None:
+            third_metrics = {metric.key: metric.value for metric in third_comparison.metrics}
+        figures = {}
+        for name, unit, value_of_solution in _values(comparison.scene):
+            figures[name] = {
+                "unit": unit,
+                "theory": value_of_solution(comparison.reference),
+                "ours": value_of_solution(comparison.result),
+                "third": value_of_solution(third_comparison.result) if third_comparison else None,
+            }
         content = {
             "format": "halfplane third opinion 1",
             "code": self.code,
@@ -170,18 +178,9 @@ class ThirdSolver:
                 "stick_slope": deck.stick_slope,
             },
             "run": asdict(self.done) if self.done else None,
-            "figures": {
-                name: {
-                    "unit": unit,
-                    **{
-                        who: of(solution) if solution else None
-                        for who, solution in solutions.items()
-                    },
-                }
-                for name, unit, of in _values(comparison.scene)
-            },
+            "figures": figures,
             "metrics": {
-                metric.key: {"ours": metric.value, "third": known.get(metric.key)}
+                metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
                 for metric in comparison.metrics
             },
             "limits": _limits(deck),
@@ -271,8 +270,10 @@ def run_calculix(
         With the last lines of its log where it stopped early, by itself or by the limit. The
         process is gone in any case.
     """
-    begun, late = time.monotonic(), False
-    log, sta = folder / f"{name}.log", folder / f"{name}.sta"
+    begun = time.monotonic()
+    late = False
+    log = folder / f"{name}.log"
+    sta = folder / f"{name}.sta"
     with log.open("w", encoding="utf-8") as stream:
         process = subprocess.Popen(
             [str(program), "-i", name],
@@ -350,35 +351,25 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
     mapping = Mapping(
         code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
     )
-    result = read(path, mapping)
-    series = {
-        name: getattr(result, name)
-        for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")
-    }
-    led: dict[str, Any] = {
-        name: freeze(np.concatenate([np.zeros_like(v[:1]), v]))
-        for name, v in series.items()
-        if v is not None
-    }
+    surface = read(path, mapping)
+    from_unloaded: dict[str, Any] = {}
+    for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
+        series = getattr(surface, name)
+        if series is not None:
+            from_unloaded[name] = freeze(np.concatenate([np.zeros_like(series[:1]), series]))
     source = f"{path.name}, the deck of scene {deck.scene.name}"
-    whole = whole_path(deck.scene)
-    return score_solution(
-        *contact_solution(
-            replace(result, **led, time=freeze(deck.time), source=source), mapping, whole
-        ),
-        whole,
-    )
+    surface = replace(surface, **from_unloaded, time=freeze(deck.time), source=source)
+    scene = whole_path(deck.scene)
+    return score_solution(*contact_solution(surface, mapping, scene), scene)
 
 
 def _limits(deck: Deck) -> list[str]:
     """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and
     measured (docs/third.md).
     """
-    friction, path, pressure = (
-        deck.scene.friction.coefficient,
-        deck.scene.load.path(),
-        deck.mean_pressure / deck.scales.half_width,
-    )
+    friction = deck.scene.friction.coefficient
+    path = deck.scene.load.path()
+    pressure = deck.mean_pressure / deck.scales.half_width
     cycle = deck.normal_load[deck.time >= path.cycle_start]
     varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
     radius = (

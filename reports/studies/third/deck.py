@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import textwrap
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -162,14 +162,13 @@ class Deck:
         """(n + 1,) bulk strain sigma/E' of the lower (0) or the upper (1) body where it is a
         half-plane; else None.
         """
-        stress, side = self.bulk_stress[body], ("lower", "upper")[body]
-        if (
-            stress is None
-            or not stress.any()
-            or not isinstance(getattr(self.scene.bodies, side), HalfPlane)
-        ):
+        stress = self.bulk_stress[body]
+        name = ("lower", "upper")[body]
+        if stress is None or not stress.any():
             return None
-        material = getattr(self.scene.material, side)
+        if not isinstance(getattr(self.scene.bodies, name), HalfPlane):
+            return None
+        material = getattr(self.scene.material, name)
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body: int) -> tuple[Array, Array] | None:
@@ -178,22 +177,19 @@ class Deck:
 
         None of other bodies, and where it is 0 throughout.
         """
-        pulled, shape = (
-            (self.lower, self.upper)[body],
-            (
-                self.scene.bodies.lower,
-                self.scene.bodies.upper,
-            )[body],
-        )
-        if not pulled.ends or not isinstance(shape, Block):
+        meshed_body = (self.lower, self.upper)[body]
+        shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body]
+        if not meshed_body.ends or not isinstance(shape, Block):
             return None
-        mean = np.zeros(len(self.time)) if (stress := self.bulk_stress[body]) is None else stress
-        half = (
-            self.tangential_load / (2 * shape.height)
-            if shape.base == "rollers" and body == 0
-            else np.zeros(len(self.time))
-        )
-        return (mean + half, mean - half) if mean.any() or half.any() else None
+        mean = self.bulk_stress[body]
+        if mean is None:
+            mean = np.zeros(len(self.time))
+        half_of_shear = np.zeros(len(self.time))
+        if shape.base == "rollers" and body == 0:
+            half_of_shear = self.tangential_load / (2 * shape.height)
+        if not (mean.any() or half_of_shear.any()):
+            return None
+        return mean + half_of_shear, mean - half_of_shear
 
     @property
     def reference(self) -> int:
@@ -228,9 +224,9 @@ class Deck:
     @property
     def increments(self) -> Array:
         """(n,) durations between instants; the first one less the touch."""
-        found = np.diff(self.deck_time)
-        found[0] -= self.touch_time
-        return np.asarray(found)
+        durations = np.diff(self.deck_time)
+        durations[0] -= self.touch_time
+        return np.asarray(durations)
 
 
 def build_deck(
@@ -249,10 +245,12 @@ def build_deck(
         pulled, see `meshes.solids` and `halfplane_fe.solve`, and for an upper block on rollers
         under bulk stress and Q.
     """
-    scene, settings = validated(scene, Scene), settings or DeckSettings()
+    scene = validated(scene, Scene)
+    settings = settings or DeckSettings()
     check_supports(scene, sheared(scene))
     check_bulk_stress(scene)
-    path, on_rollers = scene.load.path(), getattr(scene.bodies.upper, "base", "") == "rollers"
+    path = scene.load.path()
+    on_rollers = getattr(scene.bodies.upper, "base", "") == "rollers"
     if has_bulk_stress(path) and on_rollers and sheared(scene):
         raise InputError(
             "bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take"
@@ -279,13 +277,15 @@ def build_deck(
     )
     time = _instants(scene, settings)
     normal, tangential = path.at(time)
-    more: dict[str, Any] = {}
+    bulk_and_tilt: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
-        more["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
+        bulk_and_tilt["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
     if (turning := path.companion("turning")) is not None:
-        more["moment" if path.moment_given else "tilt"] = freeze(
-            turning.at(time)[path.moment_given]
-        )
+        tilt, moment = turning.at(time)
+        if path.moment_given:
+            bulk_and_tilt["moment"] = freeze(moment)
+        else:
+            bulk_and_tilt["tilt"] = freeze(tilt)
     approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
     return Deck(
@@ -299,7 +299,7 @@ def build_deck(
         freeze(tangential),
         touch,
         approach,
-        **more,
+        **bulk_and_tilt,
     )
 
 
@@ -307,19 +307,19 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
     """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path,
     and even ones between them.
     """
-    path, steps = scene.load.path(), settings.steps_per_cycle
+    path = scene.load.path()
+    steps = settings.steps_per_cycle
     turns = min(settings.cycles, scene.cycles) if path.period is not None else 0
     pieces = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
     pieces += [(path.cycle_legs(k), float(steps)) for k in range(turns)]
-    found = [path.start]
+    instants = [path.start]
     for legs, count in pieces:
         duration = legs[-1].end - legs[0].start
         for leg in legs:
-            for piece in stretches(
-                leg, scene.friction.coefficient, count * (leg.end - leg.start) / duration
-            ):
-                found.extend(piece.ends)
-    return np.array(found)
+            increments = count * (leg.end - leg.start) / duration
+            for piece in stretches(leg, scene.friction.coefficient, increments):
+                instants.extend(piece.ends)
+    return np.array(instants)
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
@@ -405,32 +405,36 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     body. Beyond the side that may touch, which ends at c, h(x) goes on as h + h' c tanh((|x| -
     c)/c): smooth, and bounded on a body of any width.
     """
-    x, y = mesh.mesh.p[0], -mesh.mesh.p[1]
+    x = mesh.mesh.p[0]
+    y = -mesh.mesh.p[1]
     if profile is None:
         return np.stack([x, y])
     end = mesh.grading.outer
-    side, distance, step = np.where(x < 0, -1.0, 1.0), np.abs(x), 1e-4 * end
-    before, at = (np.asarray(profile.height(side * (end - part))) for part in (step, 0.0))
+    step = 1e-4 * end
+    side = np.where(x < 0, -1.0, 1.0)
+    distance = np.abs(x)
+    height_before_end = np.asarray(profile.height(side * (end - step)))
+    height_at_end = np.asarray(profile.height(side * end))
+    slope_at_end = (height_at_end - height_before_end) / step
     gap = np.asarray(profile.height(side * np.minimum(distance, end)))
-    gap = gap + (at - before) / step * end * np.tanh(np.maximum(distance - end, 0.0) / end)
+    gap = gap + slope_at_end * end * np.tanh(np.maximum(distance - end, 0.0) / end)
     return np.stack([x, y + gap * (1 - y / y.max())])
 
 
 # --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
     """The text of the input file; `command` and `versions` go into its first comment."""
-    told = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
+    packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     tools = (amplitudes, equations_of, held_of, number, one_line, rows)
     known = {tool.__name__: tool for tool in tools}
-    text = template("deck.inp").render(deck=deck, command=command, versions=told, **known)
+    text = template("deck.inp").render(deck=deck, command=command, versions=packages, **known)
     lines: list[str] = []
     for line in text.split("\n"):
-        comment = (
-            textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
-            if line.startswith("**")
-            else None
-        )
-        lines += [line] * bool(line) if comment is None else [f"** {part}" for part in comment]
+        if line.startswith("**"):
+            comment = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
+            lines += [f"** {part}" for part in comment]
+        elif line:
+            lines.append(line)
     return "\n".join(lines) + "\n"
 
 
@@ -461,24 +465,20 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
     """(n + 1, 2) total time and loads, bulk stress, tilt and moment: strains and tilt times a, so
     that they move a node.
     """
-    found, size = (
-        {
-            "NORMAL_LOAD": deck.normal_load,
-            "TANGENTIAL_LOAD": deck.tangential_load,
-        },
-        deck.scales.half_width,
-    )
+    half_width = deck.scales.half_width
+    courses = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
     for body, name in enumerate(("LOWER", "UPPER")):
-        if (strain := deck.strain(body)) is not None:
-            found[f"{name}_STRAIN"] = strain * size
-        found |= zip(
-            (f"{name}_LEFT_END", f"{name}_RIGHT_END"), deck.end_stresses(body) or (), strict=False
-        )
+        strain = deck.strain(body)
+        if strain is not None:
+            courses[f"{name}_STRAIN"] = strain * half_width
+        ends = deck.end_stresses(body)
+        if ends is not None:
+            courses[f"{name}_LEFT_END"], courses[f"{name}_RIGHT_END"] = ends
     if deck.tilt is not None:
-        found["TILT"] = deck.tilt * size
+        courses["TILT"] = deck.tilt * half_width
     if deck.moment is not None:
-        found["MOMENT"] = deck.moment / size
-    return {name: np.stack([deck.deck_time, values], axis=1) for name, values in found.items()}
+        courses["MOMENT"] = deck.moment / half_width
+    return {name: np.stack([deck.deck_time, course], axis=1) for name, course in courses.items()}
 
 
 def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
@@ -489,47 +489,55 @@ def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
     plane's turn. With one term it stands still: on the lower half-plane's arc bulk strain leaves
     the middle alone.
     """
-    size, which = deck.scales.half_width, int(body is deck.upper)
-    ratio = (deck.scene.material.lower, deck.scene.material.upper)[which].poisson_ratio
+    half_width = deck.scales.half_width
+    is_upper = body is deck.upper
+    material = deck.scene.material.upper if is_upper else deck.scene.material.lower
+    ratio = material.poisson_ratio
+    strain = deck.strain(int(is_upper))
+    turns = is_upper and (deck.tilt is not None or deck.moment is not None)
     for direction, nodes in sorted(body.held.items()):
         for node in nodes.tolist():
             x, y = body.nodes[node - body.first_node].tolist()
             terms = [(node, direction, 1.0)]
-            if which:
+            if is_upper:
                 terms.append((deck.reference, direction, -1.0))
-            if deck.strain(which) is not None:
+            if strain is not None:
                 # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
                 share = -x if direction == 1 else ratio / (1 - ratio) * y
-                terms.append((deck.strained, which + 1, share / size))
-            if which and (deck.tilt is not None or deck.moment is not None):
+                terms.append((deck.strained, int(is_upper) + 1, share / half_width))
+            if turns:
                 # A turn that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
-                terms.append((deck.turning, 1, (y if direction == 1 else -x) / size))
+                terms.append((deck.turning, 1, (y if direction == 1 else -x) / half_width))
             yield [term for term in terms if term[2]]
 
 
 def equations_of(deck: Deck, body: DeckBody) -> Iterator[str]:
     """Data lines of the equations of a far side, those of each direction together."""
     tied = (terms for terms in _tied(deck, body) if len(terms) > 1)
-    for _, own in groupby(tied, lambda terms: terms[0][1]):
-        yield "\n".join(
-            f"{len(terms)}\n" + ", ".join(f"{of}, {way}, {number(k)}" for of, way, k in terms)
-            for terms in own
-        )
+    for _, equations in groupby(tied, lambda terms: terms[0][1]):
+        yield "\n".join(map(_data_lines, equations))
+
+
+def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
+    """The data lines of one equation: the number of its terms, then node, direction, factor of
+    each.
+    """
+    cells = [f"{node}, {direction}, {number(factor)}" for node, direction, factor in terms]
+    return f"{len(terms)}\n{', '.join(cells)}"
 
 
 def held_of(deck: Deck) -> list[str]:
     """Nodes of the lower body that stand still, and movements that mean nothing of the nodes for
     bulk strain and tilt.
     """
-    found = [
-        f"{terms[0][0]}, {terms[0][1]}" for terms in _tied(deck, deck.lower) if len(terms) == 1
-    ]
-    unstrained = [deck.strain(body) is None for body in (0, 1)]
-    found += [
-        f"{deck.strained}, {body + 1}"
-        for body in (0, 1)
-        if unstrained[body] and not all(unstrained)
-    ]
-    return found + (
-        [f"{deck.turning}, 2"] if deck.tilt is not None or deck.moment is not None else []
-    )
+    held = []
+    for terms in _tied(deck, deck.lower):
+        if len(terms) == 1:
+            node, direction, _ = terms[0]
+            held.append(f"{node}, {direction}")
+    unstrained = [body for body in (0, 1) if deck.strain(body) is None]
+    if len(unstrained) == 1:
+        held.append(f"{deck.strained}, {unstrained[0] + 1}")
+    if deck.tilt is not None or deck.moment is not None:
+        held.append(f"{deck.turning}, 2")
+    return held
