@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import chain, groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,46 +44,42 @@ def judged(paper: Paper) -> dict[str, Found]:
 # --------------------------------------------------------------------- tractions of the first cycle
 def tractions(case: Case) -> dict[str, Found]:
     """Equations (5) to (8) against the engine's shear traction, and what the transient leaves."""
-    formulas, x, f, pressure = (
-        Formulas(case),
-        np.array(_PLACES) * case.length,
-        case.friction,
-        case.contact.pressure,
-    )
+    formulas = Formulas(case)
+    x = np.array(_PLACES) * case.length
+    f = case.friction
+    pressure = case.contact.pressure
     a, b, c, d, e, g = (case.time(letter) for letter in "ABCDEG")
 
-    def error(time: float, found: Array) -> float:
+    def error(time: float, by_formula: Array) -> float:
         """Largest difference at an instant over the largest value."""
         shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
-        return float(np.max(np.abs(found - shear)) / np.max(np.abs(shear)))
+        return float(np.max(np.abs(by_formula - shear)) / np.max(np.abs(shear)))
 
     def load(time: float) -> float:
         return float(formulas.loads(time)[0])
 
     # (5) holds in full stick; beyond B, where P still grows, the edges slip.
-    stick, slip = (
-        max(error(t, formulas.stuck(x, load(t))) for t in (a, b)),
-        error((b + c) / 2, formulas.stuck(x, load((b + c) / 2))),
-    )
+    between_b_and_c = (b + c) / 2
+    stick = max(error(t, formulas.stuck(x, load(t))) for t in (a, b))
+    slip = error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
     forward = {}
-    for name, t in {"B-C": (b + c) / 2, "C": c, "D": d, "E": e}.items():
+    for name, t in {"B-C": between_b_and_c, "C": c, "D": d, "E": e}.items():
         met = formulas.initial_meeting(t)
         q = formulas.stuck(x, met) + f * (pressure(x, load(t)) - pressure(x, met))
         forward[f"error at {name}"] = error(t, q)
-    reverse, met = {}, formulas.initial_meeting(e)
+    reverse = {}
+    met = formulas.initial_meeting(e)
     for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
-        now, turned, first = (
-            pressure(x, p) for p in (load(t), float(formulas.front("EG", t)), met)
-        )
-        reverse[f"error at {name}"] = error(
-            t, formulas.stuck(x, met) + f * (2 * turned - now - first)
-        )
-    worst = [max(errors.values()) for errors in (forward, reverse)]
+        pressure_at_edge = pressure(x, float(formulas.front("EG", t)))
+        slipped = 2 * pressure_at_edge - pressure(x, load(t)) - pressure(x, met)
+        reverse[f"error at {name}"] = error(t, formulas.stuck(x, met) + f * slipped)
+    worst_forward = max(forward.values())
+    worst_reverse = max(reverse.values())
 
     # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
     before = 1e-6
-    found = case.solve(time=[e - before, e + before])
-    ratio = (found.stick_half_width / found.contact_half_width).tolist()
+    around_e = case.solve(time=[e - before, e + before])
+    ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
     moved = case.solve(time=[b, e - before, e], x=[0.8, 0.85], fields=("slip",)).slip
     slowest = float(np.max((moved[2] - moved[1]) / before / ((moved[2] - moved[0]) / (e - b))))
     rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest}
@@ -92,12 +88,12 @@ def tractions(case: Case) -> dict[str, Found]:
             judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT),
             {"error in full stick": stick, "error in slip": slip},
         ),
-        "(6)": (judge(worst[0] <= EXACT), forward | {"largest error": worst[0]}),
+        "(6)": (judge(worst_forward <= EXACT), forward | {"largest error": worst_forward}),
         "full stick at E": (
             judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5),
             rest,
         ),
-        "(7)": (judge(worst[1] <= EXACT), reverse | {"largest error": worst[1]}),
+        "(7)": (judge(worst_reverse <= EXACT), reverse | {"largest error": worst_reverse}),
         "residual tractions": _residual_tractions(case),
     }
 
@@ -107,17 +103,17 @@ def _residual_tractions(case: Case) -> Found:
     loading alone has not.
     """
     formulas = Formulas(case)
-    inner, outer = (
-        formulas.initial_meeting(case.time("E")),
-        float(formulas.front("EG", case.time("G"))),
-    )
-    bounds, shares = case.width([inner, outer]), np.linspace(0.01, 0.99, 50)
+    inner = formulas.initial_meeting(case.time("E"))
+    outer = float(formulas.front("EG", case.time("G")))
+    bounds = case.width([inner, outer])
+    shares = np.linspace(0.01, 0.99, 50)
     x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
-    slip = case.solve(time=[case.time(letter) for letter in "BGM"], x=x, fields=("slip",)).slip / (
-        case.compliance * case.unit
-    )
-    locked, later = np.abs(slip[1] - slip[0]), float(np.max(np.abs(slip[2] - slip[1])))
-    within, between = float(np.max(locked[:50])), float(np.min(locked[50:]))
+    times = [case.time(letter) for letter in "BGM"]
+    slip = case.solve(time=times, x=x, fields=("slip",)).slip / (case.compliance * case.unit)
+    locked = np.abs(slip[1] - slip[0])
+    later = float(np.max(np.abs(slip[2] - slip[1])))
+    within = float(np.max(locked[:50]))
+    between = float(np.min(locked[50:]))
 
     # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
     # P_T would have left.
@@ -125,11 +121,12 @@ def _residual_tractions(case: Case) -> Found:
     x = np.array([0.0, bounds[0], 0.7 * bounds[1] + 0.3 * widest, 0.1 * bounds[1] + 0.9 * widest])
     shear = case.solve(time=[case.time("G")], x=x, fields=("shear",)).shear[0]
     place = x * case.length
-    hooks = case.contact.pressure(place, case.events["G"].normal_load) - case.contact.pressure(
-        place, outer
-    )
-    new = (shear + case.friction * hooks - formulas.stuck(place, outer)) * case.length / case.unit
-    share, beyond = float(new[0] / new[1]), float(np.max(np.abs(new[2:])))
+    load_at_g = case.events["G"].normal_load
+    hooks = case.contact.pressure(place, load_at_g) - case.contact.pressure(place, outer)
+    residual = shear + case.friction * hooks - formulas.stuck(place, outer)
+    new = residual * case.length / case.unit
+    share = float(new[0] / new[1])
+    beyond = float(np.max(np.abs(new[2:])))
     holds = max(within, later, beyond) <= _ROUNDING < between
     return judge(holds and abs(share) <= _ROUNDING, nearly=holds), {
         "a(P_Z)/a0": float(bounds[0]),
@@ -145,7 +142,8 @@ def _residual_tractions(case: Case) -> Found:
 # ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
     """Stick, slip and separation through the cycle."""
-    turn, t = 2 * math.pi, {letter: case.time(letter) for letter in LETTERS}
+    turn = 2 * math.pi
+    t = {letter: case.time(letter) for letter in LETTERS}
     zones = (
         case.solve(time=np.linspace(t[first], t[last], 203)[1:-1]) for first, last in ("GI", "IM")
     )
@@ -199,8 +197,10 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     of the contact.
     """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
-    distance, duration = np.zeros(2), np.zeros(2)
-    for span in (span for part in case.slipping.values() for span in part):
+    # Forward, reverse.
+    distance = np.zeros(2)
+    duration = np.zeros(2)
+    for span in chain.from_iterable(case.slipping.values()):
         begin, end = (float(time[0]) for time in slip_times(span, edge_load))
         if end > begin:
             way = 0 if span.direction > 0 else 1
@@ -210,35 +210,35 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
             distance[way] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
             duration[way] += end - begin
     phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
-    own, phase = (float(np.divide(*(distance / time))) for time in (duration, phases))
-    speeds = {"speeds while the point slips": own, "speeds over the phases": phase}
-    ways = {"distance forward": distance[0], "distance reverse": distance[1]}
-    times = {
-        "time forward": duration[0] / (2 * math.pi),
-        "time reverse": duration[1] / (2 * math.pi),
+    ratio_in_slip = float(np.divide(*(distance / duration)))
+    ratio_over_phases = float(np.divide(*(distance / phases)))
+    numbers = {
+        "speeds while the point slips": ratio_in_slip,
+        "speeds over the phases": ratio_over_phases,
+        "distance forward": float(distance[0]),
+        "distance reverse": float(distance[1]),
+        "time forward": float(duration[0] / (2 * math.pi)),
+        "time reverse": float(duration[1] / (2 * math.pi)),
     }
-    found = speeds | {name: float(value) for name, value in (ways | times).items()}
-    return judge(own < 1 - _ROUNDING, nearly=phase < 1 - _ROUNDING), found
+    slower = judge(ratio_in_slip < 1 - _ROUNDING, nearly=ratio_over_phases < 1 - _ROUNDING)
+    return slower, numbers
 
 
 def _point_history(case: Case, x: float) -> Found:
     """Sequence of stick, slip and separation of a point of figure 5."""
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
-    found = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
+    names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     stated = _sequence(_HISTORIES[x])
-    letters = [
-        {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}[name]
-        for name in found
-    ]
+    letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
+    letters = [letter_of[name] for name in names]
     turns = [stated[k:] + stated[:k] for k in range(len(stated))]
     numbers = {
         "share of separation": float(np.mean(states == SurfaceState.OPEN)),
-        "runs": len(found),
+        "runs": len(names),
+        "history": ", ".join(names).replace("open", "separation"),
     }
-    return judge(letters in turns), numbers | {
-        "history": ", ".join(found).replace("open", "separation")
-    }
+    return judge(letters in turns), numbers
 
 
 def _sequence(states: Sequence[str]) -> list[str]:
@@ -253,24 +253,28 @@ def _sequence(states: Sequence[str]) -> list[str]:
 
 def one_way_slip(case: Case) -> Found:
     """Beyond which half-width no reverse slip rubs."""
-    low, high = case.stick_edge, case.outer_edge
+    low = case.stick_edge
+    high = case.outer_edge
     for _ in range(5):
         grid = np.linspace(low, high, 101)
-        rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)
-        low, high = float(grid[rubbed[-1]]), float(grid[rubbed[-1] + 1])
-    edge, widest = (
-        (low + high) / 2,
-        max(float(case.width(case.events[letter].normal_load)) for letter in "EG"),
-    )
+        last_rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)[-1]
+        low = float(grid[last_rubbed])
+        high = float(grid[last_rubbed + 1])
+    edge = (low + high) / 2
+    widest = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
     return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": widest}
 
 
 # ------------------------------------------------------------------- other loads, the other profile
 def loads(paper: Paper) -> dict[str, Found]:
     """What the zones of slip and the dissipation depend on."""
-    case, rounded, frictions = paper.hertz, paper.rounded, np.array(FRICTIONS)
+    case = paper.hertz
+    rounded = paper.rounded
+    frictions = np.array(FRICTIONS)
     cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
-    times = {letter: np.array([each.time(letter) for each in cases]) for letter in "EGI"}
+    times = {}
+    for letter in "EGI":
+        times[letter] = np.array([case_of_friction.time(letter) for case_of_friction in cases])
     later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
     shift = {
         f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
@@ -289,7 +293,7 @@ def loads(paper: Paper) -> dict[str, Found]:
         "sliding with Q0 = 0": int(slides[1].sum()),
         "Q0": mean / case.unit,
     }
-    which = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
+    sliding = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
 
     means = [
         case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight")
@@ -297,7 +301,8 @@ def loads(paper: Paper) -> dict[str, Found]:
     ]
     polygon = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
     ways = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
-    by_mean, by_way = _changes(case, means), _changes(case, ways)
+    by_mean = _changes(case, means)
+    by_way = _changes(case, ways)
 
     def shear(of: Case, x: Array) -> Array:
         return (
@@ -306,24 +311,20 @@ def loads(paper: Paper) -> dict[str, Found]:
             / case.unit
         )
 
-    inside, outside = (
-        np.linspace(0, case.stick_edge * 0.999, 50),
-        np.linspace(case.stick_edge * 1.001, case.outer_edge, 50),
-    )
-    within, beyond = (
-        max(float(np.max(np.abs(shear(o, x) - shear(case, x)))) for o in ways)
-        for x in (inside, outside)
-    )
+    def change_of_shear(x: Array) -> float:
+        return max(float(np.max(np.abs(shear(way, x) - shear(case, x)))) for way in ways)
+
+    within = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
+    beyond = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
     forgets = max(by_way.values()) <= _ROUNDING and beyond <= _ROUNDING < within
-    flat, bands = (
-        float(rounded.width(0.0)),
-        [each.outer_edge - each.stick_edge for each in (case, rounded)],
-    )
+    flat = float(rounded.width(0.0))
+    band = case.outer_edge - case.stick_edge
+    band_of_rounded = rounded.outer_edge - rounded.stick_edge
     return {
         "friction delays slip": (judge(onset and later["G"], nearly=onset), shift),
         "coefficients of figure 4b": (
             judge(not slides[0].any(), nearly=not slides[1].any()),
-            counts | which,
+            counts | sliding,
         ),
         "mean shear force": (judge(max(by_mean.values()) <= _ROUNDING), by_mean),
         "initial loading": (
@@ -335,8 +336,8 @@ def loads(paper: Paper) -> dict[str, Found]:
             {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat},
         ),
         "narrow bands": (
-            judge(bands[1] < bands[0]),
-            {"hertz": bands[0], "flat and rounded": bands[1]},
+            judge(band_of_rounded < band),
+            {"hertz": band, "flat and rounded": band_of_rounded},
         ),
     }
 
@@ -357,17 +358,17 @@ def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
 # --------------------------------------------------------------------------------- work of friction
 def work(case: Case) -> dict[str, Found]:
     """The phases' shares of the work, and W(x) at the ends of the slip zone."""
-    batch, inner, outer = (
-        semi_analytic.dissipation(**case.batch()),
-        case.stick_edge,
-        case.outer_edge,
-    )
+    batch = semi_analytic.dissipation(**case.batch())
+    inner = case.stick_edge
+    outer = case.outer_edge
     share = float(batch.forward / batch.value)
     shares = {"share of forward slip": share, "share of reverse slip": 1 - share}
     values = total(
         case.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9]))
     ).tolist()
-    stuck, last, middle = max(values[:2]), values[3], values[2]
+    stuck = max(values[:2])
+    middle = values[2]
+    last = values[3]
     ends = {
         "largest at the ends over mid-zone": max(stuck, last) / middle,
         "in the stick zone": stuck,
@@ -381,7 +382,8 @@ def work(case: Case) -> dict[str, Found]:
             / np.diff(np.log(distance))[0]
         )
 
-    at_stick, at_edge = exponent(inner, 1.0), exponent(outer, -1.0)
+    at_stick = exponent(inner, 1.0)
+    at_edge = exponent(outer, -1.0)
     return {
         "most work in forward slip": (judge(share > 0.75, nearly=share > 0.5), shares),
         "no work at the ends": (
@@ -404,16 +406,14 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
     """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal
     loads, f, material and a0.
     """
-    cases, (hertz, rounded), names = (
-        (paper.hertz, paper.rounded),
-        paper.sweeps,
-        ("Hertz", "flat and rounded"),
-    )
-    found: dict[str, Found] = {}
+    cases = (paper.hertz, paper.rounded)
+    hertz, rounded = paper.sweeps
+    names = ("Hertz", "flat and rounded")
+    places: dict[str, Found] = {}
     for name, case, peak in zip(names, cases, paper.peaks, strict=True):
         place = float(peak.fraction)
         numbers = {"fraction": place, "x/a0": float(peak.place) / case.length}
-        found[f"place of the peak, {name}"] = (
+        places[f"place of the peak, {name}"] = (
             judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02),
             numbers,
         )
@@ -422,47 +422,45 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
         for name, s in zip(names, paper.sweeps, strict=True)
         for end, k in (("near", 0), ("far", -1))
     }
-    close = (
-        all(low < place < high for place in ends.values())
-        for low, high in ((0.6, 0.65), (0.55, 0.7))
-    )
+    as_stated = all(0.6 < place < 0.65 for place in ends.values())
+    nearly_as_stated = all(0.55 < place < 0.7 for place in ends.values())
 
     # Exponents in P0 between neighbours of a sweep at constant a(P0); at constant R, a grows like
     # sqrt(P0).
     slopes = {
-        (what, k): (
-            np.diff(np.log(getattr(sweep, what)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
+        (quantity, k): (
+            np.diff(np.log(getattr(sweep, quantity)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
         )
         for k, sweep in enumerate(paper.sweeps)
-        for what in ("work", "peak")
+        for quantity in ("work", "peak")
     }
-    steepest = {
-        what: max(float(np.max(np.diff(getattr(sweep, what), axis=1))) for sweep in paper.sweeps)
-        for what in ("work", "peak")
-    }
+    steepest = {}
+    for quantity in ("work", "peak"):
+        steps = [np.diff(getattr(sweep, quantity), axis=1) for sweep in paper.sweeps]
+        steepest[quantity] = max(float(np.max(step)) for step in steps)
     gap = float(np.min(slopes["peak", 0] - 0.5 - slopes["work", 0]))
     falls = {
-        f"fall of {what}": float(np.divide(*getattr(hertz, what)[0, [0, -1]]))
-        for what in ("work", "peak")
+        f"fall of {quantity}": float(np.divide(*getattr(hertz, quantity)[0, [0, -1]]))
+        for quantity in ("work", "peak")
     }
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
     best = {int(place) for merit in merits for place in np.argmax(merit, axis=1)}
-    whole = [case.steady.dissipation / case.work_unit for case in cases]
-    tops = [
+    works = [case.steady.dissipation / case.work_unit for case in cases]
+    peaks = [
         float(peak.value) * case.length / case.work_unit
         for case, peak in zip(cases, paper.peaks, strict=True)
     ]
-    works, peaks = whole[1] / whole[0], tops[1] / tops[0]
+    quotient_of_works = works[1] / works[0]
+    quotient_of_peaks = peaks[1] / peaks[0]
     spans = [
         {"least": float(over.min()), "largest": float(over.max())}
         for over in (rounded.work / hertz.work, rounded.peak / hertz.peak)
     ]
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    spread, share = (
-        [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps],
-        float(np.mean(slopes["peak", 1] > slopes["peak", 0])),
-    )
-    ratio, place_of = rounded.ratio[-1], rounded.place[-1]
+    spread = [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps]
+    share = float(np.mean(slopes["peak", 1] > slopes["peak", 0]))
+    ratio = rounded.ratio[-1]
+    place_of = rounded.place[-1]
     last = int(np.argmax(np.abs(np.diff(place_of))))
     weaker = {
         "fall, hertz": float(spread[0][0]),
@@ -474,8 +472,8 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
         "last place": float(place_of[last]),
         "place of the outer one": float(place_of[last + 1]),
     }
-    return found | {
-        "place of the peak, all loads": (judge(*close), ends),
+    return places | {
+        "place of the peak, all loads": (judge(as_stated, nearly_as_stated), ends),
         "global dissipation before sliding": (
             judge(steepest["work"] < 0),
             {"largest step": steepest["work"]},
@@ -490,19 +488,22 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
             {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])},
         ),
         "five times the energy": (
-            judge_number(works, 5, 0, slack=0.2),
-            {"quotient of work": works} | spans[0],
+            judge_number(quotient_of_works, 5, 0, slack=0.2),
+            {"quotient of work": quotient_of_works} | spans[0],
         ),
         "eight times the peak": (
-            judge_number(peaks, 8, 0, slack=0.2),
-            {"quotient of peaks": peaks} | spans[1],
+            judge_number(quotient_of_peaks, 8, 0, slack=0.2),
+            {"quotient of peaks": quotient_of_peaks} | spans[1],
         ),
         "weaker dependence of the peak": (
             judge(bool(np.all(spread[1] < spread[0])) and share == 1),
             weaker,
         ),
         "figure of merit": (
-            judge(works < peaks),
-            {"quotient of merits": works / peaks, "five over eight": 5 / 8},
+            judge(quotient_of_works < quotient_of_peaks),
+            {
+                "quotient of merits": quotient_of_works / quotient_of_peaks,
+                "five over eight": 5 / 8,
+            },
         ),
     }

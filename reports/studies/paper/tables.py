@@ -96,7 +96,9 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
     >>> judge(False, nearly=True).value
     'refined'
     """
-    return Verdict.CONFIRMED if holds else Verdict.REFINED if nearly else Verdict.CONTRADICTED
+    if holds:
+        return Verdict.CONFIRMED
+    return Verdict.REFINED if nearly else Verdict.CONTRADICTED
 
 
 def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
