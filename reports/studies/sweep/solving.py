@@ -51,7 +51,15 @@ if TYPE_CHECKING:
 Values = dict[str, float | None]
 # What numbers depend on: the engines and what they stand on, and what a worker imports of
 # `reports`.
-_CODE = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports.comparison", "reports.units")
+_CODE = (
+    "scenes",
+    "semi_analytic",
+    "meshes",
+    "halfplane_fe",
+    "reports.comparison",
+    "reports.python_numbers",
+    "reports.units",
+)
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 # Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall
 # no faster.
