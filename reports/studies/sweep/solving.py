@@ -329,11 +329,12 @@ def solve_task(text: str) -> str:
     task = json.loads(text)
     of_sender = task["versions"]
     of_worker = code_versions()
-    differences = [
-        f"{name} is {of_sender.get(name, 'missing')} here and {of_worker.get(name, 'missing')} there"
-        for name in sorted(of_sender.keys() | of_worker.keys())
-        if of_sender.get(name) != of_worker.get(name)
-    ]
+    differences = []
+    for name in sorted(of_sender.keys() | of_worker.keys()):
+        here = of_sender.get(name, "missing")
+        there = of_worker.get(name, "missing")
+        if here != there:
+            differences.append(f"{name} is {here} here and {there} there")
     if differences:
         worker = f"worker {platform.node()} (process {os.getpid()})"
         return json.dumps({"mismatch": f"{worker}: {', '.join(differences)}", "answers": []})
