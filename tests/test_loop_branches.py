@@ -25,14 +25,37 @@ SCENE = load_scene("cattaneo-mindlin").vary(
         "cycle": [(LOAD, -LARGEST)],
     },
 )
-# Where P varies a little, rows are placed by time.
-VARYING = SCENE.vary(
-    load={
-        "kind": "polygon",
-        "initial_loading": [(LOAD, LARGEST)],
-        "cycle": [(0.95 * LOAD, -LARGEST)],
-    }
-)
+
+
+def with_cycle(*points):
+    """The scene under another polygon, from the last of its points."""
+    return SCENE.vary(
+        load={"kind": "polygon", "initial_loading": [points[-1]], "cycle": list(points[:-1])}
+    )
+
+
+def under_ellipse(phase, tangential_amplitude):
+    return SCENE.vary(
+        load={
+            "kind": "ellipse",
+            "mean_normal_load": LOAD,
+            "normal_amplitude": 0.3 * LOAD,
+            "tangential_amplitude": tangential_amplitude * FRICTION * LOAD,
+            "phase_degrees": phase,
+        }
+    )
+
+
+# P varies: with Q, out of phase with it, and while Q stands.
+VARYING = {
+    "line": with_cycle((0.95 * LOAD, -LARGEST), (LOAD, LARGEST)),
+    "60 degrees": under_ellipse(60.0, 0.5),
+    "90 degrees": under_ellipse(90.0, 0.6),
+    "140 degrees": under_ellipse(140.0, 0.4),
+    "Q stands": with_cycle(
+        (LOAD, -LARGEST), (1.2 * LOAD, -LARGEST), (1.2 * LOAD, LARGEST), (LOAD, LARGEST)
+    ),
+}
 
 
 def steady_cycle(scene, count=4001):
@@ -46,9 +69,36 @@ def steady_cycle(scene, count=4001):
 
 
 @functools.cache
-def varying_cycle():
-    """That of the scene in which P varies."""
-    return steady_cycle(VARYING, count=2001)
+def varying_work(name):
+    """W of a cycle in which P varies."""
+    return steady_cycle(VARYING[name], count=2)[3]
+
+
+def rows_of_varying(name, count, start, closed=False, cycles=1, noise=0.0, seed=0):
+    """Rows of a scene in which P varies, each solved by theory, at times that are no even steps;
+    they begin `start` cycles behind the highest Q.
+    """
+    path = VARYING[name].load.path()
+    instants = np.linspace(0.0, 1.0, 721)
+    highest = instants[np.argmax(path.at(path.cycle_start + path.period * (1 + instants))[1])]
+    place = start + cycles * np.arange(count + closed) / count
+    uneven = place + 0.07 * np.sin(2 * np.pi * place) + 0.02 * np.sin(4 * np.pi * place + 1)
+    share, row = np.unique(np.round(np.mod(uneven + highest, 1.0), 12), return_inverse=True)
+    solution = semi_analytic.solve(
+        VARYING[name],
+        x=0.0,
+        time=path.cycle_start + path.period * (1 + share),
+        fields="tangential_displacement",
+        cycles="steady",
+    )
+    q = solution.tangential_load[row]
+    u = solution.tangential_displacement[row]
+    u = u + 0.3 * np.ptp(u) / np.ptp(q) * q + 0.2 * np.ptp(u)
+    random = np.random.default_rng(seed)
+    return [
+        values + noise * np.ptp(values) / 2 * random.standard_normal(len(values))
+        for values in (u, q)
+    ]
 
 
 CYCLE = steady_cycle(SCENE)
@@ -149,22 +199,83 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     assert stated.noise == pytest.approx(step / np.sqrt(12))
 
 
-LONGER_WAVE = pytest.mark.xfail(
-    strict=True, reason="one cycle from its peak fits a part of a larger triangle as well"
-)
+def check_exact_rows_of_varying(name, count, start, closed):
+    found = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
+    assert found.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
+    assert found.friction == pytest.approx(FRICTION, rel=1e-5)
+    assert found.low < FRICTION < found.high
+    assert found.high - found.low < 1e-4 * FRICTION
+    work = varying_work(name)
+    assert found.rows[1].area == pytest.approx(work, rel=1e-4)
+    measured = found.rows[0]
+    assert abs(measured.area - work) <= measured.area_uncertainty < 30 * work / count**2
 
 
 @pytest.mark.parametrize(
-    ("start", "closed"), [pytest.param(0.0, True, marks=LONGER_WAVE), (0.0, False), (0.37, True)]
+    ("name", "count", "start", "closed"),
+    [
+        ("line", 240, 0.0, True),
+        ("line", 40, 0.0, False),
+        ("60 degrees", 40, 0.0, True),
+        ("90 degrees", 40, 0.5, False),
+        ("140 degrees", 40, 0.33, True),
+        ("Q stands", 40, 0.0, False),
+    ],
 )
-def test_rows_of_a_load_that_varies_begin_anywhere(start, closed):
-    shares, shift, load, work = varying_cycle()
-    places = np.mod(start + np.arange(240 + closed) / 240, 1.0)
+def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start, closed):
+    check_exact_rows_of_varying(name, count, start, closed)
+
+
+def covered_of_varying(name, start, seed):
+    """Whether f and W lie within what is stated, of 240 rows of a cycle with noise of 0.5 %."""
+    found = score_loop(
+        loop_of(*rows_of_varying(name, 240, start, noise=0.005, seed=seed)), VARYING[name]
+    )
+    measured = found.rows[0]
+    assert found.high - found.low < 0.3 * FRICTION
+    assert found.noise == pytest.approx(0.005 * np.ptp(found.shift) / 2, rel=0.25)
+    return found.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
+
+
+def test_where_p_varies_noise_is_covered():
+    assert covered_of_varying("90 degrees", 0.2, seed=2) == (True, True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["line", "90 degrees"])
+def test_where_p_varies_noise_is_covered_in_nine_of_ten(name):
+    covered = np.array([covered_of_varying(name, seed / 20, seed) for seed in range(20)])
+    assert covered.sum(axis=0).min() >= 17
+
+
+def test_of_two_minima_the_lower_one_is_taken():
+    """With these rows a loop that hardly slips, in a stiffer rig, has the lower sum of squares
+    before the turning points of Q are fitted.
+    """
+    random = np.random.default_rng(1030)
+    u, q = rows_of_varying("90 degrees", 240, 0.2)
+    u, q = (v + 0.0025 * np.ptp(v) * random.standard_normal(240) for v in (u, q))
+    assert score_loop(loop_of(u, q), VARYING["90 degrees"]).friction < 1.5 * FRICTION
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", range(12))
+@pytest.mark.parametrize("name", VARYING)
+def test_where_p_varies_rows_begin_at_twelve_places(name, start):
+    check_exact_rows_of_varying(name, (40, 100, 241)[start % 3], start / 12, start % 2 == 0)
+
+
+def test_a_path_with_more_turning_points_is_placed_over_time():
+    """A small wave within the large one: the order in time says on which of its sides a row lies."""
+    points = [(LOAD, -LARGEST), (1.1 * LOAD, 0.2 * LARGEST), (LOAD, -0.2 * LARGEST)]
+    scene = with_cycle(*points, (LOAD, LARGEST))
+    shares, shift, load, work = steady_cycle(scene)
+    places = np.mod(0.13 + 3 * np.arange(721) / 720, 1.0)
     u, q = (np.interp(places, shares, values) for values in (shift, load))
-    found = score_loop(loop_of(u, q), VARYING)
-    assert found.cycles == pytest.approx(1.0, abs=0.02)
-    assert found.agrees
-    assert abs(found.rows[0].area - work) <= found.rows[0].area_uncertainty < 0.01 * work
+    found = score_loop(loop_of(u, q), scene)
+    assert found.friction == pytest.approx(FRICTION, rel=1e-3)
+    assert found.rows[0].area == pytest.approx(work, rel=1e-2)
+    assert any("follow the scene's Q over time" in sentence for sentence in found.said)
 
 
 def test_what_is_no_loop_is_refused():

@@ -16,7 +16,7 @@ against.py         the score
 diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in
                    words
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
-loop_branches.py   at constant P: turning points of Q, branches of the memory curve, f by least
-                   squares, area of the rows
+loop_branches.py   turning points of Q, the branch of each row, area of the rows
+loop_fit.py        f by least squares: branches by Masing's rule, theory's whole loop where P varies
 study.py           a folder of meshes: orders, and what no mesh removes
 """

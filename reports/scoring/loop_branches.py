@@ -1,37 +1,22 @@
-"""Rows of a loop of Q over U at constant P: turning points of Q, the branch each row lies on, f by
-the memory curve of a branch.
+"""Rows of a loop of Q over U: turning points of Q, the branch each row lies on, area of the polygon
+of the rows.
 
-# notation: A = 2/E*, C compliance of the rig, f friction coefficient, Q_max and Q_min turning
-#           points of Q, R = Q_max - Q_min, u(h) U of the initial loading by Q = h, sigma standard
-#           deviation of the noise of a row
-
-At constant P nothing depends on the form of Q or of U over time. By Masing's rule a branch hangs on
-its turning point:
-
-    rising:   U = -u(R/2) + 2 u((Q - Q_min)/2)
-    falling:  U = u(R/2) - 2 u((Q_max - Q)/2),   u(h; f) = f v(h/f)
-
-A row is placed by its Q and its branch. f, the turning points, C and the origin of U are found by
-least squares of
-
-    (U - C Q - U0 - u_branch(Q)) / sqrt(sigma_U^2 + (dU/dQ)^2 sigma_Q^2),
-
-the distance of a row from its branch where U and Q both have noise. The turning points lie between
-rows: they are parameters of the fit, beside what the rows of Q near them say.
+A row lies on the rising or on the falling branch between two turning points of Q, whatever the form
+of Q over time. Turning points are those between which Q passes a quarter and three quarters of its
+range: noise, and small reversals on the way, are none.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-import semi_analytic
-from scenes import InputError, Scene
+from scenes import InputError
 
 Array = NDArray[np.float64]
 
@@ -51,29 +36,6 @@ _AS_NOISE = 1.15
 # Variance of two joined parabolas at their joint, times the rows on each side over the variance of
 # a row.
 _AT_JOINT = 4.5
-# Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
-# and how near they come to it.
-_SAMPLES, _BEFORE_SLIDING = 1001, 1e-6
-# First trials of f, from gross sliding to so many times as much; beyond, a loop is a line.
-_TRIALS, _WIDEST = 24, 40.0
-# ln f on the way of a fit: so far below sliding the curve goes on straight, lest a fit end at a
-# wall; and a start above it.
-_BELOW, _ABOVE = 0.2, 0.04
-# Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
-_CHI = 3.841
-# Fits with the noise of the fit before: it changes by less than a part in ten then.
-_REWEIGHTED = 8
-# Distance from a branch, in sigma and over that from the other one, from which a row beside a
-# turning point is the other's.
-_FAR = 4.0
-# Steps outwards to the end of an interval, each 1.3 times the one before, and halvings: to 1 % of
-# the last step.
-_STEPS, _HALVED = 60, 6
-# Noise of rows that show none, over their largest value: f is not known better than theory's
-# samples leave it.
-_LEAST_NOISE = 1e-9
-# Theory's own error of a fitted f: samples of the memory curve, of itself.
-_OF_THEORY = 1e-6
 
 
 class TurningPoint(NamedTuple):
@@ -105,29 +67,6 @@ class Branches:
     def cycles(self) -> float:
         """How many the rows cover."""
         return float(self.phase[-1] - self.phase[0])
-
-
-@dataclass(frozen=True, eq=False)
-class BranchFit:
-    """f at which the memory curve follows the rows best, and what was fitted with it.
-
-    Attributes
-    ----------
-    friction, low, high : f and its 95 % interval; high None where no larger f can be told from it
-    highest, lowest : turning points of Q [force per thickness]
-    compliance, origin : C [1/stress] and U0 [length]
-    shift_noise, load_noise : sigma of U and of Q
-    """
-
-    friction: float
-    low: float
-    high: float | None
-    highest: float
-    lowest: float
-    compliance: float
-    origin: float
-    shift_noise: float
-    load_noise: float
 
 
 # ----------------------------------------------------------------------------- branches of the rows
@@ -388,287 +327,6 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     curve = terms[0] + terms[1] * left + terms[2] * left**2 + terms[3] * right + terms[4] * right**2
     place = int(np.argmax(curve))
     return float(curve[place]), float(fine[place]), math.sqrt(squares / freedom)
-
-
-# --------------------------------------------------------------------------------- the memory curve
-@dataclass(frozen=True, eq=False)
-class MemoryCurve:
-    """u(h; f) = f v(h/f) at the scene's constant P: half-plane theory at samples, cubic between
-    them.
-
-    Below 0 and beyond gross sliding v goes on straight: noise takes rows there.
-    """
-
-    limit: float  # h/f of the last sample
-    spline: Any
-    slope: Any
-
-    def value(self, h: Array) -> Array:
-        """v [length] at h/f [force per thickness]."""
-        inner = np.clip(h, 0.0, self.limit)
-        before = np.minimum(h, 0.0) * self.slope(0.0)
-        beyond = np.maximum(h - self.limit, 0.0) * self.slope(self.limit)
-        return np.asarray(self.spline(inner) + before + beyond)
-
-    def rate(self, h: Array) -> Array:
-        """dv/dh [1/stress]."""
-        return np.asarray(self.slope(np.clip(h, 0.0, self.limit)))
-
-
-def memory_curve(scene: Scene) -> MemoryCurve:
-    """The curve from the falling branch of a loop that nearly slides: u(h) is half of U(Q_max) -
-    U(Q_max - 2 h).
-    """
-    from scipy.interpolate import CubicSpline
-
-    friction = scene.friction.coefficient
-    path = scene.load.path()
-    load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
-    limit = load * (1 - _BEFORE_SLIDING)
-    largest = friction * limit
-    loads = {
-        "kind": "polygon",
-        "initial_loading": [(load, 0.0), (load, largest)],
-        "cycle": [(load, -largest)],
-    }
-    wave = scene.vary(load=loads, cycles=2)
-    path = wave.load.path()
-    assert path.period is not None
-    passed = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
-    times = path.cycle_start + path.period * (1 + passed / 2)
-    solution = semi_analytic.solve(
-        wave, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
-    )
-    shift = solution.tangential_displacement
-    spline = CubicSpline(limit * passed, (shift[0] - shift) / (2 * friction))
-    return MemoryCurve(limit, spline, spline.derivative())
-
-
-# ------------------------------------------------------------------------------------------ the fit
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """What a fit rests on: rows of U and Q, their branch, sigma of both and turning points."""
-
-    shift: Array
-    load: Array
-    branches: Branches
-    curve: MemoryCurve
-    compliance: float | None  # given, else it is fitted
-    least: float  # f of gross sliding
-    shift_noise: float
-    load_noise: float
-
-    def loop(self, friction: float, highest: float, lowest: float) -> tuple[Array, Array]:
-        """U of theory at the rows, without rig and origin, and dU/dQ."""
-        rising = self.branches.rising
-        passed = np.where(rising, self.load - lowest, highest - self.load) / 2
-        half = (highest - lowest) / 2
-        # Beyond its other turning point a branch goes on straight.
-        inside = np.minimum(passed, half) / friction
-        rate = self.curve.rate(inside)
-        apart = 2 * friction * self.curve.value(inside) + 2 * rate * np.maximum(passed - half, 0.0)
-        edge = friction * float(self.curve.value(np.array(half / friction)))
-        return np.where(rising, apart - edge, edge - apart), rate
-
-    def linear(self, friction: float, highest: float, lowest: float) -> tuple[float, float]:
-        """C and U0 by linear least squares in U alone: where a fit begins."""
-        shift, _ = self.loop(friction, highest, lowest)
-        rest = self.shift - shift
-        if self.compliance is not None:
-            return self.compliance, float(np.mean(rest - self.compliance * self.load))
-        columns = np.column_stack([self.load, np.ones_like(rest)])
-        slope, origin = np.linalg.lstsq(columns, rest, rcond=None)[0]
-        return float(slope), float(origin)
-
-    def distances(self, friction: float, terms: Array) -> Array:
-        """Of the rows from the branches, and of the turning points from those of Q alone, each over
-        its sigma: (n + 2,).
-        """
-        highest, lowest, compliance, origin = terms.tolist()
-        shift, rate = self.loop(friction, highest, lowest)
-        across = np.hypot(self.shift_noise, (compliance + rate) * self.load_noise)
-        rows = (self.shift - compliance * self.load - origin - shift) / across
-        top, bottom = self.branches.highest, self.branches.lowest
-        turns = [(highest - top.load) / top.error, (lowest - bottom.load) / bottom.error]
-        return np.concatenate([rows, turns])
-
-    def best_terms(self, friction: float, start: Array) -> tuple[float, Array]:
-        """Least sum of squares at this f, and Q_max, Q_min, C, U0 that give it, from a start near
-        them.
-        """
-        total, _, terms = self._least(friction, start, friction_fitted=False)
-        return total, terms
-
-    def best(self, friction: float, start: Array) -> tuple[float, float, Array]:
-        """Least sum of squares, and f and the four terms that give it, from a start near them."""
-        return self._least(friction, start, friction_fitted=True)
-
-    def _least(
-        self, friction: float, start: Array, *, friction_fitted: bool
-    ) -> tuple[float, float, Array]:
-        from scipy.optimize import least_squares
-
-        free = np.array([friction_fitted, True, True, self.compliance is None, True])
-        sizes = np.array([1.0, *self.sizes()])
-        middle = np.array([math.log(friction), *start])
-
-        def placed(values: Array) -> Array:
-            at = middle.copy()
-            at[free] += values * sizes[free]
-            at[0] = min(max(at[0], math.log(self.least) - _BELOW), math.log(self.least * _WIDEST))
-            return at
-
-        def of_free(values: Array) -> Array:
-            at = placed(values)
-            return self.distances(math.exp(at[0]), at[1:])
-
-        answer = least_squares(
-            of_free, np.zeros(np.count_nonzero(free)), method="lm", xtol=1e-11, ftol=1e-11
-        )
-        at = placed(answer.x)
-        return 2 * float(answer.cost), math.exp(at[0]), at[1:]
-
-    def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Rows:
-        """The rows beside a turning point on their other branch where that is far nearer: its place
-        is known to a row alone.
-        """
-        rising = self.branches.rising
-        changes = np.flatnonzero(rising[1:] != rising[:-1])
-        beside = np.unique(np.concatenate([changes, changes + 1]))
-        turned = rising.copy()
-        turned[beside] = ~rising[beside]
-        other = replace(self, branches=replace(self.branches, rising=turned))
-        here = np.abs(self.distances(friction, terms)[:-2])
-        there = np.abs(other.distances(friction, terms)[:-2])
-        moved = (rising != turned) & (here > _FAR * np.maximum(there, 1.0))
-        return replace(
-            self, branches=replace(self.branches, rising=np.where(moved, turned, rising))
-        )
-
-    def sizes(self) -> Array:
-        """Of Q_max, Q_min, C and U0."""
-        loads, shifts = float(np.ptp(self.load)), float(np.ptp(self.shift))
-        return np.array([loads, loads, shifts / loads, shifts])
-
-
-def fit_branches(
-    shift: Array,
-    load: Array,
-    branches: Branches,
-    scene: Scene,
-    least: float,
-    compliance: float | None,
-    resolution: tuple[float, float],
-) -> BranchFit:
-    """f, turning points and rig that fit the rows best, with the interval of f.
-
-    Parameters
-    ----------
-    shift, load : U and Q of the rows, (n,) each
-    least : f of gross sliding, below which there is no loop
-    compliance : C of the rig; None to fit it
-    resolution : steps of U and Q that the digits of the rows resolve
-    """
-    curve = memory_curve(scene)
-    smallest = [
-        max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
-        for step, values in zip(resolution, (shift, load), strict=True)
-    ]
-    rows = _Rows(
-        shift,
-        load,
-        branches,
-        curve,
-        compliance,
-        least,
-        max(row_noise(shift), smallest[0]),
-        max(branches.load_noise, smallest[1]),
-    )
-    top, bottom = branches.highest.load, branches.lowest.load
-
-    def begin(friction: float) -> Array:
-        return np.array([top, bottom, *rows.linear(friction, top, bottom)])
-
-    trials = least * np.exp(np.linspace(_ABOVE, math.log(_WIDEST), _TRIALS))
-    sums = [float(np.sum(rows.distances(trial, begin(trial)) ** 2)) for trial in trials.tolist()]
-    best = int(np.argmin(sums))
-    friction, terms = float(trials[best]), begin(float(trials[best]))
-    freedom = len(shift) - 4 - (compliance is None)
-    for _ in range(_REWEIGHTED):
-        lowest, friction, terms = rows.best(friction, terms)
-        rows = rows.with_rows_at_turns_moved(friction, terms)
-        ratio = math.sqrt(float(np.sum(rows.distances(friction, terms)[:-2] ** 2)) / freedom)
-        noises = (
-            max(ratio * rows.shift_noise, smallest[0]),
-            max(ratio * rows.load_noise, smallest[1]),
-        )
-        settled = (
-            abs(noises[0] / rows.shift_noise - 1) < 0.05
-            and abs(noises[1] / rows.load_noise - 1) < 0.05
-        )
-        rows = replace(rows, shift_noise=noises[0], load_noise=noises[1])
-        if settled:
-            break
-    lowest, friction, terms = rows.best(friction, terms)
-    friction = max(friction, least * (1 + 1e-9))
-    low, high = math.log(least * (1 + 1e-9)), math.log(least * _WIDEST)
-    spread = max(lowest / freedom, 1.0)
-
-    def edge(end: float) -> float | None:
-        """ln f where the sum of squares passes its limit on the way to `end`; None where it does
-        not.
-        """
-        return _passes(rows, math.log(friction), terms, end, lowest + _CHI * spread)
-
-    down, up = edge(low), edge(high)
-    own = friction * _OF_THEORY
-    return BranchFit(
-        friction=friction,
-        low=max(least, (math.exp(down) if down is not None else least) - own),
-        high=None if up is None else math.exp(up) + own,
-        highest=float(terms[0]),
-        lowest=float(terms[1]),
-        compliance=float(terms[2]),
-        origin=float(terms[3]),
-        shift_noise=rows.shift_noise,
-        load_noise=rows.load_noise,
-    )
-
-
-def _passes(
-    rows: _Rows, log_friction: float, terms: Array, end: float, limit: float
-) -> float | None:
-    """ln f between the best and `end` at which the sum of squares passes `limit`; None where it
-    does not.
-    """
-    state = {"terms": terms}
-
-    def beyond(place: float) -> float:
-        total, state["terms"] = rows.best_terms(math.exp(place), state["terms"])
-        return total - limit
-
-    side = 1.0 if end > log_friction else -1.0
-    # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
-    at_best = beyond(log_friction)
-    step = min(1e-3, abs(end - log_friction) / 2)
-    rise = max(beyond(log_friction + side * step) - at_best, 1e-300)
-    step *= math.sqrt(max(-at_best / rise, 1e-8))
-    inner = log_friction
-    for _ in range(_STEPS):
-        outer = log_friction + side * min(step, abs(end - log_friction))
-        if beyond(outer) > 0:
-            for _ in range(_HALVED):
-                middle = (inner + outer) / 2
-                if beyond(middle) > 0:
-                    outer = middle
-                else:
-                    inner = middle
-            return outer
-        if outer == end:
-            return None
-        inner = outer
-        step *= 1.3
-    return None
 
 
 # ----------------------------------------------------------------------------------------- the area

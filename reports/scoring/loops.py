@@ -13,12 +13,13 @@ same f slip as those of the scene with f/r. U of half-planes hangs on a datum le
 is linear in Q at constant P: a fitted C takes it in, a given one is that of the rig beyond
 `profile.datum_length`.
 
-At constant P, with one highest and one lowest Q in a cycle, nothing depends on the form of Q over
-time: rows are placed by their Q and their branch (`loop_branches`). Where P varies, tau follows
-from the order of the rows, or from their times: period and phase are those with which Q fits the
-scene's best. C and U0 are found by linear least squares, f by a scan and a bounded search on the
-sum of squares, and its interval is where that sum exceeds the least one by what chance gives in 95
-%.
+Where Q has one highest and one lowest value in a cycle, nothing depends on the form of Q or U over
+time. Rows have a branch by their order (`loop_branches`). At constant P their Q says where they lie
+on it; where P varies with Q as in the scene, they lie where theory's loop is nearest (`loop_fit`).
+Where Q has more turning points in a cycle, tau follows from the order of the rows, or from their
+times: period and phase are those with which Q fits the scene's best. Then C and U0 are found by
+linear least squares, f by a scan and a bounded search on the sum of squares, and its interval is
+where that sum exceeds the least one by what chance gives in 95 %.
 """
 
 from __future__ import annotations
@@ -40,7 +41,15 @@ from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
-from reports.scoring.loop_branches import find_branches, fit_branches, polygon_area
+from reports.scoring.loop_branches import Branches, find_branches, polygon_area
+from reports.scoring.loop_fit import (
+    LoopFit,
+    LoopRows,
+    LoopsOverFriction,
+    Weights,
+    fit_loop,
+    memory_curve,
+)
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import InputError, Scene
@@ -72,8 +81,9 @@ _INSTANTS = 721
 # Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a
 # line.
 _SCANNED, _WIDEST = 60, 40.0
-# Error of a fitted f by theory at so many instants, straight between, of itself.
-_OF_THEORY = 1e-5
+# Error of a fitted f by theory at so many instants, straight between, of itself; and by samples of
+# the memory curve.
+_OF_THEORY, _OF_MEMORY = 1e-5, 1e-6
 # Rows that do not follow the scene's Q better than this share of its amplitude are another
 # experiment's.
 _FOLLOWS = 0.15
@@ -409,7 +419,8 @@ def score_loop(
     for name, values in (("U", loop.shift), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
-    fit = (_fit_by_branches if _is_one_loop(scene) else _fit_over_time)(loop, scene, rig_compliance)
+    method = _fit_by_branches if _has_two_branches(scene) else _fit_over_time
+    fit = method(loop, scene, rig_compliance)
     scale, share = fit.scale, fit.share
     least = _least_friction(scene)
     tangential = _cycle_loads(scene)[1]
@@ -517,12 +528,17 @@ def _least_friction(scene: Scene) -> float:
     return nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
 
 
-def _is_one_loop(scene: Scene) -> bool:
-    """Whether P is constant and Q has one highest and one lowest value in a cycle."""
-    normal, tangential = _cycle_loads(scene)
+def _has_two_branches(scene: Scene) -> bool:
+    """Whether Q has one highest and one lowest value in a cycle, and no other turning point."""
+    tangential = _cycle_loads(scene)[1]
     steps = np.diff(tangential)
-    turns = np.count_nonzero(np.diff(np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential)])))
-    return bool(np.ptp(normal) <= 1e-9 * normal.max() and np.ptp(tangential) > 0 and turns <= 2)
+    signs = np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential)])
+    return bool(len(signs) > 0 and np.count_nonzero(signs[1:] != signs[:-1]) <= 2)
+
+
+def _has_constant_normal_load(scene: Scene) -> bool:
+    normal = _cycle_loads(scene)[0]
+    return bool(np.ptp(normal) <= 1e-9 * normal.max())
 
 
 def _said_of_scale(scale: float) -> list[str]:
@@ -535,32 +551,32 @@ def _said_of_scale(scale: float) -> list[str]:
 
 
 def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
-    """At constant P: by turning points of Q and the memory curve between them."""
+    """Where Q has two branches in a cycle: by turning points of Q and theory's branches between them."""
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
+    rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
     tangential = _cycle_loads(scene)[1]
     range_of_scene = float(np.ptp(tangential))
-    first_scale = (branches.highest.load - branches.lowest.load) / range_of_scene
-    least = first_scale * _least_friction(scene)
-    fit = fit_branches(
-        loop.shift, loop.load, branches, scene, least, rig_compliance, loop.resolution
-    )
-    scale = (fit.highest - fit.lowest) / range_of_scene
-    # Where the scene has the row's Q, on the same branch.
-    bottom, top = int(np.argmin(tangential[:-1])), int(np.argmax(tangential[:-1]))
-    share = np.empty(len(loop.load))
-    for begin, end, on_branch in ((bottom, top, branches.rising), (top, bottom, ~branches.rising)):
-        instants = np.arange(begin, end + 1 if end > begin else end + _INSTANTS)
-        loads = tangential[instants % (_INSTANTS - 1)]
-        order = slice(None) if end == top else slice(None, None, -1)
-        load_of_scene = tangential[bottom] + (loop.load[on_branch] - fit.lowest) / scale
-        share[on_branch] = (
-            np.interp(load_of_scene, loads[order], instants[order] / (_INSTANTS - 1)) % 1.0
+    sliding = _least_friction(scene)
+    if _has_constant_normal_load(scene):
+        curve = memory_curve(scene, sliding / range_of_scene)
+        fit = fit_loop(rows, curve, loop.resolution, _OF_MEMORY)
+        share = _share_by_load(loop.load, branches, fit, tangential)
+        by = "P is constant"
+    else:
+        loads = _cycle_loads(scene, _FINE_SHARES)[1]
+        model = LoopsOverFriction(
+            loads, sliding, lambda friction: _theory(scene, friction, _FINE_SHARES)
         )
+        fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
+        weights = Weights(fit.shift_noise, fit.load_noise)
+        nearest = model.nearest_points(rows, fit.friction, fit.terms, weights)
+        share = np.mod(nearest.place / (len(loads) - 1), 1.0)
+        by = "P was taken over Q as in the scene"
+    scale = (fit.highest - fit.lowest) / range_of_scene
     said = [
         (
             f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
-            f" {fit.highest:.6g}; P is constant, so that the form of Q and U over time counts for"
-            " nothing"
+            f" {fit.highest:.6g}; {by}, so that the form of Q and U over time counts for nothing"
         ),
         *_said_of_scale(scale),
     ]
@@ -574,11 +590,34 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
-        offset=fit.lowest - scale * float(tangential[bottom]),
+        offset=fit.lowest - scale * float(tangential.min()),
         shift_noise=fit.shift_noise,
         load_noise=fit.load_noise,
         said=tuple(said),
     )
+
+
+def _share_by_load(load: Array, branches: Branches, fit: LoopFit, tangential: Array) -> Array:
+    """Shares of the scene's cycle at which its Q (n_instants,) is that of the rows (n,), on the
+    same branch.
+    """
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
+    bottom = int(np.argmin(tangential[:-1]))
+    top = int(np.argmax(tangential[:-1]))
+    share = np.empty(len(load))
+    for rising in (True, False):
+        on_branch = branches.rising == rising
+        begin = bottom if rising else top
+        end = top if rising else bottom
+        if end < begin:
+            end += _INSTANTS - 1
+        instants = np.arange(begin, end + 1)
+        if not rising:
+            instants = instants[::-1]
+        loads = tangential[instants % (_INSTANTS - 1)]
+        load_of_scene = tangential[bottom] + (load[on_branch] - fit.lowest) / scale
+        share[on_branch] = np.interp(load_of_scene, loads, instants / (_INSTANTS - 1)) % 1.0
+    return share
 
 
 def _against_rows(
@@ -602,7 +641,7 @@ def _against_rows(
 
 
 def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
-    """Where P varies: by the scene's loads at the times of the rows."""
+    """Where Q has more turning points in a cycle: by the scene's loads at the times of the rows."""
     from scipy.optimize import brentq, minimize_scalar
 
     place = _on_the_cycle(loop, scene)
@@ -688,26 +727,28 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
 
 # -------------------------------------------------------------------------------------- the engines
 _SHARES = np.linspace(0.0, 1.0, _INSTANTS)
+# Rows without noise show the chords between instants: to 1e-5 of f they need three times as many.
+_FINE_SHARES = np.linspace(0.0, 1.0, 3 * (_INSTANTS - 1) + 1)
 
 
-def _times(scene: Scene) -> Array:
+def _times(scene: Scene, shares: Array) -> Array:
     """Instants of the last cycle that the scene runs through."""
     path = scene.load.path()
     assert path.period is not None
-    return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + _SHARES)
+    return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + shares)
 
 
-def _cycle_loads(scene: Scene) -> tuple[Array, Array]:
+def _cycle_loads(scene: Scene, shares: Array = _SHARES) -> tuple[Array, Array]:
     """P and Q of a cycle."""
-    normal, tangential = scene.load.path().at(_times(scene))
+    normal, tangential = scene.load.path().at(_times(scene, shares))
     return np.asarray(normal), np.asarray(tangential)
 
 
-def _theory(scene: Scene, friction: float) -> Array:
+def _theory(scene: Scene, friction: float, shares: Array = _SHARES) -> Array:
     """U of the steady cycle by half-plane theory."""
     asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
     solution = semi_analytic.solve(
-        asked, x=0.0, time=_times(scene), fields="tangential_displacement", cycles="steady"
+        asked, x=0.0, time=_times(scene, shares), fields="tangential_displacement", cycles="steady"
     )
     return solution.tangential_displacement
 
@@ -817,7 +858,8 @@ def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -
             offset,
         )
 
-    frequencies = [first * factor for factor in (0.94, 1.0, 1.06)]
+    # The highest line of a cycle with several waves may be its second or third.
+    frequencies = [first / wave * factor for wave in (1, 2, 3) for factor in (0.94, 1.0, 1.06)]
     if first * span < 3:  # a spectrum of a few cycles has no sharp line
         frequencies += (np.arange(0.9, 3.0, 0.05) / span).tolist()
     frequencies = [

@@ -1,0 +1,772 @@
+"""The f, the turning points and the rig at which theory's loop follows the rows of a measured one.
+
+# notation: C compliance of the rig, f friction coefficient, Q_max and Q_min turning points of Q,
+#           R = Q_max - Q_min, r factor of the file's Q over the scene's, tau share of the scene's
+#           cycle, u(h) U of the initial loading by Q = h, U0 origin of U, sigma standard deviation
+#           of the noise of a row
+
+Least squares over f, Q_max, Q_min, C and U0. The turning points lie between rows: they are
+parameters of the fit, beside what the rows of Q near them say. There are two models of a loop:
+
+MemoryCurve: P is constant. By Masing's rule a branch hangs on its turning point,
+
+    rising:  U = -u(R/2) + 2 u((Q - Q_min)/2),   falling:  U = u(R/2) - 2 u((Q_max - Q)/2),
+    u(h; f) = f v(h/f),
+
+and the distance of a row is (U - C Q - U0 - U_branch(Q)) / sqrt(sigma_U^2 + (dU/dQ)^2 sigma_Q^2).
+
+LoopsOverFriction: P varies with Q as in the scene. The loop is the closed curve
+
+    U = r U(tau; f/r) + C Q + U0,   Q = r Q(tau) + Q0,
+
+and the distance of a row is that from the nearest point of its branch, in sigma of U and of Q.
+Neither model contains time.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+import semi_analytic
+from reports.scoring.loop_branches import Branches, row_noise
+from scenes import Scene
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+# Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
+# and how near they come to it.
+_SAMPLES, _BEFORE_SLIDING = 1001, 1e-6
+# First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
+# line.
+_TRIALS, _ABOVE, _WIDEST = 24, 0.04, 40.0
+# Minima among the trials from which a fit begins.
+_MINIMA = 3
+# ln f on the way of a fit: so far below sliding the curve goes on straight, lest a fit end at a
+# wall.
+_BELOW = 0.2
+# Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
+_CHI = 3.841
+# Fits with the noise of the fit before: it changes by less than a part in ten then.
+_REWEIGHTED = 8
+# Distance from a branch, in sigma and over that from the other one, from which a row beside a
+# turning point is the other's.
+_FAR = 4.0
+# Steps outwards to the end of an interval, each 1.3 times the one before, and halvings: to 1 % of
+# the last step.
+_STEPS, _HALVED = 60, 6
+# Noise of rows that show none, over their largest value: f is not known better than theory's
+# samples leave it.
+_LEAST_NOISE = 1e-9
+# Step of sqrt(ln(f/f of gross sliding)) between the loops that theory gives; cubic between them,
+# to 1e-7 of U.
+_ROOT_STEP = 0.02
+# Both branches hold the part of the loop beside a turning point in which Q is so near to it, over
+# the range of Q: noise and a standstill of Q leave open on which side of it a row lies.
+_BESIDE_TURN = 0.05
+# Part of the range of Q in which the branch alone says where a row lies, for the start of a fit.
+_MIDDLE = (0.1, 0.9)
+# Instants of a branch between two that are compared first with each row; rows that are compared at
+# a time.
+_STRIDE, _ROWS_AT_ONCE = 16, 8192
+
+
+class Weights(NamedTuple):
+    """Sigma of U and of Q of a row."""
+
+    shift: float
+    load: float
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRows:
+    """What a fit rests on: rows of U and Q (n,), their branches, and the compliance of the rig,
+    None where it is fitted.
+    """
+
+    shift: Array
+    load: Array
+    branches: Branches
+    compliance: float | None
+
+    @property
+    def sizes(self) -> Array:
+        """Typical sizes of Q_max, Q_min, C and U0."""
+        range_of_load = float(np.ptp(self.load))
+        range_of_shift = float(np.ptp(self.shift))
+        return np.array(
+            [range_of_load, range_of_load, range_of_shift / range_of_load, range_of_shift]
+        )
+
+    def rig(self, shift: Array, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+        """C and U0 by linear least squares in U alone, with U of theory at the rows (n,); by `rows`
+        alone where these are given.
+        """
+        chosen = np.ones(len(shift), dtype=bool) if rows is None else rows
+        rest = (self.shift - shift)[chosen]
+        load = self.load[chosen]
+        if self.compliance is not None:
+            return self.compliance, float(np.mean(rest - self.compliance * load))
+        columns = np.column_stack([load, np.ones_like(rest)])
+        slope, origin = np.linalg.lstsq(columns, rest, rcond=None)[0]
+        return float(slope), float(origin)
+
+
+class LoopModel(Protocol):
+    """A loop of theory over f, Q_max, Q_min, C and U0 (terms, (4,)), and its distance from rows."""
+
+    def least_friction(self, highest: float, lowest: float) -> float:
+        """f of gross sliding between these turning points."""
+
+    def first_frictions(self, highest: float, lowest: float) -> Array:
+        """The f to try first."""
+
+    def first_rig(
+        self, rows: LoopRows, friction: float, highest: float, lowest: float
+    ) -> tuple[float, float]:
+        """C and U0 where a fit begins."""
+
+    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
+        """Of the rows from their branches in sigma (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopFit:
+    """f at which theory's loop follows the rows best, and what was fitted with it.
+
+    Attributes
+    ----------
+    friction, low, high : f and its 95 % interval; high None where no larger f can be told from it
+    highest, lowest : turning points of Q [force per thickness]
+    compliance, origin : C [1/stress] and U0 [length]
+    shift_noise, load_noise : sigma of U and of Q
+    """
+
+    friction: float
+    low: float
+    high: float | None
+    highest: float
+    lowest: float
+    compliance: float
+    origin: float
+    shift_noise: float
+    load_noise: float
+
+    @property
+    def terms(self) -> Array:
+        """Q_max, Q_min, C and U0."""
+        return np.array([self.highest, self.lowest, self.compliance, self.origin])
+
+
+# -------------------------------------------------------------------------------- P constant: Masing
+@dataclass(frozen=True, eq=False)
+class MemoryCurve:
+    """u(h; f) = f v(h/f) at the scene's constant P: half-plane theory at samples, cubic between
+    them.
+
+    Below 0 and beyond gross sliding v goes on straight: noise takes rows there.
+    """
+
+    limit: float  # h/f of the last sample
+    sliding: float  # f of gross sliding over the range of Q
+    spline: Any
+    slope: Any
+
+    def value(self, h: Array) -> Array:
+        """v [length] at h/f [force per thickness]."""
+        inner = np.clip(h, 0.0, self.limit)
+        before = np.minimum(h, 0.0) * self.slope(0.0)
+        beyond = np.maximum(h - self.limit, 0.0) * self.slope(self.limit)
+        return np.asarray(self.spline(inner) + before + beyond)
+
+    def rate(self, h: Array) -> Array:
+        """dv/dh [1/stress]."""
+        return np.asarray(self.slope(np.clip(h, 0.0, self.limit)))
+
+    def least_friction(self, highest: float, lowest: float) -> float:
+        """f of gross sliding between these turning points."""
+        return self.sliding * (highest - lowest)
+
+    def first_frictions(self, highest: float, lowest: float) -> Array:
+        """The f to try first."""
+        above = np.exp(np.linspace(_ABOVE, math.log(_WIDEST), _TRIALS))
+        return self.least_friction(highest, lowest) * above
+
+    def first_rig(
+        self, rows: LoopRows, friction: float, highest: float, lowest: float
+    ) -> tuple[float, float]:
+        """C and U0 where a fit begins."""
+        shift, _ = self.loop(rows, friction, highest, lowest)
+        return rows.rig(shift)
+
+    def loop(
+        self, rows: LoopRows, friction: float, highest: float, lowest: float
+    ) -> tuple[Array, Array]:
+        """U of theory at the rows, without rig and origin, and dU/dQ."""
+        rising = rows.branches.rising
+        passed = np.where(rising, rows.load - lowest, highest - rows.load) / 2
+        half = (highest - lowest) / 2
+        # Beyond its other turning point a branch goes on straight.
+        inside = np.minimum(passed, half) / friction
+        rate = self.rate(inside)
+        from_turn = 2 * friction * self.value(inside) + 2 * rate * np.maximum(passed - half, 0.0)
+        shift_at_turn = friction * float(self.value(np.array(half / friction)))
+        return np.where(rising, from_turn - shift_at_turn, shift_at_turn - from_turn), rate
+
+    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
+        """Of the rows from their branches in sigma (n,)."""
+        highest, lowest, compliance, origin = terms.tolist()
+        shift, rate = self.loop(rows, friction, highest, lowest)
+        across = np.hypot(weights.shift, (compliance + rate) * weights.load)
+        return np.asarray((rows.shift - compliance * rows.load - origin - shift) / across)
+
+
+def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
+    """The curve from the falling branch of a loop that nearly slides: u(h) is half of U(Q_max) -
+    U(Q_max - 2 h).
+
+    Parameters
+    ----------
+    sliding : f of gross sliding over the range of Q, of the scene
+    """
+    from scipy.interpolate import CubicSpline
+
+    friction = scene.friction.coefficient
+    path = scene.load.path()
+    load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
+    limit = load * (1 - _BEFORE_SLIDING)
+    largest = friction * limit
+    loads = {
+        "kind": "polygon",
+        "initial_loading": [(load, 0.0), (load, largest)],
+        "cycle": [(load, -largest)],
+    }
+    wave = scene.vary(load=loads, cycles=2)
+    path = wave.load.path()
+    assert path.period is not None
+    passed = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
+    times = path.cycle_start + path.period * (1 + passed / 2)
+    solution = semi_analytic.solve(
+        wave, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
+    )
+    shift = solution.tangential_displacement
+    spline = CubicSpline(limit * passed, (shift[0] - shift) / (2 * friction))
+    return MemoryCurve(limit, sliding, spline, spline.derivative())
+
+
+# --------------------------------------------------------------------- P varies: theory's whole loop
+@dataclass(frozen=True, eq=False)
+class NearestPoints:
+    """The points of theory's loop that rows are nearest to.
+
+    place : (n,) index of an instant of the loop, with a fraction
+    distance : (n,) in sigma, positive on the left of the loop's direction
+    shift_part, load_part : (n,) components of the unit vector from the loop to the row
+    """
+
+    place: Array
+    distance: Array
+    shift_part: Array
+    load_part: Array
+
+
+@dataclass(frozen=True, eq=False)
+class LoopsOverFriction:
+    """Theory's loops of a scene in which P varies: U at instants of a cycle for any f.
+
+    Attributes
+    ----------
+    load : (m,) Q of the scene at instants of a cycle; the last instant is the first of the next
+    sliding : f of gross sliding of the scene
+    solve : U (m,) of the scene with another f
+    solved : what `solve` gave, by number of the step of sqrt(ln(f/sliding))
+    """
+
+    load: Array
+    sliding: float
+    solve: Callable[[float], Array]
+    solved: dict[int, Array] = field(default_factory=dict)
+
+    @property
+    def range_of_load(self) -> float:
+        """Of the scene's Q."""
+        return float(np.ptp(self.load))
+
+    def scale(self, highest: float, lowest: float) -> float:
+        """r between these turning points of the file."""
+        return (highest - lowest) / self.range_of_load
+
+    def least_friction(self, highest: float, lowest: float) -> float:
+        """f of gross sliding between these turning points."""
+        return self.sliding * self.scale(highest, lowest)
+
+    def first_frictions(self, highest: float, lowest: float) -> Array:
+        """The f to try first: those for which one solution is enough."""
+        roots = np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS)
+        roots = _ROOT_STEP * np.round(roots / _ROOT_STEP)
+        return self.least_friction(highest, lowest) * np.exp(roots**2)
+
+    def _solved_at(self, step: int) -> Array:
+        """U (m,) at a step of the root; it is even in the root."""
+        step = abs(step)
+        if step not in self.solved:
+            self.solved[step] = self.solve(self.sliding * math.exp((_ROOT_STEP * step) ** 2))
+        return self.solved[step]
+
+    def shift(self, friction: float) -> Array:
+        """U of the scene with this f (m,)."""
+        place = self._place(friction)
+        step = round(place)
+        if abs(place - step) < 1e-9:
+            return self._solved_at(step)
+        values, _ = _cubic(place - math.floor(place))
+        return np.asarray(values @ self._solved_around(place))
+
+    def shift_by_log_friction(self, friction: float) -> Array:
+        """Derivative of U by ln f (m,)."""
+        # The root has no derivative at gross sliding itself: that just above is taken.
+        place = max(self._place(friction), 1e-3)
+        _, rates = _cubic(place - math.floor(place))
+        return np.asarray(rates @ self._solved_around(place)) / (2 * _ROOT_STEP**2 * place)
+
+    def _place(self, friction: float) -> float:
+        """sqrt(ln(f/sliding)) in steps; below gross sliding U is that of sliding."""
+        return math.sqrt(max(math.log(friction / self.sliding), 0.0)) / _ROOT_STEP
+
+    def _solved_around(self, place: float) -> Array:
+        """U at the two steps on each side of a place (4, m)."""
+        step = math.floor(place)
+        return np.array([self._solved_at(step + k) for k in (-1, 0, 1, 2)])
+
+    def turns(self, *, rising: bool) -> tuple[int, int]:
+        """First and last instant of a branch, counted on beyond the end of the cycle."""
+        count = len(self.load) - 1
+        bottom = int(np.argmin(self.load[:-1]))
+        top = int(np.argmax(self.load[:-1]))
+        begin, end = (bottom, top) if rising else (top, bottom)
+        return begin, end if end > begin else end + count
+
+    @functools.cached_property
+    def branch_parts(self) -> dict[bool, list[Indices]]:
+        """Of the rising branch (True) and the falling one: its instants, and those beside its two
+        turning points on the other branch. Rows of both branches may lie there.
+        """
+        cycle = self.load[:-1]
+        count = len(cycle)
+        parts = {}
+        for rising in (True, False):
+            begin, end = self.turns(rising=rising)
+            first = begin - self._count_beside(cycle[(begin - np.arange(1, count // 2)) % count])
+            last = end + self._count_beside(cycle[(end + np.arange(1, count // 2)) % count])
+            ranges = ((begin, end), (first, begin), (end, last))
+            parts[rising] = [np.arange(a, b + 1) for a, b in ranges if b > a]
+        return parts
+
+    def _count_beside(self, load: Array) -> int:
+        """How many instants behind a turning point come before Q is no longer near to an end of its
+        range.
+        """
+        margin = _BESIDE_TURN * self.range_of_load
+        to_end = np.minimum(load - self.load.min(), self.load.max() - load)
+        away = np.flatnonzero(to_end > margin)
+        return int(away[0]) if len(away) else len(load)
+
+    def first_rig(
+        self, rows: LoopRows, friction: float, highest: float, lowest: float
+    ) -> tuple[float, float]:
+        """C and U0 where a fit begins, by the rows that Q and branch place alone."""
+        scale = self.scale(highest, lowest)
+        shift = self.shift(friction / scale)
+        passed = (rows.load - lowest) / (highest - lowest)
+        load_of_scene = self.load.min() + self.range_of_load * np.clip(passed, 0.0, 1.0)
+        count = len(self.load) - 1
+        shift_at_rows = np.empty(len(rows.load))
+        for rising in (True, False):
+            on_branch = rows.branches.rising == rising
+            begin, end = self.turns(rising=rising)
+            instants = np.arange(begin, end + 1) % count
+            ascending = instants if rising else instants[::-1]
+            loads = np.maximum.accumulate(self.load[ascending])
+            shift_at_rows[on_branch] = np.interp(load_of_scene[on_branch], loads, shift[ascending])
+        middle = (passed > _MIDDLE[0]) & (passed < _MIDDLE[1])
+        return rows.rig(scale * shift_at_rows, middle if np.count_nonzero(middle) > 8 else None)
+
+    def nearest_points(
+        self, rows: LoopRows, friction: float, terms: Array, weights: Weights
+    ) -> NearestPoints:
+        """Of theory's loop, to each row."""
+        highest, lowest, compliance, origin = terms.tolist()
+        scale = self.scale(highest, lowest)
+        load_of_loop = lowest + scale * (self.load - self.load.min())
+        shift_of_loop = scale * self.shift(friction / scale) + compliance * load_of_loop + origin
+        count = len(self.load) - 1
+        points = np.empty((4, len(rows.load)))
+        row_points = np.array([rows.shift / weights.shift, rows.load / weights.load])
+        curve = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
+        points[1] = math.inf
+        for rising in (True, False):
+            members = np.flatnonzero(rows.branches.rising == rising)
+            for instants in self.branch_parts[rising]:
+                part = curve[:, instants % count]
+                for begin in range(0, len(members), _ROWS_AT_ONCE):
+                    block = members[begin : begin + _ROWS_AT_ONCE]
+                    tried = nearest_on_line(row_points[:, block], part)
+                    tried[0] += instants[0]
+                    nearer = np.abs(tried[1]) < np.abs(points[1, block])
+                    points[:, block[nearer]] = tried[:, nearer]
+        return NearestPoints(*points)
+
+    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
+        """Of the rows from their branches in sigma (n,)."""
+        return self.nearest_points(rows, friction, terms, weights).distance
+
+    def with_derivatives(
+        self, rows: LoopRows, friction: float, terms: Array, weights: Weights
+    ) -> tuple[Array, Array]:
+        """The distances (n,), and their derivatives by ln f and the four terms (n, 5)."""
+        highest, lowest, compliance, _ = terms.tolist()
+        scale = self.scale(highest, lowest)
+        points = self.nearest_points(rows, friction, terms, weights)
+        shift = self.shift(friction / scale)
+        shift_by_log = self.shift_by_log_friction(friction / scale)
+        instants = np.arange(len(self.load))
+        place = np.mod(points.place, len(self.load) - 1)
+        passed = np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
+        shift_at_place = np.interp(place, instants, shift)
+        by_log = scale * np.interp(place, instants, shift_by_log)
+        load_at_place = lowest + (highest - lowest) * passed
+        # Of the loop's point: the nearest place moves along the loop only, across which the
+        # distance is measured. U depends on r by r U(tau; f/r).
+        by_scale = (shift_at_place - by_log / scale) / self.range_of_load
+        shift_derivatives = np.column_stack(
+            [
+                by_log,
+                by_scale + compliance * passed,
+                -by_scale + compliance * (1 - passed),
+                load_at_place,
+                np.ones_like(passed),
+            ]
+        )
+        load_derivatives = np.zeros_like(shift_derivatives)
+        load_derivatives[:, 1] = passed
+        load_derivatives[:, 2] = 1 - passed
+        derivatives = (
+            -points.shift_part[:, None] * shift_derivatives / weights.shift
+            - points.load_part[:, None] * load_derivatives / weights.load
+        )
+        return points.distance, derivatives
+
+
+def _cubic(part: float) -> tuple[Array, Array]:
+    """Weights of values at -1, 0, 1 and 2 in Lagrange's cubic at `part` (4,), and in its
+    derivative.
+
+    >>> at = np.array([-1.0, 0.0, 1.0, 2.0])
+    >>> values, rates = _cubic(0.5)
+    >>> float(values @ at**3), float(rates @ at**3)
+    (0.125, 0.75)
+    """
+    nodes = np.array([-1.0, 0.0, 1.0, 2.0])
+    values = np.empty(4)
+    rates = np.empty(4)
+    for k in range(4):
+        others = np.delete(nodes, k)
+        over = np.prod(nodes[k] - others)
+        first, second, third = part - others
+        values[k] = first * second * third / over
+        rates[k] = (first * second + second * third + third * first) / over
+    return values, rates
+
+
+def nearest_on_line(rows: Array, line: Array) -> Array:
+    """Nearest points of a line of straight pieces (2, m) to rows (2, n): place on the line,
+    distance, and the unit vector to the row (4, n).
+
+    The nearest of every sixteenth corner comes first, then the nearest corner around it. The line
+    does not fold back.
+
+    >>> rows = np.array([[1.5, -1.0], [1.0, 0.0]])
+    >>> line = np.array([[0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
+    >>> np.round(nearest_on_line(rows, line), 12).tolist()
+    [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
+    """
+    last = line.shape[1] - 1
+    corners = np.minimum(np.arange(0, last + _STRIDE, _STRIDE), last)
+    corner = corners[_nearest_corner(rows, line[:, corners][:, None, :])]
+    around = np.clip(corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last)
+    nearest = _nearest_corner(rows, line[:, around])
+    corner = around[np.arange(len(nearest)), nearest]
+
+    # The piece in front of the nearest corner, or the one behind it.
+    tried = np.clip(corner[:, None] + np.array([-1, 0]), 0, last - 1)
+    begin = line[:, tried]
+    along = line[:, tried + 1] - begin
+    apart = rows[:, :, None] - begin
+    length_squared = np.maximum(np.sum(along**2, axis=0), 1e-300)
+    part = np.clip(np.sum(apart * along, axis=0) / length_squared, 0.0, 1.0)
+    to_row = apart - part * along
+    nearest = np.argmin(np.sum(to_row**2, axis=0), axis=1)
+
+    row = np.arange(rows.shape[1])
+    part = part[row, nearest]
+    along = along[:, row, nearest]
+    to_row = to_row[:, row, nearest]
+    distance = np.hypot(to_row[0], to_row[1])
+    left = along[0] * to_row[1] - along[1] * to_row[0]
+    distance = np.where(left < 0, -distance, distance)
+    # A unit vector across the piece; beyond a corner of the line it points from there to the row.
+    length = np.sqrt(length_squared[row, nearest])
+    across = np.array([-along[1], along[0]]) / length
+    at_corner = ((part == 0) | (part == 1)) & (distance != 0)
+    unit = np.where(at_corner, to_row / np.where(at_corner, distance, 1.0), across)
+    return np.array([tried[row, nearest] + part, distance, *unit])
+
+
+def _nearest_corner(rows: Array, corners: Array) -> Indices:
+    """Which of some corners (2, n or 1, k) is nearest to each row (2, n)."""
+    distance_squared = (rows[0][:, None] - corners[0]) ** 2
+    distance_squared += (rows[1][:, None] - corners[1]) ** 2
+    return np.asarray(np.argmin(distance_squared, axis=1))
+
+
+# ------------------------------------------------------------------------------------------ the fit
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """Least squares of the distances of rows from a model, and of its turning points from those of
+    Q alone.
+    """
+
+    rows: LoopRows
+    model: LoopModel
+    weights: Weights
+    least: float  # f of gross sliding
+
+    def residuals(self, friction: float, terms: Array) -> Array:
+        """Of the rows, then of the two turning points, each over its sigma: (n + 2,)."""
+        distances = self.model.distances(self.rows, friction, terms, self.weights)
+        return np.concatenate([distances, self._turns(terms)])
+
+    def _turns(self, terms: Array) -> Array:
+        top = self.rows.branches.highest
+        bottom = self.rows.branches.lowest
+        return np.array(
+            [(terms[0] - top.load) / top.error, (terms[1] - bottom.load) / bottom.error]
+        )
+
+    def _with_derivatives(
+        self, friction: float, terms: Array, model: LoopsOverFriction
+    ) -> tuple[Array, Array]:
+        """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
+        of_rows = model.with_derivatives(self.rows, friction, terms, self.weights)
+        of_turns = np.zeros((2, 5))
+        of_turns[0, 1] = 1 / self.rows.branches.highest.error
+        of_turns[1, 2] = 1 / self.rows.branches.lowest.error
+        residuals = np.concatenate([of_rows[0], self._turns(terms)])
+        return residuals, np.concatenate([of_rows[1], of_turns])
+
+    def start(self, friction: float) -> Array:
+        """Terms from which a fit at this f begins."""
+        top = self.rows.branches.highest.load
+        bottom = self.rows.branches.lowest.load
+        return np.array([top, bottom, *self.model.first_rig(self.rows, friction, top, bottom)])
+
+    def first_fit(self, trials: Array) -> tuple[float, Array]:
+        """f and terms of the lowest of the minima that the trials (k,) lead to.
+
+        A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
+        """
+        starts = [self.start(friction) for friction in trials.tolist()]
+        sums = np.array(
+            [
+                np.sum(self.residuals(friction, start) ** 2)
+                for friction, start in zip(trials.tolist(), starts, strict=True)
+            ]
+        )
+        walled = np.concatenate([[math.inf], sums, [math.inf]])
+        minima = np.flatnonzero((sums <= walled[:-2]) & (sums <= walled[2:]))
+        lowest = minima[np.argsort(sums[minima])][:_MINIMA]
+        fits = [self.best(float(trials[k]), starts[k]) for k in lowest.tolist()]
+        _, friction, terms = min(fits, key=lambda fit: fit[0])
+        return friction, terms
+
+    def best_terms(self, friction: float, start: Array) -> tuple[float, Array]:
+        """Least sum of squares at this f, and Q_max, Q_min, C, U0 that give it, from a start near
+        them.
+        """
+        total, _, terms = self._least(friction, start, friction_fitted=False)
+        return total, terms
+
+    def best(self, friction: float, start: Array) -> tuple[float, float, Array]:
+        """Least sum of squares, and f and the four terms that give it, from a start near them."""
+        return self._least(friction, start, friction_fitted=True)
+
+    def _least(
+        self, friction: float, start: Array, *, friction_fitted: bool
+    ) -> tuple[float, float, Array]:
+        from scipy.optimize import least_squares
+
+        free = np.array([friction_fitted, True, True, self.rows.compliance is None, True])
+        sizes = np.array([1.0, *self.rows.sizes])[free]
+        middle = np.array([math.log(friction), *start])
+        lowest_log = math.log(self.least) - _BELOW
+        highest_log = math.log(self.least * _WIDEST)
+
+        def placed(values: Array) -> tuple[float, Array]:
+            point = middle.copy()
+            point[free] += values * sizes
+            return math.exp(min(max(point[0], lowest_log), highest_log)), point[1:]
+
+        model = self.model
+        if isinstance(model, LoopsOverFriction):
+            # The derivatives come with the residuals, and are asked for where these were last.
+            @functools.lru_cache(maxsize=2)
+            def both(values: bytes) -> tuple[Array, Array]:
+                point = placed(np.frombuffer(values))
+                residuals, derivatives = self._with_derivatives(*point, model)
+                return residuals, derivatives[:, free] * sizes
+
+            def residuals(values: Array) -> Array:
+                return both(values.tobytes())[0]
+
+            def derivatives(values: Array) -> Array:
+                return both(values.tobytes())[1]
+
+            jacobian: Any = derivatives
+        else:
+
+            def residuals(values: Array) -> Array:
+                return self.residuals(*placed(values))
+
+            jacobian = "2-point"
+
+        answer = least_squares(
+            residuals,
+            np.zeros(len(sizes)),
+            jac=jacobian,
+            method="lm",
+            xtol=1e-11,
+            ftol=1e-11,
+        )
+        friction_of_answer, terms = placed(answer.x)
+        return 2 * float(answer.cost), friction_of_answer, terms
+
+    def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
+        """The rows beside a turning point on their other branch where that is far nearer: its place
+        is known to a row alone.
+        """
+        branches = self.rows.branches
+        rising = branches.rising
+        changes = np.flatnonzero(rising[1:] != rising[:-1])
+        beside = np.unique(np.concatenate([changes, changes + 1]))
+        turned = rising.copy()
+        turned[beside] = ~rising[beside]
+        here = np.abs(self.residuals(friction, terms)[:-2])
+        there = np.abs(self._with_rising(turned).residuals(friction, terms)[:-2])
+        moved = (rising != turned) & (here > _FAR * np.maximum(there, 1.0))
+        return self._with_rising(np.where(moved, turned, rising))
+
+    def _with_rising(self, rising: NDArray[np.bool_]) -> _Search:
+        branches = replace(self.rows.branches, rising=rising)
+        return replace(self, rows=replace(self.rows, branches=branches))
+
+    def interval_end(
+        self, log_friction: float, terms: Array, end: float, limit: float
+    ) -> float | None:
+        """ln f between the best and `end` at which the sum of squares passes `limit`; None where it
+        does not.
+        """
+        latest_terms = terms
+
+        def beyond(log_trial: float) -> float:
+            nonlocal latest_terms
+            total, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
+            return total - limit
+
+        side = 1.0 if end > log_friction else -1.0
+        # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
+        at_best = beyond(log_friction)
+        step = min(1e-3, abs(end - log_friction) / 2)
+        rise = max(beyond(log_friction + side * step) - at_best, 1e-300)
+        step *= math.sqrt(max(-at_best / rise, 1e-8))
+        inner = log_friction
+        for _ in range(_STEPS):
+            outer = log_friction + side * min(step, abs(end - log_friction))
+            if beyond(outer) > 0:
+                for _ in range(_HALVED):
+                    middle = (inner + outer) / 2
+                    if beyond(middle) > 0:
+                        outer = middle
+                    else:
+                        inner = middle
+                return outer
+            if outer == end:
+                return None
+            inner = outer
+            step *= 1.3
+        return None
+
+
+def fit_loop(
+    rows: LoopRows, model: LoopModel, resolution: tuple[float, float], error_of_theory: float
+) -> LoopFit:
+    """f, turning points and rig that fit the rows best, with the interval of f.
+
+    Parameters
+    ----------
+    resolution : steps of U and Q that the digits of the rows resolve
+    error_of_theory : of a fitted f, of itself, by the samples of the model
+    """
+    top = rows.branches.highest.load
+    bottom = rows.branches.lowest.load
+    least = model.least_friction(top, bottom)
+    smallest = Weights(
+        *(
+            max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
+            for step, values in zip(resolution, (rows.shift, rows.load), strict=True)
+        )
+    )
+    weights = Weights(
+        max(row_noise(rows.shift), smallest.shift), max(rows.branches.load_noise, smallest.load)
+    )
+    search = _Search(rows, model, weights, least)
+
+    friction, terms = search.first_fit(model.first_frictions(top, bottom))
+    freedom = len(rows.shift) - 4 - (rows.compliance is None)
+    for _ in range(_REWEIGHTED):
+        _, friction, terms = search.best(friction, terms)
+        search = search.with_rows_at_turns_moved(friction, terms)
+        squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
+        ratio = math.sqrt(squares / freedom)
+        weights = Weights(
+            max(ratio * search.weights.shift, smallest.shift),
+            max(ratio * search.weights.load, smallest.load),
+        )
+        changes = np.array(weights) / np.array(search.weights) - 1
+        search = replace(search, weights=weights)
+        if np.max(np.abs(changes)) < 0.05:
+            break
+    lowest_sum, friction, terms = search.best(friction, terms)
+    friction = max(friction, least * (1 + 1e-9))
+    limit = lowest_sum + _CHI * max(lowest_sum / freedom, 1.0)
+    log_friction = math.log(friction)
+    down = search.interval_end(log_friction, terms, math.log(least * (1 + 1e-9)), limit)
+    up = search.interval_end(log_friction, terms, math.log(least * _WIDEST), limit)
+    error = friction * error_of_theory
+    return LoopFit(
+        friction=friction,
+        low=max(least, (math.exp(down) if down is not None else least) - error),
+        high=None if up is None else math.exp(up) + error,
+        highest=float(terms[0]),
+        lowest=float(terms[1]),
+        compliance=float(terms[2]),
+        origin=float(terms[3]),
+        shift_noise=search.weights.shift,
+        load_noise=search.weights.load,
+    )
