@@ -266,7 +266,7 @@ def test_where_p_varies_rows_begin_at_twelve_places(name, start):
 
 
 def test_a_path_with_more_turning_points_is_placed_over_time():
-    """A small wave within the large one: the order in time says on which of its sides a row lies."""
+    """A small wave within the large one: time says on which of its sides a row lies."""
     points = [(LOAD, -LARGEST), (1.1 * LOAD, 0.2 * LARGEST), (LOAD, -0.2 * LARGEST)]
     scene = with_cycle(*points, (LOAD, LARGEST))
     shares, shift, load, work = steady_cycle(scene)

@@ -165,7 +165,7 @@ class LoopFit:
         return np.array([self.highest, self.lowest, self.compliance, self.origin])
 
 
-# -------------------------------------------------------------------------------- P constant: Masing
+# ------------------------------------------------------------------------------ P constant: Masing
 @dataclass(frozen=True, eq=False)
 class MemoryCurve:
     """u(h; f) = f v(h/f) at the scene's constant P: half-plane theory at samples, cubic between
@@ -261,7 +261,7 @@ def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
     return MemoryCurve(limit, sliding, spline, spline.derivative())
 
 
-# --------------------------------------------------------------------- P varies: theory's whole loop
+# -------------------------------------------------------------------- P varies: theory's whole loop
 @dataclass(frozen=True, eq=False)
 class NearestPoints:
     """The points of theory's loop that rows are nearest to.

@@ -551,7 +551,7 @@ def _said_of_scale(scale: float) -> list[str]:
 
 
 def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
-    """Where Q has two branches in a cycle: by turning points of Q and theory's branches between them."""
+    """Where Q has two branches in a cycle: by turning points of Q, and theory between them."""
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
     rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
     tangential = _cycle_loads(scene)[1]
